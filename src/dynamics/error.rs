@@ -1,0 +1,131 @@
+//! What can go wrong in a model or in a step: one sentence with the numbers that show it, and a cure.
+
+use thiserror::Error;
+
+/// A model that cannot be simulated.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A model without bodies.
+    #[error("model \"{model}\" has no bodies")]
+    NoBodies {
+        /// Name of the model.
+        model: String,
+    },
+    /// Two objects of one kind with the same name.
+    #[error("there are two objects of kind {what} with the name \"{name}\"")]
+    DuplicateName {
+        /// Kind of the objects.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// Bodies of different dimension.
+    #[error("body \"{first}\" is {first_dimension}-dimensional, but body \"{second}\" is {second_dimension}-dimensional")]
+    MixedDimensions {
+        /// Name of the first body.
+        first: String,
+        /// Its dimension.
+        first_dimension: usize,
+        /// Name of the other body.
+        second: String,
+        /// Its dimension.
+        second_dimension: usize,
+    },
+    /// A boundary without facets.
+    #[error("boundary \"{boundary}\" has no facets")]
+    EmptyBoundary {
+        /// `body.boundary`.
+        boundary: String,
+    },
+    /// A contact pair in a dimension without a contact method.
+    #[error("contact \"{contact}\" joins {dimension}-dimensional bodies")]
+    ContactDimension {
+        /// Name of the pair.
+        contact: String,
+        /// Space dimension.
+        dimension: usize,
+    },
+    /// A contact pair whose sides share facets.
+    #[error("both sides of contact \"{contact}\" contain facets of \"{boundary}\"")]
+    SelfContact {
+        /// Name of the pair.
+        contact: String,
+        /// `body.boundary` of the secondary side.
+        boundary: String,
+    },
+    /// A cell that is inside out or degenerate.
+    #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
+    InvertedCell {
+        /// Name of the body.
+        body: String,
+        /// Cell number in its mesh.
+        cell: usize,
+        /// Smallest Jacobian determinant at its quadrature points.
+        jacobian: f64,
+    },
+}
+
+impl ModelError {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        match self {
+            ModelError::NoBodies { .. } => "add one with `model.add_body(name, mesh, material)`".into(),
+            ModelError::DuplicateName { .. } => "give each its own name: messages, tables and files refer to it".into(),
+            ModelError::MixedDimensions { .. } => "use meshes of one dimension in a model".into(),
+            ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
+            ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
+            ModelError::SelfContact { .. } => "name two boundaries without common facets as `secondary` and `primary`".into(),
+            ModelError::InvertedCell { .. } => "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into(),
+        }
+    }
+}
+
+/// A step that could not be taken.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// A time function failed.
+    #[error("the amplitude of the load on \"{boundary}\" failed at t = {time}")]
+    Amplitude {
+        /// `body.boundary` on which the load acts.
+        boundary: String,
+        /// Time at which it was asked.
+        time: f64,
+        /// What it failed with.
+        source: Box<dyn std::error::Error>,
+    },
+    /// Newton's method failed in spite of all halvings.
+    #[error("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings): {cause}")]
+    NotConverged {
+        /// Time at the beginning of the step.
+        time: f64,
+        /// Number of the step that failed.
+        step: usize,
+        /// Step size of the last try.
+        dt: f64,
+        /// Number of halvings.
+        halvings: usize,
+        /// What was seen in the last iterations.
+        cause: String,
+        /// How to mend it.
+        cure: String,
+    },
+    /// The user interrupted the run.
+    #[error("interrupted at t = {time}")]
+    Interrupted {
+        /// Time of the last accepted step.
+        time: f64,
+    },
+}
+
+impl StepError {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        match self {
+            StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
+            StepError::NotConverged { cure, .. } => cure.clone(),
+            StepError::Interrupted { .. } => "everything up to this time is kept".into(),
+        }
+    }
+}

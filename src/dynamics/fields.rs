@@ -1,0 +1,39 @@
+//! Nodal fields of a body at one time, for pictures, files and scripts.
+
+use std::rc::Rc;
+
+use crate::mesh::Mesh;
+
+/// Nodal fields of one body; every vector has one entry per node of its mesh.
+#[derive(Clone, Debug)]
+pub struct BodyFields {
+    /// Name of the body.
+    pub name: String,
+    /// Its undeformed mesh.
+    pub mesh: Rc<Mesh>,
+    /// Displacement `[length]`.
+    pub displacement: Vec<[f64; 3]>,
+    /// Velocity `[length/time]`.
+    pub velocity: Vec<[f64; 3]>,
+    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, averaged at the nodes (lumped projection of the values at the quadrature points).
+    pub stress: Vec<[f64; 6]>,
+    /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
+    pub contact_pressure: Vec<f64>,
+    /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
+    pub contact_gap: Vec<f64>,
+}
+
+impl BodyFields {
+    /// Current position of a node `[length]`.
+    pub fn position(&self, node: usize) -> [f64; 3] {
+        let (x, u) = (self.mesh.points[node], self.displacement[node]);
+        [x[0] + u[0], x[1] + u[1], x[2] + u[2]]
+    }
+
+    /// Von Mises stress at a node `[stress]`.
+    pub fn von_mises(&self, node: usize) -> f64 {
+        let [xx, yy, zz, xy, yz, xz] = self.stress[node];
+        let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+        (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
+    }
+}

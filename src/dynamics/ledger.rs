@@ -1,0 +1,92 @@
+//! The ledger: what a step did to energy and momenta, and why.
+
+/// One accepted step in numbers; a row of `history.csv`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LedgerRow {
+    /// Number of the accepted step, 0 for the initial state.
+    pub step: usize,
+    /// Time at the end of the step `[time]`.
+    pub time: f64,
+    /// Size of the step `[time]`, 0 for the initial state.
+    pub dt: f64,
+    /// Kinetic energy `[energy]`.
+    pub kinetic: f64,
+    /// Strain energy `[energy]`.
+    pub strain: f64,
+    /// Potential energy of gravity `[energy]`.
+    pub potential: f64,
+    /// Work of loads in this step `[energy]`.
+    pub load_work: f64,
+    /// Work of contact in this step that the update rule loses or gains on purpose `[energy]`.
+    pub contact_work: f64,
+    /// `change of total - load_work - contact_work` of this step `[energy]`: round-off when the scheme conserves.
+    pub energy_defect: f64,
+    /// Linear momentum `[mass * length/time]`.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin; in the plane only the third component.
+    pub angular_momentum: [f64; 3],
+    /// Largest component of the linear momentum's change that neither loads nor reactions explain.
+    pub momentum_defect: f64,
+    /// Largest component of the angular momentum's change that neither loads nor reactions explain.
+    pub angular_momentum_defect: f64,
+    /// Newton iterations of the accepted step.
+    pub newton_iterations: usize,
+    /// How often the step was halved before it was accepted.
+    pub halvings: usize,
+    /// Number of active contact nodes.
+    pub active: usize,
+    /// Largest penetration at a secondary node `[length]`, 0 when none.
+    pub max_penetration: f64,
+}
+
+impl LedgerRow {
+    /// `kinetic + strain + potential` `[energy]`.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.strain + self.potential
+    }
+
+    /// Names of the columns of `history.csv` for a space dimension, in order.
+    pub fn columns(dimension: usize) -> Vec<&'static str> {
+        let mut names = vec!["step", "time", "dt", "kinetic", "strain", "potential", "total", "load_work", "contact_work", "energy_defect"];
+        names.extend(if dimension == 2 {
+            &["momentum_x", "momentum_y", "angular_momentum"][..]
+        } else {
+            &["momentum_x", "momentum_y", "momentum_z", "angular_momentum", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"][..]
+        });
+        names.extend(["momentum_defect", "angular_momentum_defect", "newton_iterations", "halvings", "active", "max_penetration"]);
+        names
+    }
+
+    /// The value of a column; `None` for an unknown name. In space `angular_momentum` is the length of the vector.
+    pub fn column(&self, name: &str) -> Option<f64> {
+        Some(match name {
+            "step" => self.step as f64,
+            "time" => self.time,
+            "dt" => self.dt,
+            "kinetic" => self.kinetic,
+            "strain" => self.strain,
+            "potential" => self.potential,
+            "total" => self.total(),
+            "load_work" => self.load_work,
+            "contact_work" => self.contact_work,
+            "energy_defect" => self.energy_defect,
+            "momentum_x" => self.momentum[0],
+            "momentum_y" => self.momentum[1],
+            "momentum_z" => self.momentum[2],
+            "angular_momentum_x" => self.angular_momentum[0],
+            "angular_momentum_y" => self.angular_momentum[1],
+            "angular_momentum_z" => self.angular_momentum[2],
+            "angular_momentum" => match self.angular_momentum {
+                [0.0, 0.0, z] => z,
+                [x, y, z] => x.hypot(y).hypot(z),
+            },
+            "momentum_defect" => self.momentum_defect,
+            "angular_momentum_defect" => self.angular_momentum_defect,
+            "newton_iterations" => self.newton_iterations as f64,
+            "halvings" => self.halvings as f64,
+            "active" => self.active as f64,
+            "max_penetration" => self.max_penetration,
+            _ => return None,
+        })
+    }
+}

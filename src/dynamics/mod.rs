@@ -1,0 +1,15 @@
+//! Floor 5: model, numbering, supports, residual and tangent of one step, Newton, time loop, ledger.
+
+mod amplitude;
+mod error;
+mod fields;
+mod ledger;
+mod model;
+mod simulation;
+
+pub use amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction};
+pub use error::{ModelError, StepError};
+pub use fields::BodyFields;
+pub use ledger::LedgerRow;
+pub use model::{BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Load, LoadKind, Model, Support, UpdateRule};
+pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

@@ -1,0 +1,173 @@
+//! What a problem consists of, before any number is computed: bodies, supports, loads, contact pairs.
+
+use std::rc::Rc;
+
+use super::amplitude::Amplitude;
+use super::error::ModelError;
+use crate::materials::Material;
+use crate::mesh::{Boundary, Mesh};
+
+/// A deformable body: a mesh with a material and a name.
+#[derive(Clone, Debug)]
+pub struct BodyDefinition {
+    /// Name, unique in the model.
+    pub name: String,
+    /// Its mesh in the undeformed configuration.
+    pub mesh: Rc<Mesh>,
+    /// Its material.
+    pub material: Material,
+}
+
+/// A boundary of a body.
+#[derive(Clone, Debug)]
+pub struct BodyBoundary {
+    /// Index of the body in the model.
+    pub body: usize,
+    /// The boundary of the body's mesh.
+    pub boundary: Boundary,
+}
+
+/// Nodes that do not move in some directions.
+#[derive(Clone, Debug)]
+pub struct Support {
+    /// The nodes of this boundary are held.
+    pub on: BodyBoundary,
+    /// Which components (x, y, z) are held.
+    pub components: [bool; 3],
+}
+
+/// What a load does; its size follows a time function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadKind {
+    /// Dead traction vector per undeformed facet area `[stress]`, times the amplitude.
+    Traction([f64; 3]),
+    /// Dead force spread evenly over the boundary `[force]`, times the amplitude.
+    Force([f64; 3]),
+    /// Torque about the third axis `[force * length]`, the amplitude itself, as nodal forces without resultant.
+    Torque,
+}
+
+/// A load on a boundary.
+#[derive(Clone)]
+pub struct Load {
+    /// What it does.
+    pub kind: LoadKind,
+    /// Where it acts.
+    pub on: BodyBoundary,
+    /// Its size over time.
+    pub amplitude: Amplitude,
+}
+
+/// How contact conditions are discretised in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ContactMethod {
+    /// Mortar method with standard Lagrange multipliers on the secondary nodes.
+    Mortar,
+}
+
+/// The condition that an active contact node fulfils over a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum UpdateRule {
+    /// The gap is zero at the end of the step.
+    Gap,
+}
+
+/// A contact pair.
+#[derive(Clone, Debug)]
+pub struct ContactDefinition {
+    /// Name, unique in the model.
+    pub name: String,
+    /// The side that carries the multipliers (slave, nonmortar).
+    pub secondary: BodyBoundary,
+    /// The other side (master, mortar).
+    pub primary: BodyBoundary,
+    /// Discretisation.
+    pub method: ContactMethod,
+    /// Condition over a step.
+    pub update: UpdateRule,
+    /// The paper's bilateral constraints: every covered node is closed, tension is allowed.
+    pub equality: bool,
+}
+
+/// Velocity of a body at the start: `linear + angular x (x - center of mass)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InitialVelocity {
+    /// Index of the body in the model.
+    pub body: usize,
+    /// Velocity of the center of mass `[length/time]`.
+    pub linear: [f64; 3],
+    /// Angular velocity `[1/time]`; in the plane only the third component.
+    pub angular: [f64; 3],
+}
+
+/// A problem: what there is, how it is held and loaded, what touches what.
+#[derive(Clone, Default)]
+pub struct Model {
+    /// Name of the model.
+    pub name: String,
+    /// Bodies in the order in which they were added.
+    pub bodies: Vec<BodyDefinition>,
+    /// Supports.
+    pub supports: Vec<Support>,
+    /// Acceleration of gravity `[length/time^2]`.
+    pub gravity: [f64; 3],
+    /// Loads.
+    pub loads: Vec<Load>,
+    /// Contact pairs.
+    pub contacts: Vec<ContactDefinition>,
+    /// Initial velocities; a later one of the same body replaces an earlier one.
+    pub initial_velocities: Vec<InitialVelocity>,
+}
+
+impl Model {
+    /// Space dimension of the bodies; 2 while there is none.
+    pub fn dimension(&self) -> usize {
+        self.bodies.first().map_or(2, |body| body.mesh.dimension())
+    }
+
+    /// `"body.boundary"`, as messages name a boundary.
+    pub fn boundary_name(&self, on: &BodyBoundary) -> String {
+        format!("{}.{}", self.bodies[on.body].name, on.boundary.name)
+    }
+
+    /// Checks everything that can be said without computing: names, dimensions, empty boundaries, a surface in contact with itself.
+    ///
+    /// # Errors
+    /// The first defect found.
+    pub fn check(&self) -> Result<(), ModelError> {
+        let first = self.bodies.first().ok_or(ModelError::NoBodies { model: self.name.clone() })?;
+        for (index, body) in self.bodies.iter().enumerate() {
+            if self.bodies[..index].iter().any(|other| other.name == body.name) {
+                return Err(ModelError::DuplicateName { what: "body", name: body.name.clone() });
+            }
+            if body.mesh.dimension() != first.mesh.dimension() {
+                return Err(ModelError::MixedDimensions {
+                    first: first.name.clone(),
+                    first_dimension: first.mesh.dimension(),
+                    second: body.name.clone(),
+                    second_dimension: body.mesh.dimension(),
+                });
+            }
+        }
+        let surfaces = self.contacts.iter().flat_map(|contact| [&contact.secondary, &contact.primary]);
+        for on in self.supports.iter().map(|support| &support.on).chain(self.loads.iter().map(|load| &load.on)).chain(surfaces) {
+            if on.boundary.facets.is_empty() {
+                return Err(ModelError::EmptyBoundary { boundary: self.boundary_name(on) });
+            }
+        }
+        for (index, contact) in self.contacts.iter().enumerate() {
+            if self.contacts[..index].iter().any(|other| other.name == contact.name) {
+                return Err(ModelError::DuplicateName { what: "contact", name: contact.name.clone() });
+            }
+            if self.dimension() != 2 {
+                return Err(ModelError::ContactDimension { contact: contact.name.clone(), dimension: self.dimension() });
+            }
+            let shared = contact.secondary.body == contact.primary.body
+                && contact.secondary.boundary.facets.iter().any(|facet| contact.primary.boundary.facets.contains(facet));
+            if shared {
+                return Err(ModelError::SelfContact { contact: contact.name.clone(), boundary: self.boundary_name(&contact.secondary) });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,28 @@
+//! Bilinear quadrilateral on the square [-1, 1]^2, nodes counter-clockwise from (-1, -1), 2 x 2 Gauss points.
+//!
+//! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a) / 4` (Hughes, The Finite Element Method, 2000, section 3.2).
+
+use super::{CellKind, ReferenceCell};
+
+const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+pub(super) const FACETS: [&[usize]; 4] = [&[0, 1], &[1, 2], &[2, 3], &[3, 0]];
+
+/// The bilinear quadrilateral.
+pub struct Quad4;
+
+impl ReferenceCell<2, 4, 4> for Quad4 {
+    const KIND: CellKind = CellKind::Quad4;
+
+    fn quadrature() -> [([f64; 2], f64); 4] {
+        CORNERS.map(|corner| (corner.map(|c| c / 3f64.sqrt()), 1.0))
+    }
+
+    fn shape(xi: [f64; 2]) -> [f64; 4] {
+        CORNERS.map(|c| 0.25 * (1.0 + xi[0] * c[0]) * (1.0 + xi[1] * c[1]))
+    }
+
+    fn gradients(xi: [f64; 2]) -> [[f64; 2]; 4] {
+        CORNERS.map(|c| [0.25 * c[0] * (1.0 + xi[1] * c[1]), 0.25 * c[1] * (1.0 + xi[0] * c[0])])
+    }
+}

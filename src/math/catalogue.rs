@@ -1,0 +1,59 @@
+//! How a row of a catalogue (materials, integrators, contact methods) describes itself.
+//!
+//! One description feeds the script functions, `help`, the suggestions in errors, the reference page and the contract tests.
+
+/// An interval of admissible values of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Interval {
+    /// Every finite number.
+    Finite,
+    /// Greater than zero.
+    Positive,
+    /// Zero or greater.
+    NonNegative,
+    /// Strictly between the two bounds.
+    Open(f64, f64),
+    /// Between the two bounds, both included.
+    Closed(f64, f64),
+}
+
+impl Interval {
+    /// Whether `value` is finite and inside the interval.
+    pub fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Interval::Finite => true,
+                Interval::Positive => value > 0.0,
+                Interval::NonNegative => value >= 0.0,
+                Interval::Open(low, high) => low < value && value < high,
+                Interval::Closed(low, high) => low <= value && value <= high,
+            }
+    }
+}
+
+impl std::fmt::Display for Interval {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Interval::Finite => write!(out, "a finite number"),
+            Interval::Positive => write!(out, "greater than 0"),
+            Interval::NonNegative => write!(out, "0 or greater"),
+            Interval::Open(low, high) => write!(out, "greater than {low} and less than {high}"),
+            Interval::Closed(low, high) => write!(out, "from {low} to {high}"),
+        }
+    }
+}
+
+/// One named number that a catalogue row is constructed from.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Name as written in a script.
+    pub name: &'static str,
+    /// One sentence: what it is.
+    pub summary: &'static str,
+    /// Physical dimension, such as `stress` or `mass/volume`; `1` for a pure number.
+    pub dimension: &'static str,
+    /// Admissible values.
+    pub range: Interval,
+    /// Value when the script leaves it out; `None`: it must be given.
+    pub default: Option<f64>,
+}

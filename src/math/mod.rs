@@ -1,0 +1,6 @@
+//! Floor 0: numbers that are computed together, symmetric tensors, parameter descriptions, and every tolerance of the program.
+
+pub mod catalogue;
+pub mod lanes;
+pub mod tensor;
+pub mod tolerances;

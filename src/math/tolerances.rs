@@ -1,0 +1,36 @@
+//! Every tolerance of the program, with its name, its meaning and the reason of its size.
+
+/// Newton's default: the energy `|r.dq| + |lambda.Phi|` that the residual can still move, relative to the energy scale.
+/// Well above round-off (1e-16) and a hundred times below the promised defect of 1e-11 per step.
+pub const NEWTON_ENERGY: f64 = 1e-13;
+
+/// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge too.
+pub const FORCE_FLOOR: f64 = 1e-14;
+
+/// Weighted gap that counts as closed, relative to the square of the shortest secondary facet (Newton's target).
+pub const GAP: f64 = 1e-12;
+
+/// Squared strain increment below which the derivative of the discrete gradient's correction is dropped (|dE| = 1e-8):
+/// it is a quotient of two round-offs there and Newton does not feel its absence.
+pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
+
+/// Step strain |dE| above which the energy quotient is accurate enough as it stands; below it a five-point Lobatto rule is exact to round-off.
+pub const STRAIN_QUOTIENT: f64 = 5e-3;
+
+/// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient is under round-off.
+pub const INVARIANT_INCREMENT: f64 = 1e-5;
+
+/// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
+pub const FACING: f64 = 1e-6;
+
+/// Covered share of a secondary node's weight function below which the node sits out the step (a sliver of overlap gives a singular row).
+pub const SLIVER: f64 = 0.02;
+
+/// Largest nodal increment of one Newton iteration, in shortest secondary facets.
+pub const STEP_LIMIT: f64 = 0.1;
+
+/// Covered share below which a node has no row at all in this iteration (a zero row makes the matrix singular).
+pub const ZERO_ROW: f64 = 1e-6;
+
+/// Relative residual of the linear solve after refinement above which the solution is refused.
+pub const LINEAR_RESIDUAL: f64 = 1e-8;

@@ -1,0 +1,81 @@
+//! Floor 2: nodes, cells and named boundaries; generators, readers and checks.
+//!
+//! A mesh is plain data whose dimension is that of its cell kind; points always carry three coordinates (the third is zero in the
+//! plane), so that readers, generators and writers need no dimension parameter. Kernels take what they need from it once.
+
+use crate::elements::CellKind;
+
+/// One facet of the boundary: a cell and the number of its local facet. Its orientation follows from the cell's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Facet {
+    /// Cell number.
+    pub cell: u32,
+    /// Index into [`CellKind::facets`].
+    pub local: u8,
+}
+
+/// A named set of facets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    /// Name as used in scripts, such as `outer`.
+    pub name: String,
+    /// Facets in ascending order of traversal or as found.
+    pub facets: Vec<Facet>,
+}
+
+/// Nodes, cells of one kind, named boundaries and named parts.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// Kind of all cells.
+    pub kind: CellKind,
+    /// Node positions `[length]`; the third coordinate is 0 for plane meshes.
+    pub points: Vec<[f64; 3]>,
+    /// Node numbers of all cells, `kind.nodes()` each.
+    pub connectivity: Vec<u32>,
+    /// Named boundaries.
+    pub boundaries: Vec<Boundary>,
+    /// Named groups of cells (physical groups of a mesh file), each with its cell numbers.
+    pub parts: Vec<(String, Vec<u32>)>,
+}
+
+impl Mesh {
+    /// Space dimension, 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.kind.dimension()
+    }
+
+    /// Number of cells.
+    pub fn cell_count(&self) -> usize {
+        self.connectivity.len() / self.kind.nodes()
+    }
+
+    /// Node numbers of every cell in turn.
+    pub fn cells(&self) -> std::slice::ChunksExact<'_, u32> {
+        self.connectivity.chunks_exact(self.kind.nodes())
+    }
+
+    /// Node numbers of one cell.
+    pub fn cell(&self, cell: usize) -> &[u32] {
+        let count = self.kind.nodes();
+        &self.connectivity[cell * count..(cell + 1) * count]
+    }
+
+    /// Node numbers of a facet, with the body on the left (2D) or the normal outward (3D).
+    pub fn facet_nodes(&self, facet: Facet) -> impl Iterator<Item = u32> + '_ {
+        let cell = self.cell(facet.cell as usize);
+        self.kind.facets()[facet.local as usize].iter().map(move |&local| cell[local])
+    }
+
+    /// The boundary of that name, if there is one.
+    pub fn boundary(&self, name: &str) -> Option<&Boundary> {
+        self.boundaries.iter().find(|boundary| boundary.name == name)
+    }
+
+    /// Node numbers of a boundary, each once, in ascending order.
+    pub fn boundary_nodes(&self, boundary: &Boundary) -> Vec<u32> {
+        let mut nodes: Vec<u32> = boundary.facets.iter().flat_map(|&facet| self.facet_nodes(facet)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+}
