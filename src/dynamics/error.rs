@@ -76,7 +76,9 @@ impl ModelError {
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
             ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
             ModelError::SelfContact { .. } => "name two boundaries without common facets as `secondary` and `primary`".into(),
-            ModelError::InvertedCell { .. } => "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into(),
+            ModelError::InvertedCell { .. } => {
+                "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into()
+            }
         }
     }
 }

@@ -51,7 +51,15 @@ impl LedgerRow {
         names.extend(if dimension == 2 {
             &["momentum_x", "momentum_y", "angular_momentum"][..]
         } else {
-            &["momentum_x", "momentum_y", "momentum_z", "angular_momentum", "angular_momentum_x", "angular_momentum_y", "angular_momentum_z"][..]
+            &[
+                "momentum_x",
+                "momentum_y",
+                "momentum_z",
+                "angular_momentum",
+                "angular_momentum_x",
+                "angular_momentum_y",
+                "angular_momentum_z",
+            ][..]
         });
         names.extend(["momentum_defect", "angular_momentum_defect", "newton_iterations", "halvings", "active", "max_penetration"]);
         names

@@ -11,5 +11,7 @@ pub use amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction};
 pub use error::{ModelError, StepError};
 pub use fields::BodyFields;
 pub use ledger::LedgerRow;
-pub use model::{BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Load, LoadKind, Model, Support, UpdateRule};
+pub use model::{
+    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Load, LoadKind, Model, Support, UpdateRule,
+};
 pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

@@ -1,0 +1,1 @@
+//! Symmetric tensors in Mandel components.
