@@ -1,1 +1,67 @@
-//! to come
+//! Floor 4: contact between two surfaces; surfaces, search, and one file per method.
+//!
+//! The two sides of a contact are called, here and everywhere: **secondary**, which carries the multipliers and on which the integrals
+//! are taken (others say *slave* or *nonmortar*), and **primary**, the other one (*master*, *mortar*).
+//!
+//! Signs, once and for all: a constraint function `Phi_A(q) > 0` is open, a multiplier `lambda_A >= 0` presses the bodies apart, so the
+//! step's force is `+ sum_A lambda_A Gbar_A` and does the work `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
+//!
+//! A method is a [`ContactKernel`]: functions of *patches* of a few nodes. What decides which constraint holds and what solves for the
+//! multipliers stands one floor higher.
+
+mod mortar;
+mod pair;
+mod patches;
+mod search;
+mod surface;
+
+pub use mortar::Mortar;
+pub use patches::{Evaluation, Patches};
+pub use search::Candidates;
+pub use surface::Surface;
+
+use crate::integrators::Integrator;
+
+/// A contact method on one pair of surfaces, as the solver of a step sees it.
+///
+/// Constraint `A` belongs to the secondary node `secondary().nodes()[A]`; it is the sum over the patches that list row `A`. A patch couples
+/// a run-time number of nodes. The list of patches is fixed within a step and usually over many steps, so that a matrix pattern
+/// made from it lasts. All position vectors are those of the whole model, node after node.
+///
+/// Order of calls: [`update_candidates`](Self::update_candidates) and [`begin_step`](Self::begin_step) at the start of every step (of
+/// a halved one as well), then [`evaluate`](Self::evaluate) once for each Newton iteration.
+pub trait ContactKernel: Send + Sync {
+    /// Space dimension: number of coordinates of a node.
+    fn dimension(&self) -> usize;
+
+    /// The side with the multipliers; its node order is that of the constraints.
+    fn secondary(&self) -> &Surface;
+
+    /// The other side.
+    fn primary(&self) -> &Surface;
+
+    /// Node weights `w_A` in the reference configuration: half the adjacent facets' measure `[length]` (3D: their share of the area).
+    fn weights(&self) -> &[f64];
+
+    /// Length `h` of the shortest secondary facet in the reference configuration `[length]`.
+    fn facet_size(&self) -> f64;
+
+    /// Makes the patches contain everything that comes within `margin` of each other at `q`; returns whether the list changed (a
+    /// matrix pattern made from it must then be made anew). `margin` `[length]`: reach plus the largest relative motion of the step.
+    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool;
+
+    /// The patches of the present candidates.
+    fn patches(&self) -> &Patches;
+
+    /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
+    fn begin_step(&mut self, q_0: &[f64]);
+
+    /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per secondary node.
+    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
+
+    /// Constraint functions `Phi_A(q)` of the present candidates, one per secondary node (mortar: weighted gap `[length^2]`).
+    fn gap(&self, q: &[f64]) -> Vec<f64>;
+
+    /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.
+    fn coverage(&self, q: &[f64]) -> Vec<f64>;
+}

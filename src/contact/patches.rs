@@ -1,0 +1,171 @@
+//! Which nodes and constraint rows each patch couples, and the numbers of one evaluation, in flat storage.
+//!
+//! Patch `p` with `k` nodes and `m` rows has `n = k * dimension` unknowns, ordered node by node as in [`Patches::nodes`]. Its gradient
+//! blocks are `m x n`, its tangent block `n x n`, all row by row, at [`Patches::gradient_range`] and [`Patches::tangent_range`].
+
+use std::ops::Range;
+
+/// The patches of a list of candidates; lengths may differ from patch to patch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Patches {
+    dimension: usize,
+    nodes: Vec<u32>,
+    rows: Vec<u32>,
+    starts: Vec<Starts>,
+}
+
+/// Where the data of a patch start in the flat arrays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Starts {
+    nodes: usize,
+    rows: usize,
+    gradient: usize,
+    tangent: usize,
+}
+
+impl Patches {
+    /// No patches yet.
+    pub fn new(dimension: usize) -> Self {
+        Patches { dimension, nodes: Vec::new(), rows: Vec::new(), starts: vec![Starts::default()] }
+    }
+
+    /// Removes all patches.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+        self.rows.clear();
+        self.starts.truncate(1);
+    }
+
+    /// Appends a patch: the nodes that it couples (numbers in the model) and its constraint rows (indices of secondary nodes).
+    pub fn push(&mut self, nodes: &[u32], rows: &[u32]) {
+        let last = self.starts[self.starts.len() - 1];
+        let unknowns = nodes.len() * self.dimension;
+        self.nodes.extend_from_slice(nodes);
+        self.rows.extend_from_slice(rows);
+        self.starts.push(Starts {
+            nodes: self.nodes.len(),
+            rows: self.rows.len(),
+            gradient: last.gradient + rows.len() * unknowns,
+            tangent: last.tangent + unknowns * unknowns,
+        });
+    }
+
+    /// Number of patches.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Whether there is no patch.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Space dimension.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Numbers of the nodes that patch `p` couples, in the order of its blocks.
+    pub fn nodes(&self, p: usize) -> &[u32] {
+        &self.nodes[self.starts[p].nodes..self.starts[p + 1].nodes]
+    }
+
+    /// Constraint rows of patch `p`: indices of secondary nodes, in the order of its blocks.
+    pub fn rows(&self, p: usize) -> &[u32] {
+        &self.rows[self.starts[p].rows..self.starts[p + 1].rows]
+    }
+
+    /// Number of unknowns of patch `p`: nodes times dimension.
+    pub fn unknowns(&self, p: usize) -> usize {
+        self.nodes(p).len() * self.dimension
+    }
+
+    /// Place of the `rows x unknowns` blocks of patch `p` in [`Evaluation::gradient_end`] and [`Evaluation::gradient_bar`].
+    pub fn gradient_range(&self, p: usize) -> Range<usize> {
+        self.starts[p].gradient..self.starts[p + 1].gradient
+    }
+
+    /// Place of the `unknowns x unknowns` block of patch `p` in [`Evaluation::tangent`].
+    pub fn tangent_range(&self, p: usize) -> Range<usize> {
+        self.starts[p].tangent..self.starts[p + 1].tangent
+    }
+}
+
+/// What one evaluation of a step gives. It belongs to one kernel and is used again without allocation.
+#[derive(Clone, Debug, Default)]
+pub struct Evaluation {
+    /// Per patch: whether its blocks hold anything. The blocks of the others are zero.
+    pub live: Vec<bool>,
+    /// `G_1 = grad Phi(q_1)` per patch: the constraint rows of Newton's system.
+    pub gradient_end: Vec<f64>,
+    /// `Gbar` per patch, the algorithmic gradient of the step; its transpose carries the contact force `+ Gbar^T lambda`.
+    pub gradient_bar: Vec<f64>,
+    /// `d(sum_A lambda_A Gbar_A) / d q_1` per patch; not symmetric for the energy-momentum scheme.
+    pub tangent: Vec<f64>,
+    /// `Phi_A(q_1)` per secondary node.
+    pub gap: Vec<f64>,
+    /// Covered share at `q_1` per secondary node, 0 to 1.
+    pub coverage: Vec<f64>,
+}
+
+impl Evaluation {
+    /// Fits the storage to `patches` and `constraints`; sets gaps and coverage to zero. Blocks keep their numbers when the sizes are the
+    /// same, so that a kernel clears only those that were live.
+    pub fn prepare(&mut self, patches: &Patches, constraints: usize) {
+        let last = patches.starts[patches.len()];
+        if self.live.len() != patches.len() || self.gradient_end.len() != last.gradient || self.tangent.len() != last.tangent {
+            self.live.clear();
+            self.live.resize(patches.len(), false);
+            for (blocks, length) in
+                [(&mut self.gradient_end, last.gradient), (&mut self.gradient_bar, last.gradient), (&mut self.tangent, last.tangent)]
+            {
+                blocks.clear();
+                blocks.resize(length, 0.0);
+            }
+        }
+        for sums in [&mut self.gap, &mut self.coverage] {
+            sums.clear();
+            sums.resize(constraints, 0.0);
+        }
+    }
+
+    /// Sets the blocks of patch `p` to zero if they are not.
+    pub fn clear_patch(&mut self, patches: &Patches, p: usize) {
+        if std::mem::replace(&mut self.live[p], false) {
+            self.gradient_end[patches.gradient_range(p)].fill(0.0);
+            self.gradient_bar[patches.gradient_range(p)].fill(0.0);
+            self.tangent[patches.tangent_range(p)].fill(0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_of_unequal_patches_follow_each_other() {
+        let mut patches = Patches::new(2);
+        patches.push(&[7, 8, 3, 2], &[0, 1]);
+        patches.push(&[9, 3, 2], &[4]);
+        assert_eq!((patches.len(), patches.nodes(1), patches.rows(1)), (2, &[9u32, 3, 2][..], &[4u32][..]));
+        assert_eq!((patches.gradient_range(0), patches.gradient_range(1)), (0..16, 16..22));
+        assert_eq!((patches.tangent_range(0), patches.tangent_range(1)), (0..64, 64..100));
+        patches.clear();
+        assert!(patches.is_empty());
+    }
+
+    #[test]
+    fn a_cleared_patch_is_zero_and_others_are_kept() {
+        let mut patches = Patches::new(2);
+        patches.push(&[0, 1], &[0]);
+        patches.push(&[1, 2], &[1]);
+        let mut out = Evaluation::default();
+        out.prepare(&patches, 2);
+        out.live.fill(true);
+        out.tangent.fill(1.0);
+        out.prepare(&patches, 2);
+        out.clear_patch(&patches, 0);
+        assert_eq!((out.tangent[0], out.tangent[16], out.live[1]), (0.0, 1.0, true));
+    }
+}

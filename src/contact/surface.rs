@@ -1,0 +1,112 @@
+//! A surface in the plane: a chain, or several, of oriented straight facets with the body on their left.
+//!
+//! Only the numbering is kept; positions come with every call. Nodes are numbered locally in ascending order of their global numbers. Nothing
+//! is asked of the shape: open, closed, in several pieces.
+
+/// Oriented two-node facets and their nodes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Surface {
+    nodes: Vec<u32>,
+    facets: Vec<[u32; 2]>,
+    local_facets: Vec<[u32; 2]>,
+    adjacent_start: Vec<u32>,
+    adjacent: Vec<u32>,
+}
+
+impl Surface {
+    /// The surface of these facets (node numbers of the model, the body on the left).
+    pub fn new(facets: &[[u32; 2]]) -> Self {
+        let mut nodes = facets.as_flattened().to_vec();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let local = |node: u32| nodes.partition_point(|&other| other < node) as u32;
+        let local_facets: Vec<[u32; 2]> = facets.iter().map(|&[a, b]| [local(a), local(b)]).collect();
+        let mut incidence: Vec<(u32, u32)> =
+            local_facets.iter().zip(0u32..).flat_map(|(&[a, b], facet)| [(a, facet), (b, facet)]).collect();
+        incidence.sort_unstable();
+        let adjacent_start = (0..=nodes.len() as u32).map(|node| incidence.partition_point(|&(other, _)| other < node) as u32).collect();
+        let adjacent = incidence.into_iter().map(|(_, facet)| facet).collect();
+        Surface { nodes, facets: facets.to_vec(), local_facets, adjacent_start, adjacent }
+    }
+
+    /// Model numbers of the nodes, ascending.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Facets in model node numbers.
+    pub fn facets(&self) -> &[[u32; 2]] {
+        &self.facets
+    }
+
+    /// Facets in indices into [`nodes`](Self::nodes).
+    pub fn local_facets(&self) -> &[[u32; 2]] {
+        &self.local_facets
+    }
+
+    /// Index of a model node in [`nodes`](Self::nodes), if it lies on the surface.
+    pub fn index(&self, node: u32) -> Option<usize> {
+        self.nodes.binary_search(&node).ok()
+    }
+
+    /// Facets that meet at the node of that index, ascending.
+    pub fn adjacent_facets(&self, index: usize) -> &[u32] {
+        &self.adjacent[self.adjacent_start[index] as usize..self.adjacent_start[index + 1] as usize]
+    }
+
+    /// Whether every node lies between two facets.
+    pub fn is_closed(&self) -> bool {
+        (0..self.nodes.len()).all(|index| self.adjacent_facets(index).len() == 2)
+    }
+
+    /// Length of a facet at the positions `q` `[length]`.
+    pub fn facet_length(&self, facet: usize, q: &[f64]) -> f64 {
+        let [a, b] = self.facets[facet].map(|node| 2 * node as usize);
+        (q[b] - q[a]).hypot(q[b + 1] - q[a + 1])
+    }
+
+    /// Node weights `w_A` at the positions `q`: half the lengths of the adjacent facets `[length]`.
+    pub fn weights(&self, q: &[f64]) -> Vec<f64> {
+        let mut weights = vec![0.0; self.nodes.len()];
+        for (facet, nodes) in self.local_facets.iter().enumerate() {
+            let half = 0.5 * self.facet_length(facet, q);
+            for &node in nodes {
+                weights[node as usize] += half;
+            }
+        }
+        weights
+    }
+
+    /// Length of the shortest facet at the positions `q` `[length]`; infinite without facets.
+    pub fn shortest_facet(&self, q: &[f64]) -> f64 {
+        (0..self.facets.len()).map(|facet| self.facet_length(facet, q)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_chain_of_a_square() {
+        let surface = Surface::new(&[[9, 4], [4, 6], [6, 5], [5, 9]]);
+        let mut q = vec![0.0; 20];
+        for (node, x, y) in [(9, 0.0, 0.0), (4, 2.0, 0.0), (6, 2.0, 1.0), (5, 0.0, 1.0)] {
+            (q[2 * node], q[2 * node + 1]) = (x, y);
+        }
+        assert_eq!(surface.nodes(), [4, 5, 6, 9]);
+        assert_eq!(surface.local_facets(), [[3, 0], [0, 2], [2, 1], [1, 3]]);
+        assert_eq!(surface.adjacent_facets(0), [0, 1]);
+        assert_eq!((surface.index(6), surface.index(7)), (Some(2), None));
+        assert!(surface.is_closed());
+        assert_eq!(surface.weights(&q), [1.5; 4]);
+        assert_eq!(surface.shortest_facet(&q), 1.0);
+    }
+
+    #[test]
+    fn open_chain_has_half_weights_at_its_ends() {
+        let surface = Surface::new(&[[0, 1], [1, 2]]);
+        assert!(!surface.is_closed());
+        assert_eq!(surface.weights(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0]), [2.5, 3.0, 0.5]);
+    }
+}
