@@ -41,7 +41,7 @@ pub fn discrete_gradient<R: Real, const K: usize>(
 
 /// Sum of products.
 #[inline(always)]
-pub(crate) fn dot<R: Real, const K: usize>(a: &[R; K], b: &[R; K]) -> R {
+fn dot<R: Real, const K: usize>(a: &[R; K], b: &[R; K]) -> R {
     let mut sum = a[0] * b[0];
     for k in 1..K {
         sum = a[k].mul_add(b[k], sum);

@@ -13,7 +13,6 @@
 mod energy_momentum;
 
 pub use energy_momentum::discrete_gradient;
-pub(crate) use energy_momentum::dot;
 
 /// A configuration of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,5 +2,6 @@
 
 pub mod catalogue;
 pub mod lanes;
+pub mod simd;
 pub mod tensor;
 pub mod tolerances;
