@@ -121,3 +121,89 @@ fn is_subset(part: &[[u32; 2]], whole: &[[u32; 2]]) -> bool {
     let mut rest = whole.iter();
     part.iter().all(|pair| rest.any(|other| other == pair))
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+
+    /// Every pair against every other, from the definition.
+    fn brute_force(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        for (i, s) in secondary.facets().iter().enumerate() {
+            for (j, p) in primary.facets().iter().enumerate() {
+                let apart = |axis: usize| {
+                    let at = |node: u32| q[2 * node as usize + axis];
+                    (at(s[0]).min(at(s[1])) - at(p[0]).max(at(p[1]))).max(at(p[0]).min(at(p[1])) - at(s[0]).max(at(s[1])))
+                };
+                if apart(0) <= margin && apart(1) <= margin && !p.contains(&s[0]) && !p.contains(&s[1]) {
+                    pairs.push([i as u32, j as u32]);
+                }
+            }
+        }
+        pairs
+    }
+
+    fn chain(from: u32, count: u32) -> Vec<[u32; 2]> {
+        (from..from + count).map(|node| [node, node + 1]).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 200, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn the_tree_finds_what_brute_force_finds(q in prop::collection::vec(-1.0..1.0f64, 80), margin in 0.0..0.3f64, shared in 0u32..4) {
+            let (secondary, primary) = (Surface::new(&chain(0, 18)), Surface::new(&chain(20 - 2 * shared, 19)));
+            prop_assert_eq!(near_pairs(&secondary, &primary, &q, margin), brute_force(&secondary, &primary, &q, margin));
+        }
+
+        /// Whatever moves, the list holds every pair within the margin, and says so when it changes.
+        #[test]
+        fn a_list_that_is_kept_still_holds_all_that_is_near(
+            mut q in prop::collection::vec(-1.0..1.0f64, 80),
+            moves in prop::collection::vec((prop::collection::vec(-0.05..0.05f64, 80), -0.2..0.2f64, 0.0..0.2f64), 12),
+        ) {
+            let (secondary, primary) = (Surface::new(&chain(0, 18)), Surface::new(&chain(20, 19)));
+            let mut candidates = Candidates::new(0.2);
+            for (noise, drift, margin) in moves {
+                for (i, x) in q.iter_mut().enumerate() {
+                    *x += noise[i] + if i < 40 { drift } else { -drift };
+                }
+                let before = candidates.pairs().to_vec();
+                let changed = candidates.update(&secondary, &primary, &q, margin);
+                prop_assert_eq!(changed, before != candidates.pairs());
+                prop_assert!(is_subset(&brute_force(&secondary, &primary, &q, margin), candidates.pairs()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_common_translation_and_a_small_slide_keep_the_list() {
+        let (secondary, primary) = (Surface::new(&chain(0, 9)), Surface::new(&chain(10, 9)));
+        let mut q: Vec<f64> = (0..20).flat_map(|node| [(node % 10) as f64, 0.0]).collect();
+        let mut candidates = Candidates::new(2.0);
+        assert!(candidates.update(&secondary, &primary, &q, 0.5));
+        for x in q.iter_mut() {
+            *x += 1000.0;
+        }
+        assert!(!candidates.update(&secondary, &primary, &q, 0.5));
+        for x in q[..20].iter_mut().step_by(2) {
+            *x += 1.9;
+        }
+        assert!(!candidates.update(&secondary, &primary, &q, 0.5));
+        for x in q[..20].iter_mut().step_by(2) {
+            *x += 1.0;
+        }
+        assert!(candidates.update(&secondary, &primary, &q, 0.5));
+    }
+
+    #[test]
+    fn positions_that_are_not_numbers_change_nothing() {
+        let (secondary, primary) = (Surface::new(&chain(0, 1)), Surface::new(&chain(2, 1)));
+        let mut candidates = Candidates::new(1.0);
+        assert!(!candidates.update(&secondary, &primary, &[0.0, f64::NAN, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0], 0.5));
+        assert!(candidates.update(&secondary, &primary, &[0.0; 8], 0.5));
+    }
+}
