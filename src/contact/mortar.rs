@@ -12,7 +12,7 @@ use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, ov
 use super::patches::{Evaluation, Patches};
 use super::search::Candidates;
 use super::surface::Surface;
-use crate::integrators::{Configuration, Integrator, discrete_gradient, dot};
+use crate::integrators::{Configuration, Integrator, discrete_gradient};
 use crate::math::tolerances::INVARIANT_INCREMENT;
 
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets: fewer new matrix patterns against more
@@ -95,6 +95,12 @@ impl Mortar {
             *share /= adjacent.map(|&facet| 0.5 * self.secondary.facet_length(facet as usize, q)).sum::<f64>();
         }
     }
+}
+
+/// Sum of products.
+#[inline(always)]
+fn dot(a: &Invariants, b: &Invariants) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
 }
 
 /// Covered length of each node's hat function in one pair.
