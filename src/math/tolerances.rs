@@ -34,3 +34,7 @@ pub const ZERO_ROW: f64 = 1e-6;
 
 /// Relative residual of the linear solve after refinement above which the solution is refused.
 pub const LINEAR_RESIDUAL: f64 = 1e-8;
+
+/// Jacobian determinant of a cell, relative to its longest edge to the power of the dimension, below which it has no area or volume:
+/// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).
+pub const DEGENERATE_CELL: f64 = 1e-12;

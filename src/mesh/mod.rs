@@ -3,7 +3,22 @@
 //! A mesh is plain data whose dimension is that of its cell kind; points always carry three coordinates (the third is zero in the
 //! plane), so that readers, generators and writers need no dimension parameter. Kernels take what they need from it once.
 
+mod check;
+mod error;
+mod generators;
+mod selection;
+mod topology;
+mod transform;
+
+pub use check::Quality;
+pub use error::MeshError;
+pub use generators::{block, rectangle, ring};
+pub use selection::SelectionError;
+
 use crate::elements::CellKind;
+
+/// Most cells that generators and refinement make: some gigabytes in a simulation, and no script should take more by a slip of the pen.
+pub const CELL_LIMIT: usize = 10_000_000;
 
 /// One facet of the boundary: a cell and the number of its local facet. Its orientation follows from the cell's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

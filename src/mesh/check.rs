@@ -1,0 +1,449 @@
+//! Whether a mesh is sound, and how good its cells are.
+//!
+//! Soundness: a cell is refused when its Jacobian determinant is not positive at a quadrature point, since its integrals are
+//! meaningless then; nothing is turned round silently. Quality: the scaled Jacobian (P. Knupp, 2003; C. Stimpson et al., The Verdict
+//! Library Reference Manual, 2007, sections 4.13 and 6.12), the smallest over a cell's corners of the determinant of the edge vectors
+//! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Unlike Verdict, the center of a hexahedron is not
+//! sampled.
+
+use super::topology::{corner, edges};
+use super::{Boundary, Facet, Mesh, MeshError};
+use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
+use crate::math::tolerances::DEGENERATE_CELL;
+
+/// How good the cells of a mesh are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// Number of cells.
+    pub cells: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Area or volume by quadrature `[length^D]`.
+    pub measure: f64,
+    /// Smallest scaled Jacobian of all cells; a cell with an angle above 180 degrees has a negative one.
+    pub smallest_scaled_jacobian: f64,
+    /// Largest scaled Jacobian of all cells, at most 1.
+    pub largest_scaled_jacobian: f64,
+    /// Index of the cell with the smallest scaled Jacobian.
+    pub worst_cell: usize,
+    /// Mean of the nodes of that cell, one coordinate per dimension `[length]`.
+    pub worst_place: Vec<f64>,
+    /// Largest ratio of the longest to the shortest edge of a cell.
+    pub aspect_ratio: f64,
+    /// Shortest edge of all cells `[length]`; in the plane, edges are facets.
+    pub shortest_edge: f64,
+}
+
+impl std::fmt::Display for Quality {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            out,
+            "{} cells, {} nodes, {} {:.6}, scaled Jacobian {:.3} to {:.3}, aspect ratio up to {:.3}, shortest edge {:.4}",
+            self.cells,
+            self.nodes,
+            if self.worst_place.len() == 3 { "volume" } else { "area" },
+            self.measure,
+            self.smallest_scaled_jacobian,
+            self.largest_scaled_jacobian,
+            self.aspect_ratio,
+            self.shortest_edge
+        )
+    }
+}
+
+/// Gradients of the shape functions, `[node][direction]`, with a third component of 0 in the plane.
+type Gradients = Vec<[f64; 3]>;
+
+/// Where the Jacobian of a cell kind is looked at.
+struct Samples {
+    quadrature: Vec<(f64, Gradients)>,
+    corners: Vec<Gradients>,
+}
+
+impl Samples {
+    fn new(kind: CellKind) -> Samples {
+        match kind {
+            CellKind::Quad4 => Samples::of::<2, 4, 4, Quad4>(),
+            CellKind::Hex8 => Samples::of::<3, 8, 8, Hex8>(),
+        }
+    }
+
+    fn of<const D: usize, const A: usize, const Q: usize, C: ReferenceCell<D, A, Q>>() -> Samples {
+        let gradients = |xi: [f64; D]| C::gradients(xi).iter().map(|g| std::array::from_fn(|i| if i < D { g[i] } else { 0.0 })).collect();
+        let at_corner = |local: usize| gradients(std::array::from_fn(|i| if corner(local)[i] { 1.0 } else { -1.0 }));
+        Samples {
+            quadrature: C::quadrature().into_iter().map(|(xi, weight)| (weight, gradients(xi))).collect(),
+            corners: (0..A).map(at_corner).collect(),
+        }
+    }
+}
+
+/// Derivatives of the position in the reference directions; the third is the unit vector `e_z` in the plane.
+fn tangents(points: &[[f64; 3]], gradients: &Gradients, dimension: usize) -> [[f64; 3]; 3] {
+    let mut tangents = [[0.0; 3], [0.0; 3], [0.0, 0.0, if dimension == 2 { 1.0 } else { 0.0 }]];
+    for (point, gradient) in points.iter().zip(gradients) {
+        for (tangent, &slope) in tangents.iter_mut().zip(gradient).take(dimension) {
+            for (component, &x) in tangent.iter_mut().zip(point) {
+                *component += slope * x;
+            }
+        }
+    }
+    tangents
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    a[0].hypot(a[1]).hypot(a[2])
+}
+
+fn determinant([a, b, c]: [[f64; 3]; 3]) -> f64 {
+    dot(cross(a, b), c)
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    norm([0, 1, 2].map(|i| b[i] - a[i]))
+}
+
+impl Mesh {
+    /// Area or volume by quadrature `[length^D]`.
+    pub fn measure(&self) -> f64 {
+        let samples = Samples::new(self.kind);
+        let mut points = Vec::with_capacity(self.kind.nodes());
+        (0..self.cell_count())
+            .map(|cell| {
+                self.cell_points_into(cell, &mut points);
+                self.weighted_determinants(&samples, &points).map(|(weight, determinant)| weight * determinant).sum::<f64>()
+            })
+            .sum()
+    }
+
+    /// Length or area of a boundary by quadrature `[length^(D-1)]`.
+    pub fn boundary_measure(&self, boundary: &Boundary) -> f64 {
+        let samples = Samples::new(CellKind::Quad4);
+        boundary.facets.iter().map(|&facet| self.facet_measure(facet, &samples)).sum()
+    }
+
+    fn facet_measure(&self, facet: Facet, samples: &Samples) -> f64 {
+        let points: Vec<[f64; 3]> = self.facet_nodes(facet).map(|node| self.points[node as usize]).collect();
+        match points[..] {
+            [from, to] => distance(from, to),
+            _ => samples
+                .quadrature
+                .iter()
+                .map(|(weight, gradients)| {
+                    let along = |i: usize| {
+                        let sum = |c: usize| points.iter().zip(gradients).map(|(point, gradient)| gradient[i] * point[c]).sum();
+                        [sum(0), sum(1), sum(2)]
+                    };
+                    weight * norm(cross(along(0), along(1)))
+                })
+                .sum(),
+        }
+    }
+
+    /// How good the cells are; a mesh without cells has a quality of `NaN`.
+    pub fn quality(&self) -> Quality {
+        let samples = Samples::new(self.kind);
+        let edges = edges(self.kind);
+        let mut quality = Quality {
+            cells: self.cell_count(),
+            nodes: self.points.len(),
+            measure: 0.0,
+            smallest_scaled_jacobian: f64::NAN,
+            largest_scaled_jacobian: f64::NAN,
+            worst_cell: 0,
+            worst_place: vec![f64::NAN; self.dimension()],
+            aspect_ratio: f64::NAN,
+            shortest_edge: f64::NAN,
+        };
+        let mut points = Vec::with_capacity(self.kind.nodes());
+        for cell in 0..self.cell_count() {
+            self.cell_points_into(cell, &mut points);
+            quality.measure += self.weighted_determinants(&samples, &points).map(|(weight, determinant)| weight * determinant).sum::<f64>();
+            let scaled = samples.corners.iter().map(|gradients| {
+                let tangents = tangents(&points, gradients, self.dimension());
+                let lengths: f64 = tangents.iter().map(|&t| norm(t)).product();
+                // an edge of no length leaves no angle
+                if lengths > 0.0 { determinant(tangents) / lengths } else { 0.0 }
+            });
+            let scaled = scaled.fold(f64::INFINITY, f64::min);
+            // comparisons with NaN are false, so the first cell replaces it
+            if !(scaled >= quality.smallest_scaled_jacobian) {
+                quality.smallest_scaled_jacobian = scaled;
+                quality.worst_cell = cell;
+            }
+            quality.largest_scaled_jacobian = quality.largest_scaled_jacobian.max(scaled);
+            let lengths = edges.iter().map(|&[a, b]| distance(points[a], points[b]));
+            let (shortest, longest) = lengths.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), l| (low.min(l), high.max(l)));
+            quality.aspect_ratio = quality.aspect_ratio.max(longest / shortest);
+            quality.shortest_edge = quality.shortest_edge.min(shortest);
+        }
+        if quality.cells > 0 {
+            quality.worst_place = self.cell_center(quality.worst_cell);
+        }
+        quality
+    }
+
+    /// Everything that keeps the mesh from being computed with: broken references, cells that name a node twice, that are inside out
+    /// or without extent, facets of more than two cells, nodes without cells. An empty list: the mesh is sound.
+    ///
+    /// Each inside-out cell is listed with the number of all such cells. After a broken reference nothing else is looked at.
+    pub fn defects(&self) -> Vec<MeshError> {
+        let broken = self.broken_references();
+        if !broken.is_empty() {
+            return broken;
+        }
+        let mut defects = self.coordinate_defects();
+        defects.extend(self.cell_defects());
+        for sides in self.sorted_facets().chunk_by(|a, b| a.0 == b.0).filter(|sides| sides.len() > 2) {
+            defects.push(MeshError::CrowdedFacet { line: None, cell: sides[0].1.cell.into(), sharing: sides.len() });
+        }
+        let mut used = vec![false; self.points.len()];
+        self.connectivity.iter().for_each(|&node| used[node as usize] = true);
+        if let Some(first) = used.iter().position(|used| !used) {
+            let count = used.iter().filter(|used| !**used).count();
+            defects.push(MeshError::UnusedNodes { count, node: first as u64 });
+        }
+        defects
+    }
+
+    /// The first of the defects, if there is any.
+    ///
+    /// # Errors
+    /// As listed by [`Mesh::defects`].
+    pub fn check(&self) -> Result<(), MeshError> {
+        self.defects().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Itself, when all coordinates are finite and all cells have a positive extent: what generators and transforms can spoil.
+    pub(super) fn checked(self) -> Result<Mesh, MeshError> {
+        match self.coordinate_defects().into_iter().chain(self.cell_defects()).next() {
+            Some(defect) => Err(defect),
+            None => Ok(self),
+        }
+    }
+
+    /// Nodes of cells, cells of facets, facets of cells, cells of parts that are not there.
+    fn broken_references(&self) -> Vec<MeshError> {
+        let mut broken = Vec::new();
+        let mut refer = |what, index, target: usize, count: usize| {
+            if target >= count {
+                broken.push(MeshError::BrokenReference { what, index, target, count });
+            }
+        };
+        let (cells, nodes) = (self.cell_count(), self.kind.nodes());
+        for (position, &node) in self.connectivity.iter().enumerate() {
+            refer("cell", position / nodes, node as usize, self.points.len());
+        }
+        if self.connectivity.len() % nodes != 0 {
+            refer("cell", cells, self.connectivity.len(), self.connectivity.len());
+        }
+        for (index, boundary) in self.boundaries.iter().enumerate() {
+            for facet in &boundary.facets {
+                refer("boundary", index, facet.cell as usize, cells);
+                refer("boundary", index, facet.local as usize, self.kind.facets().len());
+            }
+        }
+        for (index, (_, members)) in self.parts.iter().enumerate() {
+            members.iter().for_each(|&cell| refer("part", index, cell as usize, cells));
+        }
+        broken
+    }
+
+    /// Coordinates that are not finite.
+    fn coordinate_defects(&self) -> Vec<MeshError> {
+        let infinite = self.points.iter().flatten().filter(|x| !x.is_finite());
+        infinite.map(|&value| MeshError::NotFinite { what: "a coordinate of a node", value }).collect()
+    }
+
+    /// Cells that name a node twice, that are inside out or that have no extent, with their indices.
+    pub(super) fn cell_defects(&self) -> Vec<MeshError> {
+        let samples = Samples::new(self.kind);
+        let edges = edges(self.kind);
+        let mut defects = Vec::new();
+        let mut inside_out = 0;
+        let mut points = Vec::with_capacity(self.kind.nodes());
+        for (index, nodes) in self.cells().enumerate() {
+            if let Some(node) = repeated(nodes) {
+                defects.push(MeshError::RepeatedNode { line: None, cell: index as u64, node: node.into() });
+                continue;
+            }
+            self.cell_points_into(index, &mut points);
+            let determinants = self.weighted_determinants(&samples, &points).map(|(_, determinant)| determinant);
+            let smallest = determinants.fold(f64::INFINITY, f64::min);
+            let longest = edges.iter().map(|&[a, b]| distance(points[a], points[b])).fold(0.0, f64::max);
+            let least = DEGENERATE_CELL * longest.powi(self.dimension() as i32);
+            if smallest < -least {
+                inside_out += 1;
+                defects.push(MeshError::InvertedCell {
+                    line: None,
+                    cell: index as u64,
+                    center: self.cell_center(index),
+                    determinant: smallest,
+                    inverted: 0,
+                    cells: self.cell_count(),
+                });
+            } else if !(smallest > least) {
+                let center = self.cell_center(index);
+                defects.push(MeshError::DegenerateCell { line: None, cell: index as u64, center, determinant: smallest });
+            }
+        }
+        for defect in &mut defects {
+            if let MeshError::InvertedCell { inverted, .. } = defect {
+                *inverted = inside_out;
+            }
+        }
+        defects
+    }
+
+    /// Mean of the nodes of a cell, one coordinate per dimension `[length]`.
+    pub fn cell_center(&self, cell: usize) -> Vec<f64> {
+        let nodes = self.cell(cell);
+        let mean = |i: usize| nodes.iter().map(|&node| self.points[node as usize][i]).sum::<f64>() / nodes.len() as f64;
+        (0..self.dimension()).map(mean).collect()
+    }
+
+    fn cell_points_into(&self, cell: usize, points: &mut Vec<[f64; 3]>) {
+        points.clear();
+        points.extend(self.cell(cell).iter().map(|&node| self.points[node as usize]));
+    }
+
+    /// Weight and Jacobian determinant at each quadrature point.
+    fn weighted_determinants<'a>(&self, samples: &'a Samples, points: &'a [[f64; 3]]) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let dimension = self.dimension();
+        samples.quadrature.iter().map(move |(weight, gradients)| (*weight, determinant(tangents(points, gradients, dimension))))
+    }
+}
+
+/// A node that is there twice.
+pub(super) fn repeated<T: PartialEq + Copy>(nodes: &[T]) -> Option<T> {
+    nodes.iter().enumerate().find(|(i, node)| nodes[..*i].contains(node)).map(|(_, &node)| node)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{block, rectangle, ring};
+
+    fn quad(corners: [[f64; 2]; 4]) -> Mesh {
+        Mesh {
+            kind: CellKind::Quad4,
+            points: corners.map(|[x, y]| [x, y, 0.0]).to_vec(),
+            connectivity: vec![0, 1, 2, 3],
+            boundaries: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_parallelogram_has_the_sine_of_its_angle() {
+        let angle = 0.4f64;
+        let (s, c) = angle.sin_cos();
+        let quality = quad([[0.0, 0.0], [2.0, 0.0], [2.0 + c, s], [c, s]]).quality();
+        // round-off of a handful of operations
+        assert!((quality.smallest_scaled_jacobian - s).abs() < 1e-15);
+        assert!((quality.largest_scaled_jacobian - s).abs() < 1e-15);
+        assert!((quality.aspect_ratio - 2.0).abs() < 1e-15);
+        assert!((quality.shortest_edge - 1.0).abs() < 1e-15);
+        assert!((quality.measure - 2.0 * s).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_sheared_cube_has_the_determinant_of_its_edges() {
+        // edges (1,0,0), (0,1,0), (1,0,1): determinant 1, lengths 1, 1, sqrt 2
+        let mut mesh = block([1.0; 3], [1; 3], [0.0; 3]).unwrap();
+        mesh.points.iter_mut().for_each(|p| p[0] += p[2]);
+        let quality = mesh.quality();
+        assert!((quality.smallest_scaled_jacobian - 0.5f64.sqrt()).abs() < 1e-15);
+        assert!((quality.measure - 1.0).abs() < 1e-15);
+        assert!((quality.aspect_ratio - 2f64.sqrt()).abs() < 1e-15);
+        assert!((quality.shortest_edge - 1.0).abs() < 1e-15);
+        assert_eq!(
+            quality.to_string(),
+            "1 cells, 8 nodes, volume 1.000000, scaled Jacobian 0.707 to 0.707, aspect ratio up to 1.414, shortest edge 1.0000"
+        );
+    }
+
+    #[test]
+    fn the_quality_of_a_mesh_names_its_worst_cell() {
+        let mut mesh = rectangle([3.0, 1.0], [3, 1], [0.0; 2]).unwrap();
+        mesh.points[7] = [2.7, 0.9, 0.0];
+        mesh.points[6] = [2.0, 1.0, 0.0];
+        let quality = mesh.quality();
+        assert_eq!((quality.worst_cell, quality.cells, quality.nodes), (2, 3, 8));
+        assert!((quality.worst_place[0] - (2.0 + 3.0 + 2.7 + 2.0) / 4.0).abs() < 1e-15);
+        assert!(quality.largest_scaled_jacobian == 1.0 && quality.smallest_scaled_jacobian < 1.0);
+    }
+
+    #[test]
+    fn sound_meshes_have_no_defects() {
+        assert_eq!(rectangle([1.0, 1.0], [3, 2], [0.0; 2]).unwrap().defects(), []);
+        assert_eq!(ring(0.5, 1.0, [2, 9], [0.0; 2], 0.0).unwrap().defects(), []);
+        assert_eq!(block([1.0, 2.0, 3.0], [2, 2, 2], [0.0; 3]).unwrap().defects(), []);
+    }
+
+    #[test]
+    fn a_mesh_turned_inside_out_says_so_for_all_cells() {
+        let mut mesh = rectangle([2.0, 1.0], [2, 1], [0.0; 2]).unwrap();
+        mesh.connectivity = mesh.cells().flat_map(|c| [c[0], c[3], c[2], c[1]]).collect();
+        let defects = mesh.defects();
+        assert_eq!(defects.len(), 2);
+        assert_eq!(defects[0].to_string(), "cell 0 at (0.5, 0.5) is inside out: its Jacobian determinant is -0.25 (2 of 2 cells are)");
+        assert!(defects[0].cure().starts_with("the nodes of all cells run the wrong way round"));
+        let mut solid = block([1.0; 3], [1; 3], [0.0; 3]).unwrap();
+        solid.connectivity.rotate_left(4);
+        assert!(matches!(solid.check(), Err(MeshError::InvertedCell { inverted: 1, .. })));
+    }
+
+    #[test]
+    fn one_bad_cell_is_found_where_it_is() {
+        // one corner of the middle cell pulled through the opposite one
+        let mut mesh = rectangle([3.0, 3.0], [3, 3], [0.0; 2]).unwrap();
+        mesh.points[5] = [2.4, 2.4, 0.0];
+        let error = mesh.check().unwrap_err();
+        assert!(matches!(error, MeshError::InvertedCell { inverted, cells: 9, .. } if inverted < 9), "{error}");
+        assert!(error.cure().starts_with("mend the mesh there"));
+    }
+
+    #[test]
+    fn a_flat_cell_and_a_triangle_are_told_apart() {
+        let flat = quad([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]);
+        assert_eq!(flat.check().unwrap_err().to_string(), "cell 0 at (1.5, 0) has no area: its Jacobian determinant is 0");
+        // an angle of 180 degrees: computable, but of quality 0
+        let triangle = quad([[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0]]);
+        assert_eq!(triangle.defects(), []);
+        assert_eq!(triangle.quality().smallest_scaled_jacobian, 0.0);
+        let mut collapsed = quad([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
+        collapsed.points.truncate(3);
+        collapsed.connectivity = vec![0, 1, 2, 2];
+        assert_eq!(collapsed.check().unwrap_err().to_string(), "cell 0 names node 2 twice");
+    }
+
+    #[test]
+    fn overlapping_cells_unused_nodes_and_broken_references_are_found() {
+        let mut mesh = rectangle([2.0, 1.0], [2, 1], [0.0; 2]).unwrap();
+        mesh.points.push([0.0, 5.0, 0.0]);
+        assert_eq!(mesh.defects(), [MeshError::UnusedNodes { count: 1, node: 6 }]);
+        mesh.points.extend([[1.5, 2.0, 0.0], [0.5, 2.0, 0.0]]);
+        // a third cell on the facet between the two
+        mesh.connectivity.extend([4, 1, 7, 8]);
+        assert!(mesh.defects().iter().any(|d| matches!(d, MeshError::CrowdedFacet { sharing: 3, cell: 0, .. })));
+        mesh.connectivity[2] = 99;
+        assert_eq!(mesh.check().unwrap_err().to_string(), "cell 0 refers to 99, but there are only 9");
+    }
+
+    #[test]
+    fn a_mesh_without_cells_has_no_quality() {
+        let mesh = Mesh { kind: CellKind::Quad4, points: Vec::new(), connectivity: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
+        let quality = mesh.quality();
+        assert!(quality.smallest_scaled_jacobian.is_nan() && quality.shortest_edge.is_nan());
+        assert_eq!((quality.cells, quality.measure), (0, 0.0));
+    }
+}

@@ -1,0 +1,532 @@
+//! What can go wrong with a mesh: one sentence with the numbers that show it, the line of the file where there is one, and a cure.
+//!
+//! One type for generators, transforms, selections, checks and readers, since they hand the same meshes to each other.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// A mesh that cannot be made, changed, found or read.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A size, radius or factor that must be greater than zero.
+    #[error("{what} must be a finite number greater than 0, but is {value}")]
+    NotPositive {
+        /// What the number is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A number that must be finite.
+    #[error("{what} must be finite, but is {value}")]
+    NotFinite {
+        /// What the number is.
+        what: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// A cell count below its minimum.
+    #[error("the number of cells {direction} must be at least {least}, but is {count}")]
+    TooFewCells {
+        /// Direction that is divided.
+        direction: &'static str,
+        /// The count.
+        count: usize,
+        /// The least admissible count.
+        least: usize,
+    },
+    /// More cells than a mesh may have.
+    #[error("the mesh would have {cells} cells, but {limit} is the limit")]
+    TooManyCells {
+        /// Number of cells asked for, saturated.
+        cells: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A ring whose inner radius is not below the outer one.
+    #[error("the inner radius {inner} of a ring must be smaller than its outer radius {outer}")]
+    Radii {
+        /// Inner radius.
+        inner: f64,
+        /// Outer radius.
+        outer: f64,
+    },
+    /// A transform that takes a plane mesh out of its plane.
+    #[error("{what} takes the plane mesh out of its plane z = 0")]
+    LeavesPlane {
+        /// The transform.
+        what: &'static str,
+    },
+    /// A rotation axis without direction.
+    #[error("the rotation axis ({}, {}, {}) has no direction", axis[0], axis[1], axis[2])]
+    NoAxis {
+        /// The axis.
+        axis: [f64; 3],
+    },
+    /// A part that the mesh does not have.
+    #[error("the mesh has no part \"{name}\"; its parts are {}", listed(.available))]
+    UnknownPart {
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        available: Vec<String>,
+    },
+    /// A boundary that is to be named like one that there is.
+    #[error("the mesh already has a boundary \"{name}\"; its boundaries are {}", listed(.available))]
+    BoundaryExists {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        available: Vec<String>,
+    },
+
+    /// A cell whose nodes run the wrong way round or whose facets cross.
+    #[error(
+        "cell {cell} at {} is inside out: its Jacobian determinant is {} ({inverted} of {cells} cells are)",
+        place(.center), rounded(*.determinant)
+    )]
+    InvertedCell {
+        /// Line of the file.
+        line: Option<usize>,
+        /// Number in the file; index in the mesh when no file was read.
+        cell: u64,
+        /// Mean of its nodes, one coordinate per dimension `[length]`.
+        center: Vec<f64>,
+        /// Smallest Jacobian determinant at its quadrature points.
+        determinant: f64,
+        /// How many cells are inside out.
+        inverted: usize,
+        /// How many cells there are.
+        cells: usize,
+    },
+    /// A cell without area or volume.
+    #[error("cell {cell} at {} has no {}: its Jacobian determinant is {}", place(.center), extent(.center), rounded(*.determinant))]
+    DegenerateCell {
+        /// Line of the file.
+        line: Option<usize>,
+        /// Number in the file; index in the mesh when no file was read.
+        cell: u64,
+        /// Mean of its nodes, one coordinate per dimension `[length]`.
+        center: Vec<f64>,
+        /// Smallest Jacobian determinant at its quadrature points.
+        determinant: f64,
+    },
+    /// A cell that names a node twice.
+    #[error("cell {cell} names node {node} twice")]
+    RepeatedNode {
+        /// Line of the file.
+        line: Option<usize>,
+        /// Number in the file; index in the mesh when no file was read.
+        cell: u64,
+        /// The node.
+        node: u64,
+    },
+    /// A facet that more than two cells share.
+    #[error("{sharing} cells share one facet of cell {cell}, but a facet has at most two sides")]
+    CrowdedFacet {
+        /// Line of the file.
+        line: Option<usize>,
+        /// Number of the first of the cells in the file; its index in the mesh when no file was read.
+        cell: u64,
+        /// How many cells share the facet.
+        sharing: usize,
+    },
+    /// Nodes that no cell uses.
+    #[error("{count} nodes belong to no cell, the first is node {node}")]
+    UnusedNodes {
+        /// How many.
+        count: usize,
+        /// The first, as index in the mesh.
+        node: u64,
+    },
+    /// A cell, facet or part that refers to something that the mesh does not have (a mesh put together by hand).
+    #[error("{what} {index} refers to {target}, but there are only {count}")]
+    BrokenReference {
+        /// What refers.
+        what: &'static str,
+        /// Its index.
+        index: usize,
+        /// The index that it refers to.
+        target: usize,
+        /// How many there are.
+        count: usize,
+    },
+
+    /// A file that cannot be opened or read.
+    #[error("the mesh file {} cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// Path of the file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// A file that is not text.
+    #[error("the mesh file is not text: line {line} holds bytes that are not UTF-8")]
+    NotText {
+        /// Line of the file.
+        line: usize,
+    },
+    /// A file of another format.
+    #[error("this is not a Gmsh mesh file but {found}")]
+    OtherFormat {
+        /// Line of the file.
+        line: usize,
+        /// What it looks like.
+        found: &'static str,
+    },
+    /// A binary Gmsh file.
+    #[error("this Gmsh mesh file is binary")]
+    Binary {
+        /// Line of the file.
+        line: usize,
+    },
+    /// A Gmsh version that is not read.
+    #[error("the file has Gmsh format version {version}, but versions 2.2 and 4.1 are read")]
+    Version {
+        /// Line of the file.
+        line: usize,
+        /// The version as written.
+        version: String,
+    },
+    /// A file that ends too early.
+    #[error("the file ends inside section ${section} that began in line {begin}: {found} of {announced} entries are there")]
+    Truncated {
+        /// Last line of the file.
+        line: usize,
+        /// Name of the section.
+        section: String,
+        /// Line of its first line.
+        begin: usize,
+        /// Entries read.
+        found: usize,
+        /// Entries announced; equal to `found` when only the closing line is missing.
+        announced: usize,
+    },
+    /// A section whose number of entries is not the one that it announces.
+    #[error("section ${section} announces {announced} entries but has {}", if *.found > *.announced { "more".into() } else { found.to_string() })]
+    Count {
+        /// Line where this shows.
+        line: usize,
+        /// Name of the section.
+        section: &'static str,
+        /// Entries announced.
+        announced: usize,
+        /// Entries found so far.
+        found: usize,
+    },
+    /// A section that must be there is not.
+    #[error("the file has no section ${section}")]
+    MissingSection {
+        /// Last line of the file.
+        line: usize,
+        /// Name of the section.
+        section: &'static str,
+    },
+    /// A section that is there twice.
+    #[error("section ${section} is there a second time")]
+    RepeatedSection {
+        /// Line of the file.
+        line: usize,
+        /// Name of the section.
+        section: String,
+    },
+    /// A section of a partitioned mesh.
+    #[error("the mesh is partitioned (section ${section})")]
+    Partitioned {
+        /// Line of the file.
+        line: usize,
+        /// Name of the section.
+        section: String,
+    },
+    /// A line that does not hold what belongs there.
+    #[error("expected {expected}, found \"{found}\"")]
+    Malformed {
+        /// Line of the file.
+        line: usize,
+        /// What belongs there.
+        expected: &'static str,
+        /// What is there, shortened.
+        found: String,
+    },
+    /// A node with a coordinate that is infinite or not a number.
+    #[error("node {node} has the coordinate {value}")]
+    Coordinate {
+        /// Line of the file.
+        line: usize,
+        /// Number of the node in the file.
+        node: u64,
+        /// The coordinate.
+        value: f64,
+    },
+    /// Two nodes with one number.
+    #[error("node {node} is there twice, first in line {first}")]
+    DuplicateNode {
+        /// Line of the second.
+        line: usize,
+        /// Number of the node in the file.
+        node: u64,
+        /// Line of the first.
+        first: usize,
+    },
+    /// An element that names a node that is not in the file.
+    #[error("element {element} names node {node}, but the file has no such node")]
+    MissingNode {
+        /// Line of the file.
+        line: usize,
+        /// Number of the element in the file.
+        element: u64,
+        /// Number of the node.
+        node: u64,
+    },
+    /// Two cells with the same nodes in the same physical group.
+    #[error("cells {first} and {cell} have the same nodes")]
+    DuplicateCell {
+        /// Line of the second.
+        line: usize,
+        /// Number of the second cell in the file.
+        cell: u64,
+        /// Number of the first.
+        first: u64,
+    },
+    /// A kind of element that bodies are not made of here.
+    #[error("element {element} is a {kind}, but quad4 and hex8 cells are read")]
+    UnsupportedCell {
+        /// Line of the file.
+        line: usize,
+        /// Number of the element in the file.
+        element: u64,
+        /// Gmsh's type number.
+        gmsh_type: u64,
+        /// Name of the kind.
+        kind: String,
+    },
+    /// Quadrilaterals that are not facets of the hexahedra in the same file.
+    #[error("the file mixes quad4 and hex8 cells: quad4 {element} touches no hex8")]
+    MixedKinds {
+        /// Line of the file.
+        line: usize,
+        /// Number of the quadrilateral in the file.
+        element: u64,
+    },
+    /// A file without quad4 or hex8 cells.
+    #[error("the file has no cells, only {lines} lines in space or plane")]
+    NoCells {
+        /// Line of the section of elements.
+        line: usize,
+        /// How many line elements it has.
+        lines: usize,
+    },
+    /// An element of a boundary that is not a facet of any cell.
+    #[error("element {element} of boundary \"{boundary}\" is not a facet of any cell")]
+    StrayFacet {
+        /// Line of the file.
+        line: usize,
+        /// Number of the element in the file.
+        element: u64,
+        /// Name of the physical group.
+        boundary: String,
+    },
+    /// A node of a plane mesh that is not in the plane.
+    #[error("node {node} of the plane mesh has z = {z}, but must have z = 0")]
+    NotPlane {
+        /// Line of the file.
+        line: usize,
+        /// Number of the node in the file.
+        node: u64,
+        /// Its third coordinate.
+        z: f64,
+    },
+    /// A physical group that the entity table does not know.
+    #[error("there is no entity {entity} of dimension {dimension} in section $Entities")]
+    UnknownEntity {
+        /// Line of the file.
+        line: usize,
+        /// Dimension of the entity.
+        dimension: usize,
+        /// Its number.
+        entity: i64,
+    },
+    /// Two physical groups of one dimension with the same name.
+    #[error("two physical groups of dimension {dimension} have the name \"{name}\": {first} and {second}")]
+    AmbiguousName {
+        /// Line of the name of the second group.
+        line: usize,
+        /// Dimension of the groups.
+        dimension: usize,
+        /// The name.
+        name: String,
+        /// Number of the first group.
+        first: u64,
+        /// Number of the second group.
+        second: u64,
+    },
+}
+
+impl MeshError {
+    /// Line of the mesh file, counted from 1, where the error has one.
+    pub fn line(&self) -> Option<usize> {
+        use MeshError::*;
+        match self {
+            InvertedCell { line, .. } | DegenerateCell { line, .. } | RepeatedNode { line, .. } | CrowdedFacet { line, .. } => *line,
+            NotText { line }
+            | OtherFormat { line, .. }
+            | Binary { line }
+            | Version { line, .. }
+            | Truncated { line, .. }
+            | Count { line, .. }
+            | MissingSection { line, .. }
+            | RepeatedSection { line, .. }
+            | Partitioned { line, .. }
+            | Malformed { line, .. }
+            | Coordinate { line, .. }
+            | DuplicateNode { line, .. }
+            | MissingNode { line, .. }
+            | DuplicateCell { line, .. }
+            | UnsupportedCell { line, .. }
+            | MixedKinds { line, .. }
+            | NoCells { line, .. }
+            | StrayFacet { line, .. }
+            | NotPlane { line, .. }
+            | UnknownEntity { line, .. }
+            | AmbiguousName { line, .. } => Some(*line),
+            NotPositive { .. }
+            | NotFinite { .. }
+            | TooFewCells { .. }
+            | TooManyCells { .. }
+            | Radii { .. }
+            | LeavesPlane { .. }
+            | NoAxis { .. }
+            | UnknownPart { .. }
+            | BoundaryExists { .. }
+            | UnusedNodes { .. }
+            | BrokenReference { .. }
+            | Unreadable { .. } => None,
+        }
+    }
+
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        use MeshError::*;
+        match self {
+            NotPositive { what: "a scale factor", .. } => "scale by positive numbers; a mirrored mesh would be inside out".into(),
+            NotPositive { what, .. } => format!("choose {what} greater than 0"),
+            NotFinite { what, .. } => format!("give {what} as a finite number"),
+            TooFewCells { least, .. } => format!("ask for {least} or more"),
+            TooManyCells { .. } => "use a coarser mesh".into(),
+            Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
+            LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
+            NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
+            UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {
+                (Some(near), _) => format!("did you mean \"{near}\"?"),
+                (None, true) => "name the physical surfaces (in space: volumes) in Gmsh with `Physical Surface(\"name\") = {…};`".into(),
+                (None, false) => "use one of these names".into(),
+            },
+            BoundaryExists { .. } => "choose another name".into(),
+            InvertedCell { inverted, cells, .. } if inverted == cells => "the nodes of all cells run the wrong way round: reverse them in \
+                 Gmsh (`ReverseMesh Surface{:};`, or turn the curve loops counter-clockwise) and save again"
+                .into(),
+            InvertedCell { .. } => {
+                "mend the mesh there: nodes of a plane cell run counter-clockwise and its angles stay below 180 degrees".into()
+            }
+            DegenerateCell { .. } => "mend the mesh there: nodes of a cell must not coincide or lie on one line".into(),
+            RepeatedNode { .. } => "use cells with distinct nodes; a triangle written as a collapsed cell is not a quad4".into(),
+            CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
+            UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
+            BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
+            Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script".into(),
+            NotText { .. } | Binary { .. } => "save it as ASCII: `Mesh.Binary = 0;` in Gmsh".into(),
+            OtherFormat { .. } => "open it in Gmsh and save it as MSH 4.1 ASCII (`Mesh.MshFileVersion = 4.1;`)".into(),
+            Version { .. } => "save it with `Mesh.MshFileVersion = 4.1;` (or 2.2) in Gmsh".into(),
+            Truncated { .. } | MissingSection { .. } => "the file is incomplete: write or copy it again".into(),
+            Count { .. } | RepeatedSection { .. } | DuplicateNode { .. } | MissingNode { .. } | UnknownEntity { .. } | Malformed { .. } => {
+                "the file is damaged or was edited by hand: write it again with Gmsh".into()
+            }
+            Partitioned { .. } => "save it as one piece: `UnpartitionMesh;` in Gmsh".into(),
+            Coordinate { .. } => "give every node finite coordinates".into(),
+            DuplicateCell { .. } => {
+                "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent".into()
+            }
+            UnsupportedCell { gmsh_type, .. } => unsupported_cure(*gmsh_type).into(),
+            MixedKinds { .. } => "save plane and solid bodies in files of their own".into(),
+            NoCells { .. } => "mesh surfaces with quadrilaterals (`Mesh.RecombineAll = 1;`, `Mesh 2;`) or volumes with hexahedra, and put \
+                 them into a physical group: Gmsh saves nothing else once there is one"
+                .into(),
+            StrayFacet { .. } => {
+                "take the element out of the group, or mesh the surface that it bounds; curves that are only drawn on top of \
+                 a surface are not part of its mesh"
+                    .into()
+            }
+            NotPlane { .. } => "move the mesh into the plane z = 0, or mesh a volume with hexahedra".into(),
+            AmbiguousName { .. } => "give each physical group its own name".into(),
+        }
+    }
+}
+
+/// Names in quotation marks, or `none`.
+fn listed(names: &[String]) -> String {
+    if names.is_empty() {
+        return "none (it has no physical groups of cells)".into();
+    }
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// A point with six digits.
+fn place(point: &[f64]) -> String {
+    format!("({})", point.iter().map(|&x| rounded(x)).collect::<Vec<_>>().join(", "))
+}
+
+fn extent(point: &[f64]) -> &'static str {
+    if point.len() == 2 { "area" } else { "volume" }
+}
+
+/// Six significant digits, without trailing zeros.
+fn rounded(value: f64) -> String {
+    match format!("{value:.5e}").parse::<f64>() {
+        Ok(short) if (1e-4..1e7).contains(&short.abs()) || short == 0.0 => format!("{short}"),
+        Ok(short) => format!("{short:e}"),
+        Err(_) => format!("{value}"),
+    }
+}
+
+/// The name that is written most like `name`, if one is similar.
+fn nearest_name<'a>(name: &str, available: &'a [String]) -> Option<&'a str> {
+    let similarity = |other: &str| strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
+    let (best, near) = available.iter().map(|other| (similarity(other), other)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    // half of the letters agree: `body1` finds `body_1`, unrelated words find nothing
+    (best >= 0.5).then_some(near.as_str())
+}
+
+fn unsupported_cure(gmsh_type: u64) -> &'static str {
+    match gmsh_type {
+        2 => "recombine the triangles in Gmsh: `Mesh.RecombineAll = 1;`, and `Mesh.SubdivisionAlgorithm = 1;` where some are left over",
+        4 | 6 | 7 => {
+            "mesh with hexahedra in Gmsh: extrude a recombined surface (`Recombine;`), use transfinite volumes, or \
+             `Mesh.SubdivisionAlgorithm = 2;`"
+        }
+        _ => "mesh with first-order quadrilaterals or hexahedra in Gmsh: `Mesh.ElementOrder = 1;`, `Mesh.RecombineAll = 1;`",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_part_suggests_the_nearest() {
+        let error = MeshError::UnknownPart { name: "body1".into(), available: vec!["body_1".into(), "ring".into()] };
+        assert_eq!(error.to_string(), "the mesh has no part \"body1\"; its parts are \"body_1\", \"ring\"");
+        assert_eq!(error.cure(), "did you mean \"body_1\"?");
+        let unlike = MeshError::UnknownPart { name: "x".into(), available: vec!["body_1".into()] };
+        assert_eq!(unlike.cure(), "use one of these names");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(rounded(1.0 / 3.0), "0.333333");
+        assert_eq!(rounded(0.0), "0");
+        assert_eq!(rounded(-2.5e-9), "-2.5e-9");
+        assert_eq!(rounded(f64::NAN), "NaN");
+        assert_eq!(place(&[0.1 + 0.2, -4.0]), "(0.3, -4)");
+    }
+}

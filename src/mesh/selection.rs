@@ -1,0 +1,163 @@
+//! Named pieces of a mesh: boundaries found by a condition on their points, and parts as meshes of their own.
+//!
+//! The condition may be a closure of a script, which can fail with an error of its own; it is asked once per node of the hull.
+
+use std::collections::HashMap;
+
+use thiserror::Error;
+
+use super::{Boundary, Facet, Mesh, MeshError};
+
+/// Why a boundary could not be found by a condition.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SelectionError<E> {
+    /// The condition itself failed.
+    #[error("the condition failed")]
+    Condition(E),
+    /// The mesh refused the boundary.
+    #[error(transparent)]
+    Mesh(MeshError),
+}
+
+impl Mesh {
+    /// Facets of the outer hull all of whose nodes satisfy `condition`, cell by cell; none is not an error here.
+    ///
+    /// # Errors
+    /// What the condition fails with.
+    pub fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
+        let mut answers: HashMap<u32, bool> = HashMap::new();
+        let mut facets = Vec::new();
+        for facet in self.hull() {
+            let mut all = true;
+            for node in self.facet_nodes(facet) {
+                let holds = match answers.get(&node) {
+                    Some(&known) => known,
+                    None => condition(self.points[node as usize])?,
+                };
+                answers.insert(node, holds);
+                all &= holds;
+            }
+            if all {
+                facets.push(facet);
+            }
+        }
+        Ok(facets)
+    }
+
+    /// The mesh with one more boundary: the facets of its hull all of whose nodes satisfy `condition`. It may turn out empty.
+    ///
+    /// # Errors
+    /// What the condition fails with; a name that is taken.
+    pub fn boundary_where<E>(mut self, name: &str, condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Mesh, SelectionError<E>> {
+        if self.boundary(name).is_some() {
+            let available = self.boundaries.iter().map(|b| b.name.clone()).collect();
+            return Err(SelectionError::Mesh(MeshError::BoundaryExists { name: name.into(), available }));
+        }
+        let facets = self.facets_where(condition).map_err(SelectionError::Condition)?;
+        self.boundaries.push(Boundary { name: name.into(), facets });
+        Ok(self)
+    }
+
+    /// The part of that name as a mesh of its own: its cells in their order, the nodes they use renumbered in ascending order, and what
+    /// of the boundaries and of the parts lies in it. Parts that share nodes come apart.
+    ///
+    /// # Errors
+    /// A name that is not among the parts.
+    pub fn part(&self, name: &str) -> Result<Mesh, MeshError> {
+        let Some((_, cells)) = self.parts.iter().find(|(part, _)| part == name) else {
+            let available = self.parts.iter().map(|(part, _)| part.clone()).collect();
+            return Err(MeshError::UnknownPart { name: name.into(), available });
+        };
+        let mut new_node = vec![None; self.points.len()];
+        for &cell in cells {
+            self.cell(cell as usize).iter().for_each(|&node| new_node[node as usize] = Some(0));
+        }
+        let mut points = Vec::new();
+        for (slot, &point) in new_node.iter_mut().zip(&self.points).filter(|(slot, _)| slot.is_some()) {
+            *slot = Some(points.len() as u32);
+            points.push(point);
+        }
+        let connectivity = cells.iter().flat_map(|&cell| self.cell(cell as usize)).filter_map(|&node| new_node[node as usize]).collect();
+        let new_cell: HashMap<u32, u32> = cells.iter().zip(0..).map(|(&old, new)| (old, new)).collect();
+        let inside = |facet: &Facet| new_cell.get(&facet.cell).map(|&cell| Facet { cell, local: facet.local });
+        let boundaries = self
+            .boundaries
+            .iter()
+            .map(|b| Boundary { name: b.name.clone(), facets: b.facets.iter().filter_map(inside).collect() })
+            .filter(|b| !b.facets.is_empty())
+            .collect();
+        let parts = self
+            .parts
+            .iter()
+            .map(|(part, cells)| (part.clone(), cells.iter().filter_map(|cell| new_cell.get(cell).copied()).collect::<Vec<_>>()))
+            .filter(|(_, cells)| !cells.is_empty())
+            .collect();
+        Ok(Mesh { kind: self.kind, points, connectivity, boundaries, parts })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use super::*;
+    use crate::mesh::{block, rectangle};
+
+    #[test]
+    fn a_condition_picks_facets_of_the_hull_by_all_their_nodes() {
+        let mesh = rectangle([4.0, 2.0], [4, 2], [0.0; 2]).unwrap();
+        let mut asked = 0;
+        let mesh = mesh
+            .boundary_where("right half of the top", |[x, y, _]| {
+                asked += 1;
+                Ok::<_, Infallible>(x >= 2.0 && y == 2.0)
+            })
+            .unwrap();
+        let boundary = mesh.boundary("right half of the top").unwrap();
+        assert_eq!(boundary.facets, [Facet { cell: 6, local: 2 }, Facet { cell: 7, local: 2 }]);
+        // once per node of the hull
+        assert_eq!(asked, 2 * (4 + 2));
+        // inner facets at x = 2 have nodes that satisfy it, but are not on the hull
+        let mesh = mesh.boundary_where("middle", |[x, ..]| Ok::<_, Infallible>(x == 2.0)).unwrap();
+        assert!(mesh.boundary("middle").unwrap().facets.is_empty());
+    }
+
+    #[test]
+    fn a_condition_may_fail_and_a_name_be_taken() {
+        let mesh = rectangle([1.0, 1.0], [1, 1], [0.0; 2]).unwrap();
+        let failed = mesh.clone().boundary_where("a", |_| Err("script error")).unwrap_err();
+        assert_eq!(failed, SelectionError::Condition("script error"));
+        let taken = mesh.boundary_where("top", |_| Ok::<_, Infallible>(true)).unwrap_err();
+        assert!(taken.to_string().starts_with("the mesh already has a boundary \"top\""), "{taken}");
+    }
+
+    #[test]
+    fn a_condition_picks_a_side_of_a_block() {
+        let mesh = block([1.0, 1.0, 1.0], [2, 2, 2], [0.0; 3]).unwrap();
+        let mut found = mesh.facets_where(|[.., z]| Ok::<_, Infallible>(z == 1.0)).unwrap();
+        let mut front = mesh.boundary("front").unwrap().facets.clone();
+        found.sort_unstable();
+        front.sort_unstable();
+        assert_eq!(found, front);
+    }
+
+    #[test]
+    fn a_part_is_a_mesh_of_its_own() {
+        let mut mesh = rectangle([4.0, 1.0], [4, 1], [0.0; 2]).unwrap();
+        mesh.parts = vec![("west".into(), vec![0, 1]), ("east".into(), vec![3, 2]), ("all".into(), vec![0, 1, 2, 3])];
+        let east = mesh.part("east").unwrap();
+        assert_eq!((east.cell_count(), east.points.len()), (2, 6));
+        assert_eq!(east.cell_center(0), [3.5, 0.5]);
+        assert_eq!(east.defects(), []);
+        let names: Vec<&str> = east.boundaries.iter().map(|b| b.name.as_str()).collect();
+        assert_eq!(names, ["right", "bottom", "top"]);
+        let right = east.boundary("right").unwrap();
+        assert_eq!(right.facets, [Facet { cell: 0, local: 1 }]);
+        assert!(east.boundary_nodes(right).iter().all(|&n| east.points[n as usize][0] == 4.0));
+        assert_eq!(east.parts, [("east".to_string(), vec![0, 1]), ("all".to_string(), vec![1, 0])]);
+        // one more open side where the other part was
+        assert_eq!(east.hull().len(), 6);
+        let error = mesh.part("eats").unwrap_err();
+        assert_eq!((error.to_string().contains("\"west\", \"east\", \"all\""), error.cure()), (true, "did you mean \"east\"?".into()));
+    }
+}
