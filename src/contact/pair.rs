@@ -19,6 +19,8 @@
 //! subtracted, and everything is linear in `pi_4, pi_5`: a small gap keeps the relative accuracy that it has in the invariants.
 //! At a limit of overlap (a node passing a node) the gradients jump by the depth there; who combines configurations copes with that.
 
+#![allow(clippy::needless_range_loop)] // indices are those of the formulas
+
 use crate::math::tolerances::FACING;
 
 /// The five invariants, or a gradient with respect to them.
