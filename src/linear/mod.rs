@@ -1,1 +1,13 @@
-//! to come
+//! Floor 1: sparse pattern built once, block positions for assembly, factorisation (symbolic once per pattern, numeric many times).
+//!
+//! The matrix is that of a graph: a vertex per mesh node (as many unknowns as dimensions) and a vertex per multiplier (one unknown). Its
+//! pattern is symmetric, its values are not. Who assembles asks the [`Pattern`] once where each block stands and then adds to a flat
+//! array of values; who solves hands the values to a [`Factorization`]. What is behind the latter may change without notice above.
+
+mod factorization;
+mod node_matrix;
+mod pattern;
+
+pub use factorization::{Factorization, LinearError};
+pub use node_matrix::NodeMatrix;
+pub use pattern::{Block, Pattern};

@@ -1,0 +1,83 @@
+//! Nodal weights of boundaries and the forces of a torque.
+
+use crate::mesh::{Boundary, Mesh};
+
+/// Nodes of a boundary and the share of its measure `[length]` (3D: area) that belongs to each: the integral of its shape function.
+///
+/// Exact for the two-node facet; for the four-node facet by 2 x 2 Gauss points.
+pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary) -> Vec<(u32, f64)> {
+    let mut areas = std::collections::BTreeMap::new();
+    for &facet in &boundary.facets {
+        let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+        let points: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
+        match nodes.len() {
+            2 => {
+                let length = (points[1][0] - points[0][0]).hypot(points[1][1] - points[0][1]);
+                for node in nodes {
+                    *areas.entry(node).or_insert(0.0) += 0.5 * length;
+                }
+            }
+            _ => {
+                let g = 1.0 / 3f64.sqrt();
+                for (xi, eta) in [(-g, -g), (g, -g), (g, g), (-g, g)] {
+                    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+                    let (mut along, mut across) = (nalgebra::Vector3::zeros(), nalgebra::Vector3::zeros());
+                    for (point, (a, b)) in points.iter().zip(corners) {
+                        let point = nalgebra::Vector3::from(*point);
+                        along += point * (0.25 * a * (1.0 + b * eta));
+                        across += point * (0.25 * b * (1.0 + a * xi));
+                    }
+                    let area = along.cross(&across).norm();
+                    for (&node, (a, b)) in nodes.iter().zip(corners) {
+                        *areas.entry(node).or_insert(0.0) += area * 0.25 * (1.0 + a * xi) * (1.0 + b * eta);
+                    }
+                }
+            }
+        }
+    }
+    areas.into_iter().collect()
+}
+
+/// Adds the nodal forces of a torque `moment` about the third axis: `moment w_a z x r_a / sum w |r|^2`, with `r` from the `w`-weighted
+/// centroid of the boundary at `q`, and `|r|` its distance from the axis. Net force zero, resultant moment exactly `moment`.
+pub fn torque_forces<const D: usize>(weights: &[(u32, f64)], q: &[f64], moment: f64, force: &mut [f64]) {
+    let (mut center, mut total) = ([0.0; 2], 0.0);
+    for &(node, w) in weights {
+        let node = node as usize * D;
+        center[0] += w * q[node];
+        center[1] += w * q[node + 1];
+        total += w;
+    }
+    let center = center.map(|c| c / total);
+    let arm = |node: u32| [q[node as usize * D] - center[0], q[node as usize * D + 1] - center[1]];
+    let inertia: f64 = weights.iter().map(|&(node, w)| w * arm(node).iter().map(|r| r * r).sum::<f64>()).sum();
+    if inertia == 0.0 {
+        return;
+    }
+    for &(node, w) in weights {
+        let r = arm(node);
+        force[node as usize * D] -= moment * w * r[1] / inertia;
+        force[node as usize * D + 1] += moment * w * r[0] / inertia;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn torque_has_no_resultant_and_its_moment_about_any_point() {
+        let weights = [(0u32, 0.3), (1, 0.5), (2, 0.4), (3, 0.2)];
+        let q = [1.0, 0.2, -0.3, 0.9, 2.0, -1.0, 0.4, 0.4];
+        let mut force = [0.0; 8];
+        torque_forces::<2>(&weights, &q, 2.5, &mut force);
+        let (mut sum, mut moment) = ([0.0; 2], 0.0);
+        for node in 0..4 {
+            sum[0] += force[2 * node];
+            sum[1] += force[2 * node + 1];
+            moment += (q[2 * node] - 7.0) * force[2 * node + 1] - (q[2 * node + 1] + 3.0) * force[2 * node];
+        }
+        assert!(sum[0].abs() < 1e-15 && sum[1].abs() < 1e-15);
+        assert!((moment - 2.5).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,179 @@
+//! Symmetric block pattern of a graph whose vertices carry a few unknowns each, as compressed columns.
+//!
+//! All columns of a vertex have the same rows, so a block is found by two numbers: the place of its first entry and the distance to the
+//! next column. Column-major inside a block.
+
+/// Pattern of a sparse matrix on a graph.
+#[derive(Clone, Debug)]
+pub struct Pattern {
+    /// First unknown of each vertex, and the number of all unknowns at the end.
+    first: Vec<usize>,
+    /// Per vertex, the range of its neighbors in `neighbors`, itself included.
+    starts: Vec<usize>,
+    /// Neighboring vertices in ascending order.
+    neighbors: Vec<u32>,
+    /// Per entry of `neighbors`: the place of the block's first row inside a column of the vertex.
+    offsets: Vec<u32>,
+    /// Per vertex, the place of its first column's values.
+    columns: Vec<usize>,
+    /// Length of a column of each vertex.
+    lengths: Vec<usize>,
+}
+
+/// Where a block of the matrix stands in the array of values: entry `(i, k)` at `start + k * stride + i`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// Place of entry `(0, 0)`.
+    pub start: u32,
+    /// Distance from one column to the next.
+    pub stride: u32,
+}
+
+impl Block {
+    /// Place of entry `(row, column)` of the block.
+    #[inline(always)]
+    pub fn at(self, row: usize, column: usize) -> usize {
+        self.start as usize + column * self.stride as usize + row
+    }
+}
+
+impl Pattern {
+    /// The pattern of a graph: `sizes[v]` unknowns at vertex `v`, and cliques of vertices that are all coupled with each other.
+    /// Every vertex is coupled with itself.
+    pub fn new<'a>(sizes: &[u8], cliques: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let count = sizes.len();
+        // Neighbors with repetitions by counting, then sorted and made unique vertex by vertex.
+        let mut starts = vec![0usize; count + 1];
+        for v in 0..count {
+            starts[v + 1] = 1;
+        }
+        for clique in cliques.clone() {
+            for &v in clique {
+                starts[v as usize + 1] += clique.len();
+            }
+        }
+        for v in 0..count {
+            starts[v + 1] += starts[v];
+        }
+        let mut next = starts.clone();
+        let mut repeated = vec![0u32; starts[count]];
+        let mut push = |v: usize, u: u32| {
+            repeated[next[v]] = u;
+            next[v] += 1;
+        };
+        for v in 0..count {
+            push(v, v as u32);
+        }
+        for clique in cliques {
+            for &v in clique {
+                for &u in clique {
+                    push(v as usize, u);
+                }
+            }
+        }
+        let (mut unique_starts, mut neighbors) = (Vec::with_capacity(count + 1), Vec::with_capacity(repeated.len() / 2));
+        unique_starts.push(0);
+        for v in 0..count {
+            let row = &mut repeated[starts[v]..starts[v + 1]];
+            row.sort_unstable();
+            let mut last = None;
+            for &u in row.iter() {
+                if last != Some(u) {
+                    neighbors.push(u);
+                    last = Some(u);
+                }
+            }
+            unique_starts.push(neighbors.len());
+        }
+        let mut first = vec![0usize; count + 1];
+        for v in 0..count {
+            first[v + 1] = first[v] + sizes[v] as usize;
+        }
+        let mut offsets = Vec::with_capacity(neighbors.len());
+        let (mut columns, mut lengths) = (vec![0usize; count + 1], vec![0usize; count]);
+        for v in 0..count {
+            let mut length = 0;
+            for &u in &neighbors[unique_starts[v]..unique_starts[v + 1]] {
+                offsets.push(length as u32);
+                length += sizes[u as usize] as usize;
+            }
+            lengths[v] = length;
+            columns[v + 1] = columns[v] + length * sizes[v] as usize;
+        }
+        Pattern { first, starts: unique_starts, neighbors, offsets, columns, lengths }
+    }
+
+    /// Number of unknowns.
+    pub fn unknowns(&self) -> usize {
+        self.first[self.first.len() - 1]
+    }
+
+    /// Number of stored values.
+    pub fn values(&self) -> usize {
+        self.columns[self.columns.len() - 1]
+    }
+
+    /// First unknown of a vertex.
+    pub fn first_unknown(&self, vertex: usize) -> usize {
+        self.first[vertex]
+    }
+
+    /// The block that couples row vertex `u` with column vertex `v`.
+    ///
+    /// # Panics
+    /// When the two are not coupled in the pattern.
+    pub fn block(&self, u: u32, v: u32) -> Block {
+        let range = self.starts[v as usize]..self.starts[v as usize + 1];
+        let place = self.neighbors[range.clone()].binary_search(&u).expect("the vertices are coupled in the pattern");
+        let stride = self.lengths[v as usize];
+        Block { start: (self.columns[v as usize] + self.offsets[range.start + place] as usize) as u32, stride: stride as u32 }
+    }
+
+    /// Neighbors of a vertex, itself included, in ascending order.
+    pub fn neighbors(&self, vertex: usize) -> &[u32] {
+        &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
+    }
+
+    /// Compressed columns: start of every column, and row of every value.
+    pub fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>) {
+        let mut starts = Vec::with_capacity(self.unknowns() + 1);
+        let mut rows = Vec::with_capacity(self.values());
+        starts.push(0);
+        for v in 0..self.lengths.len() {
+            for _ in self.first[v]..self.first[v + 1] {
+                for &u in self.neighbors(v) {
+                    rows.extend(self.first[u as usize]..self.first[u as usize + 1]);
+                }
+                starts.push(rows.len());
+            }
+        }
+        (starts, rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_stand_where_the_compressed_columns_say() {
+        let sizes = [2u8, 2, 1, 2];
+        let cliques: [&[u32]; 2] = [&[0, 1], &[1, 2, 3]];
+        let pattern = Pattern::new(&sizes, cliques.into_iter());
+        assert_eq!(pattern.unknowns(), 7);
+        assert_eq!(pattern.neighbors(0), [0, 1]);
+        assert_eq!(pattern.neighbors(1), [0, 1, 2, 3]);
+        let (starts, rows) = pattern.compressed_columns();
+        assert_eq!(rows.len(), pattern.values());
+        for (u, v) in [(0u32, 1u32), (1, 0), (2, 3), (3, 3), (2, 2)] {
+            let block = pattern.block(u, v);
+            for i in 0..sizes[u as usize] as usize {
+                for k in 0..sizes[v as usize] as usize {
+                    let (place, column) = (block.at(i, k), pattern.first_unknown(v as usize) + k);
+                    assert!((starts[column]..starts[column + 1]).contains(&place));
+                    assert_eq!(rows[place], pattern.first_unknown(u as usize) + i);
+                }
+            }
+        }
+    }
+}
