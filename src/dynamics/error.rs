@@ -54,6 +54,12 @@ pub enum ModelError {
         /// `body.boundary` of the secondary side.
         boundary: String,
     },
+    /// The equations do not fit into memory.
+    #[error("the model is too large: {reason}")]
+    TooLarge {
+        /// What did not fit.
+        reason: String,
+    },
     /// A cell that is inside out or degenerate.
     #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
     InvertedCell {
@@ -76,6 +82,7 @@ impl ModelError {
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
             ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
             ModelError::SelfContact { .. } => "name two boundaries without common facets as `secondary` and `primary`".into(),
+            ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::InvertedCell { .. } => {
                 "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into()
             }

@@ -37,3 +37,18 @@ impl BodyFields {
         (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
     }
 }
+
+/// Quantities of a contact pair at one time; every vector has one entry per secondary node.
+#[derive(Clone, Debug)]
+pub struct ContactFields {
+    /// Positions of the secondary nodes `[length]`.
+    pub positions: Vec<[f64; 3]>,
+    /// Contact pressure `[stress]`.
+    pub pressure: Vec<f64>,
+    /// Gap `[length]`, NaN where nothing lies opposite.
+    pub gap: Vec<f64>,
+    /// Whether the node is in contact.
+    pub active: Vec<bool>,
+    /// Resultant of the contact forces on the secondary side `[force]`.
+    pub force: [f64; 3],
+}

@@ -5,11 +5,15 @@ mod error;
 mod fields;
 mod ledger;
 mod model;
+mod newton;
+mod predictor;
 mod simulation;
+mod system;
+mod time_loop;
 
 pub use amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction};
 pub use error::{ModelError, StepError};
-pub use fields::BodyFields;
+pub use fields::{BodyFields, ContactFields};
 pub use ledger::LedgerRow;
 pub use model::{
     BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Load, LoadKind, Model, Support, UpdateRule,

@@ -1,13 +1,14 @@
 //! A running simulation, free of the space dimension.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use super::error::{ModelError, StepError};
-use super::fields::BodyFields;
+use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::Model;
+use super::time_loop::TimeLoop;
 use crate::integrators::Integrator;
 
 /// How a model is integrated.
@@ -31,6 +32,11 @@ impl Options {
     /// Defaults for an integrator and a step size.
     pub fn new(integrator: Integrator, dt: f64) -> Self {
         Options { integrator, dt, tolerance: crate::math::tolerances::NEWTON_ENERGY, max_halvings: 7, threads: 1, interrupt: None }
+    }
+
+    /// Whether the user wants the run to end.
+    pub(super) fn interrupted(&self) -> bool {
+        self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 }
 
@@ -78,20 +84,46 @@ pub struct SettleReport {
 }
 
 /// Everything that the future of a simulation depends on. A value: keep it, restore it, branch from it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Time `[time]`.
-    pub time: f64,
     /// The ledger's row of this state.
     pub row: LedgerRow,
-    /// Positions of all nodes `[length]`.
+    /// Positions of all nodes `[length]`, component by component, body after body.
     pub positions: Vec<f64>,
     /// Velocities of all nodes `[length/time]`.
     pub velocities: Vec<f64>,
+    /// Multipliers of all contact pairs `[stress]`.
+    pub(super) lambda: Vec<f64>,
+    /// Active contact nodes.
+    pub(super) active: Vec<bool>,
+    /// Half of the forces that are not inertial (trapezoidal rule).
+    pub(super) half_force: Vec<f64>,
+    /// Time from which steps are counted, and their number: times are products, not sums.
+    pub(super) clock: (f64, usize),
+    /// Halvings with which the next nominal step begins.
+    pub(super) level: usize,
+    /// End of the last step in which a load acted.
+    pub(super) loads_ended: f64,
 }
 
 /// A running simulation.
-pub struct Simulation {}
+pub struct Simulation {
+    steps: Box<dyn Steps>,
+}
+
+/// What a simulation of either dimension can do.
+pub(super) trait Steps {
+    fn dimension(&self) -> usize;
+    fn options(&self) -> &Options;
+    fn unknowns(&self) -> usize;
+    fn state(&self) -> &State;
+    fn restore(&mut self, state: &State);
+    fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
+    fn settle(&mut self) -> Result<SettleReport, StepError>;
+    fn fields(&self) -> Vec<BodyFields>;
+    fn contact(&self, name: &str) -> Option<ContactFields>;
+    fn statistics(&self) -> Statistics;
+}
 
 impl Simulation {
     /// Builds the kernels of a model in its initial configuration.
@@ -99,33 +131,36 @@ impl Simulation {
     /// # Errors
     /// A model that cannot be simulated ([`Model::check`], inverted cells).
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
-        let _ = (model, options);
-        todo!()
+        let steps: Box<dyn Steps> = match model.dimension() {
+            3 => Box::new(TimeLoop::<3>::new(model, options)?),
+            _ => Box::new(TimeLoop::<2>::new(model, options)?),
+        };
+        Ok(Simulation { steps })
     }
 
     /// Space dimension.
     pub fn dimension(&self) -> usize {
-        todo!()
+        self.steps.dimension()
     }
 
     /// Options it was made with.
     pub fn options(&self) -> &Options {
-        todo!()
+        self.steps.options()
     }
 
     /// Number of free displacement components.
     pub fn unknowns(&self) -> usize {
-        todo!()
+        self.steps.unknowns()
     }
 
     /// Current time `[time]`.
     pub fn time(&self) -> f64 {
-        todo!()
+        self.row().time
     }
 
     /// The ledger's row of the current state.
     pub fn row(&self) -> &LedgerRow {
-        todo!()
+        &self.steps.state().row
     }
 
     /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in pieces where it must be halved.
@@ -134,8 +169,7 @@ impl Simulation {
     /// # Errors
     /// The step that failed; the simulation then stands at its last accepted piece.
     pub fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        let _ = (end, accepted);
-        todo!()
+        self.steps.step(end, accepted)
     }
 
     /// Brings the model to static equilibrium by damped steps, without letting time pass; velocities stay as they are.
@@ -143,32 +177,39 @@ impl Simulation {
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle(&mut self) -> Result<SettleReport, StepError> {
-        todo!()
+        self.steps.settle()
     }
 
     /// The current state as a value.
     pub fn state(&self) -> State {
-        todo!()
+        self.steps.state().clone()
     }
 
     /// Goes on from a state of this simulation (or of one of the same model).
+    ///
+    /// # Panics
+    /// When the state is of another model (other numbers of nodes or multipliers).
     pub fn restore(&mut self, state: &State) {
-        let _ = state;
-        todo!()
+        self.steps.restore(state);
     }
 
     /// Nodal fields of every body.
     pub fn fields(&self) -> Vec<BodyFields> {
-        todo!()
+        self.steps.fields()
+    }
+
+    /// Quantities of the contact pair of that name; `None` when there is none.
+    pub fn contact(&self, name: &str) -> Option<ContactFields> {
+        self.steps.contact(name)
     }
 
     /// Counters and times so far.
     pub fn statistics(&self) -> Statistics {
-        todo!()
+        self.steps.statistics()
     }
 
     /// End of the last step in which a load acted, 0 when none did so far `[time]`.
     pub fn loads_ended(&self) -> f64 {
-        todo!()
+        self.steps.state().loads_ended
     }
 }

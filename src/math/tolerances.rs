@@ -4,6 +4,10 @@
 /// Well above round-off (1e-16) and a hundred times below the promised defect of 1e-11 per step.
 pub const NEWTON_ENERGY: f64 = 1e-13;
 
+/// Force residual, relative to the largest force, below which the energy criterion alone decides: a guard against a residual that
+/// happens to be orthogonal to the motion.
+pub const NEWTON_FORCE: f64 = 1e-7;
+
 /// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge too.
 pub const FORCE_FLOOR: f64 = 1e-14;
 

@@ -1,0 +1,316 @@
+//! Newton's method of one step, with the contact conditions found together with the nonlinear equations.
+//!
+//! Semi-smooth Newton: the set of active nodes is finished on the frozen linearisation of each iteration before the geometry is evaluated
+//! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap sit out the step; convergence is decided by the natural
+//! residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
+
+use super::error::StepError;
+use super::system::{AssemblyError, Forces, Pair, StepStart, System};
+use crate::bodies::{Elements, Inverted, Space};
+use crate::linear::LinearError;
+use crate::math::tolerances;
+
+/// A converged step.
+pub(super) struct Solution {
+    pub(super) q_1: Vec<f64>,
+    pub(super) lambda: Vec<f64>,
+    pub(super) active: Vec<bool>,
+    pub(super) forces: Forces,
+    pub(super) iterations: usize,
+}
+
+/// What an iteration looked like, for the report of a failure.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Iteration {
+    /// Largest component of the residual and its unknown.
+    pub(super) residual: f64,
+    pub(super) worst: usize,
+    /// Force by which residuals are judged in this iteration.
+    pub(super) target: f64,
+    /// Largest violation of the contact conditions over what is tolerated, and its constraint.
+    pub(super) violation: f64,
+    pub(super) worst_row: usize,
+    /// Nodes whose contact state changed.
+    pub(super) changes: usize,
+}
+
+/// Why a step did not converge.
+pub(super) enum Failure {
+    /// Too many iterations; the last ones.
+    Iterations(Vec<Iteration>),
+    Inverted {
+        body: String,
+        inverted: Inverted,
+    },
+    Linear(LinearError),
+    /// The iterate left the range of numbers.
+    Diverged,
+    /// Bodies moved farther than the candidate pairs reach.
+    BeyondSearch {
+        pair: String,
+    },
+    /// Not a matter of the numerics: do not try again.
+    Fatal(StepError),
+}
+
+impl From<AssemblyError> for Failure {
+    fn from(error: AssemblyError) -> Self {
+        match error {
+            AssemblyError::Inverted { body, inverted } => Failure::Inverted { body, inverted },
+            AssemblyError::Load(error) => Failure::Fatal(error),
+            AssemblyError::NotFinite => Failure::Diverged,
+        }
+    }
+}
+
+/// How Newton's method proceeds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Strategy {
+    /// Set finished on the frozen linearisation, increments limited.
+    InnerLoop,
+    /// One set update per iteration, backtracking on the residual: for what the first did not solve.
+    Backtracking,
+}
+
+/// Where Newton's method starts and when it is done.
+pub(super) struct Task<'a> {
+    pub(super) start: &'a StepStart<'a>,
+    pub(super) predicted: &'a [f64],
+    pub(super) lambda: &'a [f64],
+    pub(super) energy: f64,
+    pub(super) tolerance: f64,
+    pub(super) interrupted: &'a dyn Fn() -> bool,
+}
+
+const MAX_ITERATIONS: usize = 25;
+const MAX_BACKTRACKING_ITERATIONS: usize = 40;
+const MAX_INNER: usize = 20;
+
+/// The members of the contact sets and the multipliers of one iterate.
+struct Contacts {
+    /// Nodes that sit out the step.
+    dropped: Vec<bool>,
+    active: Vec<bool>,
+}
+
+/// Solves one step.
+pub(super) fn solve<const D: usize>(system: &mut System<D>, task: &Task, strategy: Strategy) -> Result<Solution, Failure>
+where
+    Space<D>: Elements<D>,
+{
+    let start = task.start;
+    let mut q_1 = task.predicted.to_vec();
+    let mut lambda = task.lambda.to_vec();
+    let mut contacts = Contacts { dropped: vec![false; system.multipliers], active: vec![false; system.multipliers] };
+    let limit = system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min) * tolerances::STEP_LIMIT;
+    let mut history: Vec<Iteration> = Vec::new();
+    let mut last_energy = f64::INFINITY;
+    let iterations = if strategy == Strategy::InnerLoop { MAX_ITERATIONS } else { MAX_BACKTRACKING_ITERATIONS };
+    let mut forces = system.assemble(start, &q_1, &lambda)?;
+    for iteration in 0..=iterations {
+        if (task.interrupted)() {
+            return Err(Failure::Fatal(StepError::Interrupted { time: start.time }));
+        }
+        if iteration > 0 && drop_slivers(system, &mut contacts.dropped, &mut lambda) {
+            // Their multipliers are gone, so the forces changed.
+            forces = system.assemble(start, &q_1, &lambda)?;
+        }
+        let (mut record, moved) = measure(system, task, &forces, &q_1, &lambda, &contacts.dropped);
+        let converged_force = record.residual <= record.target;
+        let small = task.tolerance * task.energy.max(f64::MIN_POSITIVE);
+        // Round-off: the energy no longer falls although everything else has converged.
+        let stalled = moved <= 100.0 * small && moved > 0.5 * last_energy;
+        if converged_force && record.violation <= 1.0 && (moved <= small || stalled) {
+            return Ok(Solution { q_1, lambda, active: contacts.active, forces, iterations: iteration });
+        }
+        last_energy = moved;
+        if iteration == iterations {
+            history.push(record);
+            break;
+        }
+
+        let mut set = starting_set(system, &lambda, &contacts.dropped);
+        let (increment, new_lambda) = match strategy {
+            Strategy::InnerLoop => inner_loop(system, &forces, &mut set, &contacts.dropped)?,
+            Strategy::Backtracking => system.solve(&forces, &set).map_err(Failure::Linear)?,
+        };
+        record.changes = set.iter().zip(&contacts.active).filter(|(a, b)| a != b).count();
+        contacts.active = set;
+        history.push(record);
+        let largest = increment.iter().fold(0.0f64, |largest, d| largest.max(d.abs()));
+        if !largest.is_finite() {
+            return Err(Failure::Diverged);
+        }
+        let moved_to = |alpha: f64| -> (Vec<f64>, Vec<f64>) {
+            (
+                q_1.iter().zip(&increment).map(|(q, d)| q + alpha * d).collect(),
+                lambda.iter().zip(&new_lambda).map(|(old, new)| old + alpha * (new - old)).collect(),
+            )
+        };
+        match strategy {
+            Strategy::InnerLoop => {
+                let alpha = if largest > limit { limit / largest } else { 1.0 };
+                (q_1, lambda) = moved_to(alpha);
+                forces = system.assemble(start, &q_1, &lambda)?;
+            }
+            Strategy::Backtracking => {
+                let merit_before = merit(system, &forces, &lambda, &contacts.dropped);
+                let mut best: Option<(f64, f64)> = None;
+                for alpha in [1.0, 0.5, 0.25, 0.125] {
+                    let (q, l) = moved_to(alpha);
+                    let Ok(trial) = system.assemble(start, &q, &l) else { continue };
+                    let value = merit(system, &trial, &l, &contacts.dropped);
+                    if best.is_none_or(|(least, _)| value < least) {
+                        best = Some((value, alpha));
+                    }
+                    if value < merit_before {
+                        break;
+                    }
+                }
+                let (_, alpha) = best.ok_or(Failure::Diverged)?;
+                (q_1, lambda) = moved_to(alpha);
+                forces = system.assemble(start, &q_1, &lambda)?;
+            }
+        }
+    }
+    Err(Failure::Iterations(history))
+}
+
+/// Whether constraint `row` of a pair can hold at all at this iterate: its node has an overlap.
+fn has_row(pair: &Pair, row: usize) -> bool {
+    pair.evaluation.coverage[row] > tolerances::ZERO_ROW
+}
+
+/// Takes nodes with a sliver of overlap out of the step; returns whether a multiplier was lost.
+fn drop_slivers<const D: usize>(system: &System<D>, dropped: &mut [bool], lambda: &mut [f64]) -> bool {
+    let mut lost = false;
+    for pair in &system.pairs {
+        for row in pair.rows.clone() {
+            let covered = pair.evaluation.coverage[row - pair.rows.start];
+            if !dropped[row] && covered > 0.0 && covered < tolerances::SLIVER {
+                dropped[row] = true;
+                lost |= lambda[row] != 0.0;
+                lambda[row] = 0.0;
+            }
+        }
+    }
+    lost
+}
+
+/// The iterate in numbers, and the energy that its residual can still move.
+fn measure<const D: usize>(
+    system: &System<D>,
+    task: &Task,
+    forces: &Forces,
+    q_1: &[f64],
+    lambda: &[f64],
+    dropped: &[bool],
+) -> (Iteration, f64)
+where
+    Space<D>: Elements<D>,
+{
+    let mut record = Iteration::default();
+    let mut work = 0.0;
+    for k in (0..q_1.len()).filter(|&k| !system.fixed[k]) {
+        let r = forces.without_contact[k] - forces.contact[k];
+        if r.abs() > record.residual {
+            (record.residual, record.worst) = (r.abs(), k);
+        }
+        work += r * (q_1[k] - task.start.q_0[k]);
+    }
+    let floor = tolerances::FORCE_FLOOR * system.modulus * system.extent.powi(D as i32 - 1);
+    record.target = (tolerances::NEWTON_FORCE * forces.scale).max(floor);
+    let mut contact_work = 0.0;
+    for pair in &system.pairs {
+        for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
+            let gap = pair.evaluation.gap[row - pair.rows.start];
+            let natural = if pair.equality { gap } else { gap.min(lambda[row] / pair.c) };
+            let violation = natural.abs() / pair.gap_tolerance;
+            if violation > record.violation {
+                (record.violation, record.worst_row) = (violation, row);
+            }
+            contact_work += lambda[row] * gap;
+        }
+    }
+    (record, work.abs() + contact_work.abs())
+}
+
+/// The set that an iteration begins with: pressed nodes and nodes that overlap.
+fn starting_set<const D: usize>(system: &System<D>, lambda: &[f64], dropped: &[bool]) -> Vec<bool> {
+    let mut set = vec![false; system.multipliers];
+    for pair in &system.pairs {
+        for row in pair.rows.clone() {
+            let local = row - pair.rows.start;
+            let pressed = pair.equality || lambda[row] - pair.c * pair.evaluation.gap[local] > 0.0;
+            set[row] = pressed && !dropped[row] && has_row(pair, local);
+        }
+    }
+    set
+}
+
+/// Finishes the set on the frozen linearisation: active nodes that pull leave, inactive nodes that would overlap enter.
+fn inner_loop<const D: usize>(
+    system: &mut System<D>,
+    forces: &Forces,
+    set: &mut Vec<bool>,
+    dropped: &[bool],
+) -> Result<(Vec<f64>, Vec<f64>), Failure>
+where
+    Space<D>: Elements<D>,
+{
+    let mut seen = vec![set.clone()];
+    let mut one_at_a_time = false;
+    for inner in 0..MAX_INNER {
+        let (increment, lambda) = system.solve(forces, set).map_err(Failure::Linear)?;
+        let gaps = system.linearized_gaps(&increment);
+        let mut next = set.clone();
+        let mut worst = (0.0, usize::MAX);
+        for pair in system.pairs.iter().filter(|pair| !pair.equality) {
+            for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
+                let violation = if set[row] { -lambda[row] / pair.c } else { -gaps[row] - 1e-3 * pair.gap_tolerance };
+                if violation > 0.0 || (set[row] && lambda[row] <= 0.0) {
+                    next[row] = !set[row];
+                    if violation > worst.0 {
+                        worst = (violation, row);
+                    }
+                }
+            }
+        }
+        if next == *set || inner + 1 == MAX_INNER {
+            return Ok((increment, lambda));
+        }
+        one_at_a_time |= seen.contains(&next);
+        if one_at_a_time {
+            next = set.clone();
+            if worst.1 == usize::MAX {
+                return Ok((increment, lambda));
+            }
+            next[worst.1] = !set[worst.1];
+            if seen.contains(&next) {
+                return Ok((increment, lambda));
+            }
+        }
+        seen.push(next.clone());
+        *set = next;
+    }
+    unreachable!("the last pass returns")
+}
+
+/// Size of residual and contact violation, for the line search: forces and multipliers times facet size.
+fn merit<const D: usize>(system: &System<D>, forces: &Forces, lambda: &[f64], dropped: &[bool]) -> f64 {
+    let mut sum = 0.0;
+    for (k, (r, c)) in forces.without_contact.iter().zip(&forces.contact).enumerate() {
+        if !system.fixed[k] {
+            sum += (r - c) * (r - c);
+        }
+    }
+    for pair in &system.pairs {
+        let size = pair.kernel.facet_size();
+        for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
+            let pressure = pair.c * pair.evaluation.gap[row - pair.rows.start];
+            let natural = size * if pair.equality { pressure } else { pressure.min(lambda[row]) };
+            sum += natural * natural;
+        }
+    }
+    sum.sqrt()
+}

@@ -1,0 +1,72 @@
+//! The start of Newton's method: every free piece moved by its rigid velocity alone.
+//!
+//! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity that belongs to
+//! the piece's angular momentum. Elastic velocities are left out (they are noise when dt is many element periods), and a rotation proper
+//! does not inflate the body as `q_0 + dt v_0` does. Pieces with supports start where they are.
+
+use super::system::System;
+use crate::bodies::{Elements, Space};
+
+/// Predicted positions of all nodes at the end of a step.
+pub(super) fn rigid_motion<const D: usize>(system: &System<D>, q_0: &[f64], v_0: &[f64], dt: f64) -> Vec<f64>
+where
+    Space<D>: Elements<D>,
+{
+    let pieces = system.piece_is_free.len();
+    let (mut momentum, mut mass_position) = (vec![0.0; v_0.len()], vec![0.0; q_0.len()]);
+    system.mass.multiply_into::<D>(v_0, &mut momentum);
+    system.mass.multiply_into::<D>(q_0, &mut mass_position);
+    let mut mass = vec![0.0; pieces];
+    let mut center = vec![nalgebra::Vector3::zeros(); pieces];
+    let mut velocity = vec![nalgebra::Vector3::zeros(); pieces];
+    let piece_of = |node: usize| system.pieces[node] as usize;
+    for node in 0..system.nodes() {
+        let piece = piece_of(node);
+        mass[piece] += system.nodal_mass[node];
+        center[piece] += vector::<D>(&mass_position, node);
+        velocity[piece] += vector::<D>(&momentum, node);
+    }
+    for piece in 0..pieces {
+        center[piece] /= mass[piece];
+        velocity[piece] /= mass[piece];
+    }
+    let mut spin = vec![nalgebra::Vector3::zeros(); pieces];
+    let mut inertia = vec![nalgebra::Matrix3::zeros(); pieces];
+    for node in 0..system.nodes() {
+        let piece = piece_of(node);
+        let arm = vector::<D>(q_0, node) - center[piece];
+        spin[piece] += arm.cross(&vector::<D>(&momentum, node));
+        let weighted = vector::<D>(&mass_position, node) - center[piece] * system.nodal_mass[node];
+        inertia[piece] += nalgebra::Matrix3::identity() * arm.dot(&weighted) - arm * weighted.transpose();
+    }
+    let rotation: Vec<nalgebra::Matrix3<f64>> = (0..pieces)
+        .map(|piece| {
+            let angular = if D == 2 {
+                spin[piece] / inertia[piece].m33
+            } else {
+                inertia[piece].try_inverse().map_or(nalgebra::Vector3::zeros(), |inverse| inverse * spin[piece])
+            };
+            // Cayley: (I - W/2)^-1 (I + W/2) with W = dt angular x.
+            let half = angular.cross_matrix() * (0.5 * dt);
+            (nalgebra::Matrix3::identity() - half)
+                .try_inverse()
+                .map_or(nalgebra::Matrix3::identity(), |inverse| inverse * (nalgebra::Matrix3::identity() + half))
+        })
+        .collect();
+    let mut q_1 = q_0.to_vec();
+    for node in 0..system.nodes() {
+        let piece = piece_of(node);
+        if system.piece_is_free[piece] {
+            let arm = vector::<D>(q_0, node) - center[piece];
+            let moved = center[piece] + velocity[piece] * dt + rotation[piece] * arm;
+            q_1[node * D..(node + 1) * D].copy_from_slice(&moved.as_slice()[..D]);
+        }
+    }
+    q_1
+}
+
+fn vector<const D: usize>(values: &[f64], node: usize) -> nalgebra::Vector3<f64> {
+    let mut vector = nalgebra::Vector3::zeros();
+    vector.as_mut_slice()[..D].copy_from_slice(&values[node * D..(node + 1) * D]);
+    vector
+}

@@ -1,0 +1,620 @@
+//! The equations of one model: numbering, supports, and the residual and tangent of a step.
+//!
+//! Unknowns: the displacement components of all nodes (those of supports stay in the numbering, their rows and columns are replaced by
+//! the identity), then one multiplier per secondary node of every contact pair. Newton's system of a step is
+//!
+//! ```text
+//! [ K   -Gbar^T ] [ dq     ]     [ r_0 ]         K = d r / d q_1  with the contact forces' part,
+//! [ G_1     0   ] [ lambda ] = - [ Phi ]         r = r_0 - Gbar^T lambda
+//! ```
+//!
+//! (Hesch and Betsch 2007, equation 3). The constraint rows of nodes that are not active read `lambda = 0`; switching them does not change
+//! the pattern.
+
+use std::time::Instant;
+
+use super::error::{ModelError, StepError};
+use super::model::{ContactMethod, LoadKind, Model};
+use super::simulation::PhaseTimes;
+use crate::bodies::{ElementLoop, Elements, Inverted, Space, Workers, nodal_areas, torque_forces};
+use crate::contact::{ContactKernel, Evaluation, Mortar};
+use crate::integrators::Integrator;
+use crate::linear::{Block, Factorization, LinearError, NodeMatrix, Pattern};
+use crate::math::tolerances;
+
+/// A body in the numbering of the model.
+pub(super) struct Body<const D: usize> {
+    pub(super) name: String,
+    /// Range of its nodes.
+    pub(super) nodes: std::ops::Range<usize>,
+    pub(super) elements: Box<dyn ElementLoop<D>>,
+}
+
+/// A load with its nodal weights.
+pub(super) struct NodalLoad {
+    kind: LoadKind,
+    weights: Vec<(u32, f64)>,
+    amplitude: super::amplitude::Amplitude,
+    name: String,
+}
+
+/// A contact pair with its place among the multipliers and in the matrix.
+pub(super) struct Pair {
+    pub(super) name: String,
+    pub(super) kernel: Box<dyn ContactKernel>,
+    pub(super) evaluation: Evaluation,
+    pub(super) equality: bool,
+    /// Range of its multipliers among all multipliers.
+    pub(super) rows: std::ops::Range<usize>,
+    /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
+    pub(super) c: f64,
+    /// Weighted gap that counts as closed.
+    pub(super) gap_tolerance: f64,
+    /// Per patch: blocks of node pairs (row by row), then per constraint row and node the blocks in the multiplier's row and column.
+    tangent_places: Vec<Block>,
+    row_places: Vec<Block>,
+    column_places: Vec<Block>,
+}
+
+/// What a step starts from and how it is integrated.
+pub(super) struct StepStart<'a> {
+    pub(super) integrator: Integrator,
+    pub(super) time: f64,
+    pub(super) dt: f64,
+    pub(super) q_0: &'a [f64],
+    pub(super) v_0: &'a [f64],
+    /// Half of the forces that are not inertial at the start of the step; only the trapezoidal rule uses it.
+    pub(super) half_force: &'a [f64],
+    /// `Some(mu)`: no inertia but a damping `mu/2 M (q_1 - q_0)`; velocities are not used.
+    pub(super) damping: Option<f64>,
+}
+
+/// Forces of a step at one iterate.
+pub(super) struct Forces {
+    /// Residual without contact forces.
+    pub(super) without_contact: Vec<f64>,
+    /// Contact forces `Gbar^T lambda`.
+    pub(super) contact: Vec<f64>,
+    /// Loads, gravity not included.
+    pub(super) load: Vec<f64>,
+    /// Size of the largest internal, inertial or external force component, to measure residuals with.
+    pub(super) scale: f64,
+}
+
+/// The equations of a model in `D` dimensions.
+pub(super) struct System<const D: usize> {
+    pub(super) bodies: Vec<Body<D>>,
+    pub(super) pairs: Vec<Pair>,
+    pub(super) loads: Vec<NodalLoad>,
+    /// Node positions at rest.
+    pub(super) reference: Vec<f64>,
+    /// Which displacement components are held.
+    pub(super) fixed: Vec<bool>,
+    pub(super) mass: NodeMatrix,
+    /// Mass of every node (row sums).
+    pub(super) nodal_mass: Vec<f64>,
+    /// Force of gravity.
+    pub(super) weight: Vec<f64>,
+    pub(super) gravity: [f64; 3],
+    /// Largest Young's modulus and largest extent, for the round-off floor of forces.
+    pub(super) modulus: f64,
+    pub(super) extent: f64,
+    /// Pieces of connected nodes: number per node, and whether the piece holds no support.
+    pub(super) pieces: Vec<u32>,
+    pub(super) piece_is_free: Vec<bool>,
+    pub(super) multipliers: usize,
+    pub(super) values: Vec<f64>,
+    pub(super) times: PhaseTimes,
+    pub(super) factorizations: usize,
+    pattern: Pattern,
+    mass_values: Vec<f64>,
+    identity_places: Vec<u32>,
+    zero_places: Vec<u32>,
+    diagonal_places: Vec<u32>,
+    factorization: Factorization,
+    workers: Workers,
+}
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    pub(super) fn new(model: &Model, threads: usize) -> Result<Self, ModelError> {
+        model.check()?;
+        let mut bodies = Vec::new();
+        let mut reference: Vec<f64> = Vec::new();
+        for body in &model.bodies {
+            let first = reference.len() / D;
+            let elements = Space::<D>::elements(&body.mesh, &body.material, first).map_err(|Inverted { cell, determinant }| {
+                ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant }
+            })?;
+            reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
+            bodies.push(Body { name: body.name.clone(), nodes: first..reference.len() / D, elements });
+        }
+        let nodes = reference.len() / D;
+        let global = |body: usize, node: u32| node + bodies[body].nodes.start as u32;
+
+        let mut fixed = vec![false; reference.len()];
+        for support in &model.supports {
+            for node in model.bodies[support.on.body].mesh.boundary_nodes(&support.on.boundary) {
+                for i in (0..D).filter(|&i| support.components[i]) {
+                    fixed[global(support.on.body, node) as usize * D + i] = true;
+                }
+            }
+        }
+        let loads = model
+            .loads
+            .iter()
+            .map(|load| NodalLoad {
+                kind: load.kind,
+                weights: nodal_areas(&model.bodies[load.on.body].mesh, &load.on.boundary)
+                    .into_iter()
+                    .map(|(node, weight)| (global(load.on.body, node), weight))
+                    .collect(),
+                amplitude: load.amplitude.clone(),
+                name: model.boundary_name(&load.on),
+            })
+            .collect();
+
+        let mut multipliers = 0;
+        let mut pairs: Vec<Pair> = Vec::new();
+        for contact in &model.contacts {
+            let surface = |on: &super::model::BodyBoundary| {
+                let mesh = &model.bodies[on.body].mesh;
+                let facets: Vec<[u32; 2]> = on
+                    .boundary
+                    .facets
+                    .iter()
+                    .map(|&facet| {
+                        let mut nodes = mesh.facet_nodes(facet).map(|node| global(on.body, node));
+                        std::array::from_fn(|_| nodes.next().expect("a facet in the plane has two nodes"))
+                    })
+                    .collect();
+                facets
+            };
+            let kernel: Box<dyn ContactKernel> = match contact.method {
+                ContactMethod::Mortar => Box::new(Mortar::new(&surface(&contact.secondary), &surface(&contact.primary), &reference)),
+            };
+            let count = kernel.secondary().nodes().len();
+            let size = kernel.facet_size();
+            pairs.push(Pair {
+                name: contact.name.clone(),
+                equality: contact.equality,
+                rows: multipliers..multipliers + count,
+                c: model.bodies[contact.secondary.body].material.youngs_modulus() / (size * size),
+                gap_tolerance: tolerances::GAP * size * size,
+                kernel,
+                evaluation: Evaluation::default(),
+                tangent_places: Vec::new(),
+                row_places: Vec::new(),
+                column_places: Vec::new(),
+            });
+            multipliers += count;
+        }
+
+        let (pieces, count) = connected_pieces(nodes, bodies.iter().flat_map(|body| body.elements.cliques()));
+        let mut piece_is_free = vec![true; count];
+        for (unknown, _) in fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+            piece_is_free[pieces[unknown / D] as usize] = false;
+        }
+        let extent = (0..D)
+            .map(|i| {
+                let coordinates = || reference.iter().skip(i).step_by(D).copied();
+                coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min)
+            })
+            .fold(0.0, f64::max);
+
+        let pattern = pattern_of::<D>(nodes, multipliers, &bodies, &pairs);
+        let mut mass = NodeMatrix::new(&pattern, nodes);
+        for body in &bodies {
+            body.elements.add_mass(&mut mass);
+        }
+        let nodal_mass = mass.row_sums();
+        let weight = (0..reference.len()).map(|k| nodal_mass[k / D] * model.gravity[k % D]).collect();
+        let factorization = Factorization::new(&pattern).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
+        let mut system = System {
+            bodies,
+            pairs,
+            loads,
+            fixed,
+            mass,
+            nodal_mass,
+            weight,
+            gravity: model.gravity,
+            modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
+            extent,
+            pieces,
+            piece_is_free,
+            multipliers,
+            values: Vec::new(),
+            times: PhaseTimes::default(),
+            factorizations: 0,
+            pattern,
+            mass_values: Vec::new(),
+            identity_places: Vec::new(),
+            zero_places: Vec::new(),
+            diagonal_places: Vec::new(),
+            factorization,
+            workers: Workers::new(threads),
+            reference,
+        };
+        system.place();
+        Ok(system)
+    }
+
+    /// Number of nodes.
+    pub(super) fn nodes(&self) -> usize {
+        self.reference.len() / D
+    }
+
+    /// Name of the body that owns a node, and the node's number in the body's mesh.
+    pub(super) fn owner(&self, node: usize) -> (&str, usize) {
+        let body = self.bodies.iter().find(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
+        (&body.name, node - body.nodes.start)
+    }
+
+    /// Finds the places of all contributions in a new pattern.
+    fn place(&mut self) {
+        let pattern = &self.pattern;
+        self.values = vec![0.0; pattern.values()];
+        for body in &mut self.bodies {
+            body.elements.place(pattern);
+        }
+        self.mass_values = vec![0.0; pattern.values()];
+        for (row, column, value) in self.mass.entries() {
+            let block = pattern.block(row, column);
+            for i in 0..D {
+                self.mass_values[block.at(i, i)] = value;
+            }
+        }
+        let nodes = self.reference.len() / D;
+        for pair in &mut self.pairs {
+            (pair.tangent_places, pair.row_places, pair.column_places) = Default::default();
+            let patches = pair.kernel.patches();
+            for p in 0..patches.len() {
+                for &u in patches.nodes(p) {
+                    pair.tangent_places.extend(patches.nodes(p).iter().map(|&v| pattern.block(u, v)));
+                }
+                for &row in patches.rows(p) {
+                    let multiplier = (nodes + pair.rows.start + row as usize) as u32;
+                    for &node in patches.nodes(p) {
+                        pair.row_places.push(pattern.block(multiplier, node));
+                        pair.column_places.push(pattern.block(node, multiplier));
+                    }
+                }
+            }
+        }
+        self.diagonal_places = (nodes..nodes + self.multipliers).map(|v| pattern.block(v as u32, v as u32).start).collect();
+        (self.identity_places, self.zero_places) = Default::default();
+        for (unknown, _) in self.fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+            let (node, i) = ((unknown / D) as u32, unknown % D);
+            for &other in pattern.neighbors(unknown / D) {
+                let (row, column) = (pattern.block(node, other), pattern.block(other, node));
+                let size = if (other as usize) < nodes { D } else { 1 };
+                for k in 0..size {
+                    self.zero_places.push(row.at(i, k) as u32);
+                    self.zero_places.push(column.at(k, i) as u32);
+                }
+            }
+            self.identity_places.push(pattern.block(node, node).at(i, i) as u32);
+        }
+    }
+
+    /// Starts a step (or a piece of one) at `q_0`: candidate pairs within a margin for each contact, and what the kernels keep of the start.
+    pub(super) fn begin_step(&mut self, q_0: &[f64], margins: &[f64]) -> Result<(), LinearError> {
+        let clock = Instant::now();
+        let mut changed = false;
+        for (pair, &margin) in self.pairs.iter_mut().zip(margins) {
+            changed |= pair.kernel.update_candidates(q_0, margin);
+        }
+        self.times.search += clock.elapsed();
+        if changed {
+            let clock = Instant::now();
+            self.pattern = pattern_of::<D>(self.nodes(), self.multipliers, &self.bodies, &self.pairs);
+            self.factorization = Factorization::new(&self.pattern)?;
+            self.place();
+            self.times.factorization += clock.elapsed();
+        }
+        let clock = Instant::now();
+        for pair in &mut self.pairs {
+            pair.kernel.begin_step(q_0);
+        }
+        self.times.contact += clock.elapsed();
+        let clock = Instant::now();
+        for body in &mut self.bodies {
+            body.elements.begin_step(q_0);
+        }
+        self.times.assembly += clock.elapsed();
+        Ok(())
+    }
+
+    /// Loads at a configuration and time, gravity not included; a time function may fail.
+    pub(super) fn loads_into(&self, q: &[f64], time: f64, force: &mut [f64]) -> Result<bool, StepError> {
+        let mut acted = false;
+        for load in &self.loads {
+            let failed = |source| StepError::Amplitude { boundary: load.name.clone(), time, source };
+            let amplitude = load.amplitude.value(time).map_err(failed)?;
+            if !amplitude.is_finite() {
+                return Err(failed(format!("the time function returned {amplitude}").into()));
+            }
+            acted |= amplitude != 0.0;
+            match load.kind {
+                LoadKind::Torque => torque_forces::<D>(&load.weights, q, amplitude, force),
+                LoadKind::Traction(vector) => spread::<D>(&load.weights, vector, amplitude, force),
+                LoadKind::Force(vector) => {
+                    let area: f64 = load.weights.iter().map(|(_, weight)| weight).sum();
+                    spread::<D>(&load.weights, vector, amplitude / area, force);
+                }
+            }
+        }
+        Ok(acted)
+    }
+
+    /// Residual and tangent of a step at `q_1` and `lambda`; values of constraint rows are written by [`Self::solve`].
+    pub(super) fn assemble(&mut self, start: &StepStart, q_1: &[f64], lambda: &[f64]) -> Result<Forces, AssemblyError> {
+        let unknowns = q_1.len();
+        let placement = start.integrator.placement();
+        let clock = Instant::now();
+        let inertia = start.damping.map_or(2.0 / (start.dt * start.dt), |mu| 0.5 * mu);
+        for (value, mass) in self.values.iter_mut().zip(&self.mass_values) {
+            *value = inertia * mass;
+        }
+        let mut internal = vec![0.0; unknowns];
+        for body in &self.bodies {
+            body.elements
+                .assemble(start.integrator, q_1, &mut internal, &mut self.values, &self.workers)
+                .map_err(|inverted| AssemblyError::Inverted { body: body.name.clone(), inverted })?;
+        }
+        let (at, time) = match placement.test {
+            crate::integrators::Configuration::Middle => {
+                (start.q_0.iter().zip(q_1).map(|(a, b)| 0.5 * (a + b)).collect(), start.time + 0.5 * start.dt)
+            }
+            crate::integrators::Configuration::End => (q_1.to_vec(), start.time + start.dt),
+        };
+        let mut load = vec![0.0; unknowns];
+        self.loads_into(&at, time, &mut load).map_err(AssemblyError::Load)?;
+        // d: q_1 - q_0 for damping, q_1 - q_0 - dt v_0 for inertia.
+        let push = if start.damping.is_some() { 0.0 } else { start.dt };
+        let motion: Vec<f64> = (0..unknowns).map(|k| q_1[k] - start.q_0[k] - push * start.v_0[k]).collect();
+        let mut residual = vec![0.0; unknowns];
+        self.mass.multiply_into::<D>(&motion, &mut residual);
+        let mut scale = 0.0f64;
+        for k in 0..unknowns {
+            let inertial = inertia * residual[k];
+            load[k] *= placement.weight;
+            let external = load[k] + placement.weight * self.weight[k];
+            scale = scale.max(inertial.abs()).max(internal[k].abs()).max(external.abs());
+            residual[k] = inertial + internal[k] - external + start.half_force[k];
+        }
+        self.times.assembly += clock.elapsed();
+
+        let clock = Instant::now();
+        let mut contact = vec![0.0; unknowns];
+        for pair in &mut self.pairs {
+            let lambda = &lambda[pair.rows.clone()];
+            pair.kernel.evaluate(start.integrator, q_1, lambda, &mut pair.evaluation);
+            let patches = pair.kernel.patches();
+            let (mut block, evaluation) = (0, &pair.evaluation);
+            for p in 0..patches.len() {
+                let (nodes, count) = (patches.nodes(p), patches.unknowns(p));
+                if evaluation.live[p] {
+                    let tangent = &evaluation.tangent[patches.tangent_range(p)];
+                    for (u, _) in nodes.iter().enumerate() {
+                        for (v, _) in nodes.iter().enumerate() {
+                            let place = pair.tangent_places[block + u * nodes.len() + v];
+                            for i in 0..D {
+                                for k in 0..D {
+                                    self.values[place.at(i, k)] -= tangent[(u * D + i) * count + v * D + k];
+                                }
+                            }
+                        }
+                    }
+                    let gradients = &evaluation.gradient_bar[patches.gradient_range(p)];
+                    for (row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(count)) {
+                        let lambda = lambda[*row as usize];
+                        for (u, &node) in nodes.iter().enumerate() {
+                            for i in 0..D {
+                                contact[node as usize * D + i] += lambda * gradient[u * D + i];
+                            }
+                        }
+                    }
+                }
+                block += nodes.len() * nodes.len();
+            }
+        }
+        scale = contact.iter().fold(scale, |scale, f| scale.max(f.abs()));
+        self.times.contact += clock.elapsed();
+        if residual.iter().any(|r| !r.is_finite()) {
+            return Err(AssemblyError::NotFinite);
+        }
+        Ok(Forces { without_contact: residual, contact, load, scale })
+    }
+
+    /// Solves Newton's system for the increment and the new multipliers with the given active constraints.
+    pub(super) fn solve(&mut self, forces: &Forces, active: &[bool]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let clock = Instant::now();
+        self.write_constraints(active);
+        let unknowns = self.reference.len();
+        let mut right: Vec<f64> = forces.without_contact.iter().zip(&self.fixed).map(|(r, &fixed)| if fixed { 0.0 } else { -r }).collect();
+        for pair in &self.pairs {
+            right.extend(pair.rows.clone().map(|row| if active[row] { -pair.evaluation.gap[row - pair.rows.start] } else { 0.0 }));
+        }
+        self.factorizations += 1;
+        self.factorization.factorize(&self.values)?;
+        self.times.factorization += clock.elapsed();
+        let clock = Instant::now();
+        let outcome = self.factorization.solve(&self.values, &mut right);
+        self.times.solve += clock.elapsed();
+        outcome?;
+        let lambda = right.split_off(unknowns);
+        Ok((right, lambda))
+    }
+
+    fn write_constraints(&mut self, active: &[bool]) {
+        for (pair, clear) in self.pairs.iter().flat_map(|pair| [(pair, true), (pair, false)]) {
+            let patches = pair.kernel.patches();
+            let mut place = 0;
+            for p in 0..patches.len() {
+                let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
+                let range = patches.gradient_range(p);
+                for (m, &row) in patches.rows(p).iter().enumerate() {
+                    let live = active[pair.rows.start + row as usize] && pair.evaluation.live[p];
+                    if clear || live {
+                        for u in 0..nodes {
+                            let (row_place, column_place) = (pair.row_places[place + u], pair.column_places[place + u]);
+                            for i in 0..D {
+                                let entry = range.start + m * count + u * D + i;
+                                if clear {
+                                    self.values[row_place.at(0, i)] = 0.0;
+                                    self.values[column_place.at(i, 0)] = 0.0;
+                                } else {
+                                    self.values[row_place.at(0, i)] += pair.evaluation.gradient_end[entry];
+                                    self.values[column_place.at(i, 0)] -= pair.evaluation.gradient_bar[entry];
+                                }
+                            }
+                        }
+                    }
+                    place += nodes;
+                }
+            }
+        }
+        for (place, &active) in self.diagonal_places.iter().zip(active) {
+            self.values[*place as usize] = if active { 0.0 } else { 1.0 };
+        }
+        for &place in &self.zero_places {
+            self.values[place as usize] = 0.0;
+        }
+        for &place in &self.identity_places {
+            self.values[place as usize] = self.modulus;
+        }
+    }
+
+    /// Constraint values after an increment `dq`, on the linearisation of the last [`Self::assemble`].
+    pub(super) fn linearized_gaps(&self, dq: &[f64]) -> Vec<f64> {
+        let mut gaps = Vec::with_capacity(self.multipliers);
+        for pair in &self.pairs {
+            gaps.extend_from_slice(&pair.evaluation.gap);
+            let gaps = &mut gaps[pair.rows.clone()];
+            let patches = pair.kernel.patches();
+            for p in (0..patches.len()).filter(|&p| pair.evaluation.live[p]) {
+                let gradients = &pair.evaluation.gradient_end[patches.gradient_range(p)];
+                for (row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
+                    for (u, &node) in patches.nodes(p).iter().enumerate() {
+                        for i in 0..D {
+                            gaps[*row as usize] += gradient[u * D + i] * dq[node as usize * D + i];
+                        }
+                    }
+                }
+            }
+        }
+        gaps
+    }
+
+    /// Kinetic energy `[energy]`.
+    pub(super) fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        let mut momentum = vec![0.0; v.len()];
+        self.mass.multiply_into::<D>(v, &mut momentum);
+        0.5 * v.iter().zip(&momentum).map(|(v, p)| v * p).sum::<f64>()
+    }
+
+    /// Strain energy `[energy]`.
+    pub(super) fn strain_energy(&self, q: &[f64]) -> f64 {
+        self.bodies.iter().map(|body| body.elements.strain_energy(q)).sum()
+    }
+
+    /// Potential energy of gravity `[energy]`, zero at the origin.
+    pub(super) fn potential_energy(&self, q: &[f64]) -> f64 {
+        -q.iter().zip(&self.weight).map(|(q, w)| q * w).sum::<f64>()
+    }
+
+    /// Linear and angular momentum about the origin.
+    pub(super) fn momenta(&self, q: &[f64], v: &[f64]) -> ([f64; 3], [f64; 3]) {
+        let mut momentum = vec![0.0; v.len()];
+        self.mass.multiply_into::<D>(v, &mut momentum);
+        (resultant::<D>(&momentum), moment::<D>(q, &momentum))
+    }
+}
+
+/// Why residual and tangent could not be computed.
+pub(super) enum AssemblyError {
+    Inverted { body: String, inverted: Inverted },
+    Load(StepError),
+    NotFinite,
+}
+
+/// Sum of nodal vectors.
+pub(super) fn resultant<const D: usize>(force: &[f64]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for f in force.chunks_exact(D) {
+        for i in 0..D {
+            sum[i] += f[i];
+        }
+    }
+    sum
+}
+
+/// Sum of moments `q x f` about the origin.
+pub(super) fn moment<const D: usize>(q: &[f64], force: &[f64]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (q, f) in q.chunks_exact(D).zip(force.chunks_exact(D)) {
+        sum[2] += q[0] * f[1] - q[1] * f[0];
+        if D == 3 {
+            sum[0] += q[1] * f[2] - q[2] * f[1];
+            sum[1] += q[2] * f[0] - q[0] * f[2];
+        }
+    }
+    sum
+}
+
+fn spread<const D: usize>(weights: &[(u32, f64)], vector: [f64; 3], factor: f64, force: &mut [f64]) {
+    for &(node, weight) in weights {
+        for i in 0..D {
+            force[node as usize * D + i] += factor * weight * vector[i];
+        }
+    }
+}
+
+fn pattern_of<const D: usize>(nodes: usize, multipliers: usize, bodies: &[Body<D>], pairs: &[Pair]) -> Pattern {
+    let mut sizes = vec![D as u8; nodes];
+    sizes.resize(nodes + multipliers, 1);
+    let mut patches: Vec<Vec<u32>> = Vec::new();
+    for pair in pairs {
+        let list = pair.kernel.patches();
+        for p in 0..list.len() {
+            let rows = list.rows(p).iter().map(|row| (nodes + pair.rows.start) as u32 + row);
+            patches.push(list.nodes(p).iter().copied().chain(rows).collect());
+        }
+    }
+    let cells = bodies.iter().flat_map(|body| body.elements.cliques().iter());
+    Pattern::new(&sizes, cells.chain(patches.iter()).map(|clique| &clique[..]))
+}
+
+/// Connected pieces of nodes: a number for each node, and how many pieces there are.
+fn connected_pieces<'a>(nodes: usize, cliques: impl Iterator<Item = &'a Vec<u32>>) -> (Vec<u32>, usize) {
+    let mut parent: Vec<u32> = (0..nodes as u32).collect();
+    fn root(parent: &mut [u32], mut node: u32) -> u32 {
+        while parent[node as usize] != node {
+            parent[node as usize] = parent[parent[node as usize] as usize];
+            node = parent[node as usize];
+        }
+        node
+    }
+    for clique in cliques {
+        let first = root(&mut parent, clique[0]);
+        for &node in &clique[1..] {
+            let other = root(&mut parent, node);
+            parent[other as usize] = first;
+        }
+    }
+    let mut number = vec![u32::MAX; nodes];
+    let mut count = 0;
+    for node in 0..nodes {
+        let top = root(&mut parent, node as u32) as usize;
+        if number[top] == u32::MAX {
+            number[top] = count;
+            count += 1;
+        }
+        number[node] = number[top];
+    }
+    (number, count as usize)
+}

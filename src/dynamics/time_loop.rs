@@ -1,0 +1,595 @@
+//! The time loop: nominal steps, halving where Newton's method fails, the ledger of every accepted piece, and `settle`.
+//!
+//! A step is a transaction: it takes the state and puts a new one in its place, or leaves it alone.
+
+use super::error::{ModelError, StepError};
+use super::fields::{BodyFields, ContactFields};
+use super::ledger::LedgerRow;
+use super::model::Model;
+use super::newton::{self, Failure, Iteration, Solution, Strategy, Task};
+use super::predictor::rigid_motion;
+use super::simulation::{Options, SettleReport, State, Statistics, Steps};
+use super::system::{AssemblyError, StepStart, System, moment, resultant};
+use crate::bodies::{Elements, Space};
+use crate::integrators::Integrator;
+use crate::math::tolerances;
+
+/// Damped steps that `settle` takes at most.
+const MAX_SETTLE_STEPS: usize = 60;
+/// Damping of `settle` over the stiffness of the slowest elastic motion: small, so that few steps suffice, not zero, so that rigid motions
+/// stay regular.
+const SETTLE_DAMPING: f64 = 1e-5;
+
+/// A simulation in `D` dimensions.
+pub(super) struct TimeLoop<const D: usize> {
+    model: Model,
+    system: System<D>,
+    options: Options,
+    state: State,
+    statistics: Statistics,
+}
+
+impl<const D: usize> TimeLoop<D>
+where
+    Space<D>: Elements<D>,
+{
+    pub(super) fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
+        let system = System::<D>::new(model, options.threads)?;
+        let velocities = initial_velocities(&system, model);
+        let mut row = LedgerRow { strain: 0.0, ..LedgerRow::default() };
+        let positions = system.reference.clone();
+        row.kinetic = system.kinetic_energy(&velocities);
+        row.potential = system.potential_energy(&positions);
+        (row.momentum, row.angular_momentum) = system.momenta(&positions, &velocities);
+        let state = State {
+            row,
+            lambda: vec![0.0; system.multipliers],
+            active: vec![false; system.multipliers],
+            half_force: vec![0.0; positions.len()],
+            clock: (0.0, 0),
+            level: 0,
+            loads_ended: 0.0,
+            positions,
+            velocities,
+        };
+        Ok(TimeLoop { model: model.clone(), system, options, state, statistics: Statistics::default() })
+    }
+
+    /// One piece of a step from the current state: the new state, or why there is none.
+    fn piece(&mut self, dt: f64) -> Result<State, Failure> {
+        let state = &self.state;
+        let (integrator, time) = (self.options.integrator, state.row.time);
+        let predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
+        // Reach of the search: a facet, and what both sides move in this step by the prediction or by their velocities.
+        let travel = |nodes: &[u32]| {
+            nodes.iter().fold(0.0f64, |largest, &node| {
+                let range = node as usize * D..(node as usize + 1) * D;
+                let rigid: f64 = range.clone().map(|k| (predicted[k] - state.positions[k]).powi(2)).sum();
+                let elastic: f64 = range.map(|k| (dt * state.velocities[k]).powi(2)).sum();
+                largest.max(rigid.max(elastic).sqrt())
+            })
+        };
+        let margins: Vec<f64> = self
+            .system
+            .pairs
+            .iter()
+            .map(|pair| {
+                let (secondary, primary) = (pair.kernel.secondary().nodes(), pair.kernel.primary().nodes());
+                pair.kernel.facet_size() + travel(secondary) + travel(primary)
+            })
+            .collect();
+        self.system.begin_step(&state.positions, &margins).map_err(Failure::Linear)?;
+
+        let start =
+            StepStart { integrator, time, dt, q_0: &state.positions, v_0: &state.velocities, half_force: &state.half_force, damping: None };
+        let gap_n: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(&state.positions)).collect();
+        let energy = self.energy_scale(&start, &predicted);
+        let options = &self.options;
+        let task = Task {
+            start: &start,
+            predicted: &predicted,
+            lambda: &state.lambda,
+            energy,
+            tolerance: options.tolerance,
+            interrupted: &|| options.interrupted(),
+        };
+        let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations)?;
+        self.check_reach(&solution, &margins)?;
+        Ok(self.accept(&start, solution, &gap_n))
+    }
+
+    /// Energy that defects are measured by: that of the state, the predicted kinetic energy, and the work of loads over the prediction.
+    fn energy_scale(&self, start: &StepStart, predicted: &[f64]) -> f64 {
+        let row = &self.state.row;
+        let floor = tolerances::FORCE_FLOOR * self.system.modulus * self.system.extent.powi(D as i32);
+        let mut load = vec![0.0; predicted.len()];
+        let work = match self.system.loads_into(predicted, start.time + 0.5 * start.dt, &mut load) {
+            // Kinetic energy that the loads give to nodes at rest within the step.
+            Ok(_) => (0..load.len())
+                .map(|k| (load[k] + self.system.weight[k]).powi(2) * start.dt * start.dt / self.system.nodal_mass[k / D])
+                .sum::<f64>(),
+            Err(_) => 0.0,
+        };
+        (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
+    }
+
+    /// Bodies must not have moved farther than the candidate pairs reach.
+    fn check_reach(&self, solution: &Solution, margins: &[f64]) -> Result<(), Failure> {
+        for (pair, margin) in self.system.pairs.iter().zip(margins) {
+            let moved = |nodes: &[u32]| {
+                nodes.iter().fold(0.0f64, |largest, &node| {
+                    let range = node as usize * D..(node as usize + 1) * D;
+                    largest.max(range.map(|k| (solution.q_1[k] - self.state.positions[k]).powi(2)).sum::<f64>().sqrt())
+                })
+            };
+            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes()) > *margin {
+                return Err(Failure::BeyondSearch { pair: pair.name.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// The state at the end of a converged step, with its row of the ledger.
+    fn accept(&self, start: &StepStart, solution: Solution, gap_n: &[f64]) -> State {
+        let Solution { q_1, mut lambda, active, forces, iterations } = solution;
+        let (system, dt, unknowns) = (&self.system, start.dt, q_1.len());
+        for (lambda, &active) in lambda.iter_mut().zip(&active) {
+            if !active {
+                *lambda = 0.0;
+            }
+        }
+        let v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
+        let old = &self.state.row;
+        let mut row = LedgerRow {
+            step: old.step + 1,
+            dt,
+            kinetic: system.kinetic_energy(&v_1),
+            strain: system.strain_energy(&q_1),
+            potential: system.potential_energy(&q_1),
+            newton_iterations: iterations,
+            active: active.iter().filter(|&&active| active).count(),
+            ..LedgerRow::default()
+        };
+        (row.momentum, row.angular_momentum) = system.momenta(&q_1, &v_1);
+
+        // The trapezoidal rule's forces are the mean of both ends; the load of the start is part of the half force.
+        let weight = start.integrator.placement().weight;
+        let mut load = forces.load.clone();
+        if start.integrator == Integrator::Trapezoidal {
+            let mut load_n = vec![0.0; unknowns];
+            if system.loads_into(start.q_0, start.time, &mut load_n).is_ok() {
+                load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += 0.5 * n);
+            }
+        }
+        row.load_work = (0..unknowns).map(|k| load[k] * (q_1[k] - start.q_0[k])).sum();
+        row.contact_work = -weight * lambda.iter().zip(gap_n).map(|(lambda, gap)| lambda * gap).sum::<f64>();
+        row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
+
+        // Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
+        let mut external = load.clone();
+        for k in 0..unknowns {
+            external[k] += system.weight[k];
+            if system.fixed[k] {
+                external[k] += forces.without_contact[k] - forces.contact[k];
+            }
+        }
+        let middle: Vec<f64> = (0..unknowns).map(|k| 0.5 * (q_1[k] + start.q_0[k])).collect();
+        let unexplained =
+            |new: [f64; 3], old: [f64; 3], rate: [f64; 3]| (0..3).map(|i| (new[i] - old[i] - dt * rate[i]).abs()).fold(0.0, f64::max);
+        row.momentum_defect = unexplained(row.momentum, old.momentum, resultant::<D>(&external));
+        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, moment::<D>(&middle, &external));
+
+        for pair in &system.pairs {
+            for (node, (gap, covered)) in pair.evaluation.gap.iter().zip(&pair.evaluation.coverage).enumerate() {
+                if *covered > tolerances::SLIVER {
+                    row.max_penetration = row.max_penetration.max(-gap / (covered * pair.kernel.weights()[node]));
+                }
+            }
+        }
+        let half_force = if start.integrator == Integrator::Trapezoidal {
+            // r = inertia + new half + old half, so the new half is what is left after the inertia.
+            let rate: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / dt).collect();
+            let mut inertia = vec![0.0; unknowns];
+            system.mass.multiply_into::<D>(&rate, &mut inertia);
+            (0..unknowns).map(|k| forces.without_contact[k] - forces.contact[k] - inertia[k] - start.half_force[k]).collect()
+        } else {
+            Vec::new()
+        };
+        let acted = load.iter().any(|f| *f != 0.0);
+        State {
+            row,
+            positions: q_1,
+            velocities: v_1,
+            lambda,
+            active,
+            half_force: if half_force.is_empty() { self.state.half_force.clone() } else { half_force },
+            clock: self.state.clock,
+            level: self.state.level,
+            loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
+        }
+    }
+
+    /// Half of the static forces at the current state: where the trapezoidal rule starts from.
+    fn start_trapezoidal(&mut self) -> Result<(), StepError> {
+        let state = &self.state;
+        let zero = vec![0.0; state.positions.len()];
+        let start = StepStart {
+            integrator: Integrator::Trapezoidal,
+            time: state.row.time,
+            dt: 0.0,
+            q_0: &state.positions,
+            v_0: &zero,
+            half_force: &zero,
+            damping: Some(0.0),
+        };
+        let margins: Vec<f64> = self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).collect();
+        let begun = self.system.begin_step(&state.positions, &margins);
+        begun.map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))?;
+        let state = &self.state;
+        match self.system.assemble(&start, &state.positions, &state.lambda) {
+            Ok(forces) => {
+                let half = forces.without_contact.iter().zip(&forces.contact).map(|(r, c)| r - c).collect();
+                self.state.half_force = half;
+                Ok(())
+            }
+            Err(AssemblyError::Load(error)) => Err(error),
+            Err(error) => Err(self.failed(&error.into(), 0.0, 0)),
+        }
+    }
+
+    /// The error that a user sees when a step failed for good.
+    fn failed(&self, failure: &Failure, dt: f64, halvings: usize) -> StepError {
+        let (cause, cure) = self.explain(failure, dt);
+        StepError::NotConverged { time: self.state.row.time, step: self.state.row.step + 1, dt, halvings, cause, cure }
+    }
+
+    fn explain(&self, failure: &Failure, dt: f64) -> (String, String) {
+        let smaller =
+            if dt > 0.0 { format!("use a smaller step than dt = {}", self.options.dt) } else { "check supports and loads".into() };
+        match failure {
+            Failure::Iterations(history) => self.explain_iterations(history, smaller),
+            Failure::Inverted { body, inverted } => (
+                format!("cell {} of body \"{body}\" turned inside out (det F = {:.2e})", inverted.cell, inverted.determinant),
+                format!("{smaller}, a finer mesh there, or a smaller load"),
+            ),
+            Failure::Linear(error) => (
+                format!("{error} in the tangent of the step"),
+                "hold every body against static rigid motion with `fix`, or give it a density and a dynamic step; check for duplicate contact pairs"
+                    .into(),
+            ),
+            Failure::Diverged => ("the iterates grew without bound".into(), format!("{smaller}, or apply the load more slowly")),
+            Failure::BeyondSearch { pair } => {
+                (format!("the bodies of contact \"{pair}\" moved farther in one step than the search for contact reaches"), smaller)
+            }
+            Failure::Fatal(error) => (error.to_string(), error.cure()),
+        }
+    }
+
+    fn explain_iterations(&self, history: &[Iteration], smaller: String) -> (String, String) {
+        let Some(last) = history.last() else { return ("no iteration was made".into(), smaller) };
+        let node = last.worst / D;
+        let (body, local) = self.system.owner(node);
+        let mut cause = format!(
+            "after {} iterations the largest residual is {:.1e} at node {local} of body \"{body}\" (target {:.1e})",
+            history.len() - 1,
+            last.residual,
+            last.target
+        );
+        let tail = &history[history.len().saturating_sub(6)..history.len() - 1];
+        let cycling = tail.iter().map(|iteration| iteration.changes).min().unwrap_or(0);
+        if cycling > 0 {
+            if let Some(pair) = self.system.pairs.iter().find(|pair| pair.rows.contains(&last.worst_row)) {
+                cause = format!(
+                    "the contact state of {cycling} or more of {} nodes of contact \"{}\" changed in every iteration; {cause}",
+                    pair.rows.len(),
+                    pair.name
+                );
+            }
+            return (
+                cause,
+                format!("{smaller}, so that the surfaces slide by less than two facets per step, or allow more `max_halvings`"),
+            );
+        }
+        (cause, format!("{smaller}, or allow more `max_halvings`"))
+    }
+}
+
+/// Newton's method with its second try.
+fn solve<const D: usize>(system: &mut System<D>, task: &Task, iterations: &mut usize) -> Result<Solution, Failure>
+where
+    Space<D>: Elements<D>,
+{
+    let before = system.factorizations;
+    let mut outcome = newton::solve(system, task, Strategy::InnerLoop);
+    let hopeless = matches!(outcome, Ok(_) | Err(Failure::Fatal(_) | Failure::Inverted { .. }));
+    if !hopeless && system.multipliers > 0 {
+        outcome = newton::solve(system, task, Strategy::Backtracking);
+    }
+    *iterations += outcome.as_ref().map_or(system.factorizations - before, |solution| solution.iterations);
+    outcome
+}
+
+fn initial_velocities<const D: usize>(system: &System<D>, model: &Model) -> Vec<f64> {
+    let mut velocities = vec![0.0; system.reference.len()];
+    for initial in &model.initial_velocities {
+        let nodes = system.bodies[initial.body].nodes.clone();
+        let mut center = nalgebra::Vector3::zeros();
+        let mut mass = 0.0;
+        let position = |node: usize| {
+            let mut x = nalgebra::Vector3::zeros();
+            x.as_mut_slice()[..D].copy_from_slice(&system.reference[node * D..(node + 1) * D]);
+            x
+        };
+        for node in nodes.clone() {
+            mass += system.nodal_mass[node];
+            center += position(node) * system.nodal_mass[node];
+        }
+        center /= mass;
+        let (linear, angular) = (nalgebra::Vector3::from(initial.linear), nalgebra::Vector3::from(initial.angular));
+        for node in nodes {
+            let velocity = linear + angular.cross(&(position(node) - center));
+            velocities[node * D..(node + 1) * D].copy_from_slice(&velocity.as_slice()[..D]);
+        }
+    }
+    for (velocity, _) in velocities.iter_mut().zip(&system.fixed).filter(|(_, fixed)| **fixed) {
+        *velocity = 0.0;
+    }
+    velocities
+}
+
+impl<const D: usize> Steps for TimeLoop<D>
+where
+    Space<D>: Elements<D>,
+{
+    fn dimension(&self) -> usize {
+        D
+    }
+
+    fn options(&self) -> &Options {
+        &self.options
+    }
+
+    fn unknowns(&self) -> usize {
+        self.system.fixed.iter().filter(|fixed| !**fixed).count()
+    }
+
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn restore(&mut self, state: &State) {
+        assert_eq!(
+            (state.positions.len(), state.lambda.len()),
+            (self.state.positions.len(), self.state.lambda.len()),
+            "the state is of the same model"
+        );
+        self.state = state.clone();
+    }
+
+    fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
+        if self.options.integrator == Integrator::Trapezoidal && self.state.row.step == 0 {
+            self.start_trapezoidal()?;
+        }
+        let (origin, count) = self.state.clock;
+        let from = self.state.row.time;
+        let nominal_end = origin + self.options.dt * (count + 1) as f64;
+        // A last step that is within round-off of the nominal one is the nominal one.
+        let (target, whole) = match end {
+            Some(end) if end < nominal_end - 1e-9 * self.options.dt => (end, false),
+            Some(end) if end < nominal_end + 1e-9 * self.options.dt => (end, true),
+            _ => (nominal_end, true),
+        };
+        let dt = if whole { self.options.dt } else { target - from };
+        // The piece in units of dt / 2^level: done, and all.
+        let mut level = self.state.level;
+        let (mut done, mut halvings) = (0usize, 0);
+        let mut all = 1usize << level;
+        while done < all {
+            if self.options.interrupted() {
+                return Err(StepError::Interrupted { time: self.state.row.time });
+            }
+            match self.piece(dt / all as f64) {
+                Ok(mut state) => {
+                    done += 1;
+                    state.row.time = if done == all { target } else { from + dt * (done as f64 / all as f64) };
+                    state.row.halvings = std::mem::take(&mut halvings);
+                    if done == all {
+                        state.level = level.saturating_sub(1);
+                        state.clock = if whole { (origin, count + 1) } else { (target, 0) };
+                    } else {
+                        state.level = level;
+                        state.clock = (state.row.time, 0);
+                    }
+                    self.statistics.steps += 1;
+                    self.state = state;
+                    accepted(&self.state.row);
+                }
+                Err(Failure::Fatal(error)) => return Err(error),
+                Err(failure) => {
+                    if level >= self.options.max_halvings {
+                        return Err(self.failed(&failure, dt / all as f64, level));
+                    }
+                    level += 1;
+                    halvings += 1;
+                    self.statistics.halvings += 1;
+                    (done, all) = (2 * done, 2 * all);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn settle(&mut self) -> Result<SettleReport, StepError> {
+        let before = self.state.clone();
+        let outcome = self.settle_from_here();
+        if outcome.is_err() {
+            self.state = before;
+        }
+        outcome
+    }
+
+    fn fields(&self) -> Vec<BodyFields> {
+        let (q, v) = (&self.state.positions, &self.state.velocities);
+        let nodes = self.system.nodes();
+        let mut stress = vec![[0.0; 6]; nodes];
+        let mut weight = vec![0.0; nodes];
+        for body in &self.system.bodies {
+            body.elements.project_stress(q, &mut stress, &mut weight);
+        }
+        let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
+        for pair in &self.system.pairs {
+            let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
+            for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
+                pressure[node as usize] += self.state.lambda[pair.rows.start + local];
+                if coverage[local] > tolerances::SLIVER {
+                    gap[node as usize] = gaps[local] / (coverage[local] * pair.kernel.weights()[local]);
+                }
+            }
+        }
+        let vector = |values: &[f64], node: usize| {
+            let mut vector = [0.0; 3];
+            vector[..D].copy_from_slice(&values[node * D..(node + 1) * D]);
+            vector
+        };
+        let displacement: Vec<f64> = q.iter().zip(&self.system.reference).map(|(q, x)| q - x).collect();
+        self.system
+            .bodies
+            .iter()
+            .zip(&self.model.bodies)
+            .map(|(body, definition)| BodyFields {
+                name: body.name.clone(),
+                mesh: definition.mesh.clone(),
+                displacement: body.nodes.clone().map(|node| vector(&displacement, node)).collect(),
+                velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
+                stress: body.nodes.clone().map(|node| stress[node].map(|s| s / weight[node])).collect(),
+                contact_pressure: pressure[body.nodes.clone()].to_vec(),
+                contact_gap: gap[body.nodes.clone()].to_vec(),
+            })
+            .collect()
+    }
+
+    fn contact(&self, name: &str) -> Option<ContactFields> {
+        let pair = self.system.pairs.iter().find(|pair| pair.name == name)?;
+        let q = &self.state.positions;
+        let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
+        let secondary = pair.kernel.secondary().nodes();
+        let position = |node: u32| {
+            let mut x = [0.0; 3];
+            x[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
+            x
+        };
+        let mut force = [0.0; 3];
+        let lambda = &self.state.lambda[pair.rows.clone()];
+        let mut evaluation = Default::default();
+        pair.kernel.evaluate(Integrator::Trapezoidal, q, lambda, &mut evaluation);
+        let patches = pair.kernel.patches();
+        for p in (0..patches.len()).filter(|&p| evaluation.live[p]) {
+            let gradients = &evaluation.gradient_end[patches.gradient_range(p)];
+            for (row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
+                for (u, node) in patches.nodes(p).iter().enumerate() {
+                    if secondary.binary_search(node).is_ok() {
+                        for i in 0..D {
+                            force[i] += lambda[*row as usize] * gradient[u * D + i];
+                        }
+                    }
+                }
+            }
+        }
+        Some(ContactFields {
+            positions: secondary.iter().map(|&node| position(node)).collect(),
+            pressure: lambda.to_vec(),
+            gap: (0..secondary.len())
+                .map(|k| if coverage[k] > tolerances::SLIVER { gaps[k] / (coverage[k] * pair.kernel.weights()[k]) } else { f64::NAN })
+                .collect(),
+            active: self.state.active[pair.rows.clone()].to_vec(),
+            force,
+        })
+    }
+
+    fn statistics(&self) -> Statistics {
+        Statistics { factorizations: self.system.factorizations, times: self.system.times, ..self.statistics }
+    }
+}
+
+impl<const D: usize> TimeLoop<D>
+where
+    Space<D>: Elements<D>,
+{
+    fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
+        let iterations_before = self.statistics.newton_iterations;
+        let zero = vec![0.0; self.state.positions.len()];
+        // Slowest elastic motion: wave speed over the largest extent.
+        let density = self.model.bodies.iter().map(|body| body.material.density()).fold(f64::INFINITY, f64::min);
+        let frequency_squared = self.system.modulus / density / self.system.extent.powi(2);
+        let mut steps = 0;
+        loop {
+            let positions = self.state.positions.clone();
+            let margins: Vec<f64> = self.system.pairs.iter().map(|pair| 3.0 * pair.kernel.facet_size()).collect();
+            self.system.begin_step(&positions, &margins).map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))?;
+            let start = StepStart {
+                integrator: Integrator::Trapezoidal,
+                time: self.state.row.time,
+                dt: 0.0,
+                q_0: &positions,
+                v_0: &zero,
+                half_force: &zero,
+                damping: Some(SETTLE_DAMPING * frequency_squared),
+            };
+            let floor = tolerances::FORCE_FLOOR * self.system.modulus * self.system.extent.powi(D as i32);
+            let energy = self.system.strain_energy(&positions).max(floor);
+            let options = &self.options;
+            let task = Task {
+                start: &start,
+                predicted: &positions,
+                lambda: &self.state.lambda,
+                energy,
+                tolerance: options.tolerance,
+                interrupted: &|| options.interrupted(),
+            };
+            let outcome = solve(&mut self.system, &task, &mut self.statistics.newton_iterations);
+            let solution = match outcome {
+                Ok(solution) => solution,
+                Err(Failure::Fatal(error)) => return Err(error),
+                Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
+            };
+            self.check_reach(&solution, &margins).map_err(|failure| self.failed(&failure, 0.0, 0))?;
+            steps += 1;
+            let strain = self.system.strain_energy(&solution.q_1);
+            // What the damping did in this step: nothing, at equilibrium.
+            let motion: Vec<f64> = solution.q_1.iter().zip(&positions).map(|(a, b)| a - b).collect();
+            let dissipated = 2.0 * SETTLE_DAMPING * frequency_squared * self.system.kinetic_energy(&motion);
+            self.state.positions = solution.q_1;
+            self.state.lambda = solution.lambda;
+            self.state.active = solution.active;
+            if dissipated <= 1e-14 * strain.max(floor) {
+                break;
+            }
+            if steps == MAX_SETTLE_STEPS {
+                let cause =
+                    format!("after {steps} damped steps the bodies still move (dissipated energy {dissipated:.1e} in the last one)");
+                let cure =
+                    "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into();
+                return Err(StepError::NotConverged {
+                    time: self.state.row.time,
+                    step: self.state.row.step,
+                    dt: 0.0,
+                    halvings: 0,
+                    cause,
+                    cure,
+                });
+            }
+        }
+        let (q, v) = (&self.state.positions, &self.state.velocities);
+        let row = &mut self.state.row;
+        row.strain = self.system.strain_energy(q);
+        row.potential = self.system.potential_energy(q);
+        (row.momentum, row.angular_momentum) = self.system.momenta(q, v);
+        row.active = self.state.active.iter().filter(|&&active| active).count();
+        Ok(SettleReport {
+            steps,
+            newton_iterations: self.statistics.newton_iterations - iterations_before,
+            strain: row.strain,
+            active: row.active,
+        })
+    }
+}
