@@ -117,7 +117,7 @@ where
         }
         let (mut record, moved) = measure(system, task, &forces, &q_1, &lambda, &contacts.dropped);
         let converged_force = record.residual <= record.target;
-        let small = task.tolerance * task.energy.max(f64::MIN_POSITIVE);
+        let small = task.tolerance * task.energy.max(forces.internal_work.abs());
         // Round-off: the energy no longer falls although everything else has converged.
         let stalled = moved <= 100.0 * small && moved > 0.5 * last_energy;
         if converged_force && record.violation <= 1.0 && (moved <= small || stalled) {

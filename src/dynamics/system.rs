@@ -77,6 +77,8 @@ pub(super) struct Forces {
     pub(super) contact: Vec<f64>,
     /// Loads, gravity not included.
     pub(super) load: Vec<f64>,
+    /// Work of the internal forces over the step, to measure energies with.
+    pub(super) internal_work: f64,
     /// Size of the largest internal, inertial or external force component, to measure residuals with.
     pub(super) scale: f64,
 }
@@ -95,7 +97,6 @@ pub(super) struct System<const D: usize> {
     pub(super) nodal_mass: Vec<f64>,
     /// Force of gravity.
     pub(super) weight: Vec<f64>,
-    pub(super) gravity: [f64; 3],
     /// Largest Young's modulus and largest extent, for the round-off floor of forces.
     pub(super) modulus: f64,
     pub(super) extent: f64,
@@ -220,7 +221,6 @@ where
             mass,
             nodal_mass,
             weight,
-            gravity: model.gravity,
             modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
             extent,
             pieces,
@@ -378,10 +378,11 @@ where
         let motion: Vec<f64> = (0..unknowns).map(|k| q_1[k] - start.q_0[k] - push * start.v_0[k]).collect();
         let mut residual = vec![0.0; unknowns];
         self.mass.multiply_into::<D>(&motion, &mut residual);
-        let mut scale = 0.0f64;
+        let (mut scale, mut internal_work) = (0.0f64, 0.0);
         for k in 0..unknowns {
             let inertial = inertia * residual[k];
             load[k] *= placement.weight;
+            internal_work += internal[k] * (q_1[k] - start.q_0[k]);
             let external = load[k] + placement.weight * self.weight[k];
             scale = scale.max(inertial.abs()).max(internal[k].abs()).max(external.abs());
             residual[k] = inertial + internal[k] - external + start.half_force[k];
@@ -427,7 +428,7 @@ where
         if residual.iter().any(|r| !r.is_finite()) {
             return Err(AssemblyError::NotFinite);
         }
-        Ok(Forces { without_contact: residual, contact, load, scale })
+        Ok(Forces { without_contact: residual, contact, load, internal_work, scale })
     }
 
     /// Solves Newton's system for the increment and the new multipliers with the given active constraints.

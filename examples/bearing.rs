@@ -1,0 +1,73 @@
+//! The bearing of Hesch and Betsch (2007) on the kernels alone, without a script: two rings in frictionless mortar contact, spun up by a
+//! torque, then left alone. Prints the ledger of every 20th step and the drift of the energy.
+//!
+//! `cargo run --release --example bearing -- [refine] [dt] [until]`
+
+use std::error::Error;
+use std::rc::Rc;
+
+use conserva::dynamics::{
+    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Hat, Load, LoadKind, Model, Options, Simulation, Support, UpdateRule,
+};
+use conserva::integrators::Integrator;
+use conserva::materials::{CATALOGUE, Material};
+use conserva::mesh::ring;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<f64> = std::env::args().skip(1).map(|text| text.parse()).collect::<Result<_, _>>()?;
+    let argument = |index: usize, default: f64| arguments.get(index).copied().unwrap_or(default);
+    let (refine, dt, until) = (argument(0, 1.0) as usize, argument(1, 0.005), argument(2, 2.0));
+
+    let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").expect("the catalogue has it");
+    let steel = Material::new(row, &[1e5, 0.1, 1e-3]);
+    let mut model = Model { name: "bearing".into(), ..Model::default() };
+    for (name, inner, outer, around) in [("outer ring", 1.0, 1.5, 48), ("inner ring", 0.5, 1.002, 40)] {
+        let mesh = Rc::new(ring(inner, outer, [10 * refine, around * refine], [0.0; 2], 0.0)?);
+        model.bodies.push(BodyDefinition { name: name.into(), mesh, material: steel.clone() });
+    }
+    let boundary = |body: usize, name: &str| BodyBoundary {
+        body,
+        boundary: model.bodies[body].mesh.boundary(name).expect("a ring has inner and outer").clone(),
+    };
+    let (rim, race, journal, bore) = (boundary(0, "outer"), boundary(0, "inner"), boundary(1, "outer"), boundary(1, "inner"));
+    model.supports.push(Support { on: rim, components: [true; 3] });
+    model.contacts.push(ContactDefinition {
+        name: "race".into(),
+        secondary: journal,
+        primary: race,
+        method: ContactMethod::Mortar,
+        update: UpdateRule::Gap,
+        equality: false,
+    });
+    model.loads.push(Load { kind: LoadKind::Torque, on: bore, amplitude: Rc::new(Hat { start: 0.0, end: 0.5, peak: 0.1 }) });
+
+    let mut sim = Simulation::new(&model, Options::new(Integrator::EnergyMomentum, dt))?;
+    let settled = sim.settle()?;
+    println!("settled in {} steps, {} iterations: strain energy {:.12e}", settled.steps, settled.newton_iterations, settled.strain);
+    let (mut free, mut worst, mut iterations, mut steps) = (f64::NAN, 0.0f64, 0, 0);
+    while sim.time() < until - 1e-9 {
+        sim.step(Some(until), &mut |row| {
+            if free.is_nan() && row.time > 0.5 - 1e-9 {
+                free = row.total();
+            }
+            steps += 1;
+            iterations += row.newton_iterations;
+            worst = worst.max(row.energy_defect.abs() / row.total());
+            if row.step % 20 == 0 {
+                println!(
+                    "t {:.4}  total {:.12e}  defect {:9.1e}  angular momentum {:.10e}  active {} iterations {}  halvings {}",
+                    row.time,
+                    row.total(),
+                    row.energy_defect,
+                    row.angular_momentum[2],
+                    row.active,
+                    row.newton_iterations,
+                    row.halvings
+                );
+            }
+        })?;
+    }
+    println!("drift since the torque ended {:.1e}, worst defect {worst:.1e} of the total", sim.row().total() / free - 1.0);
+    println!("{steps} steps, {:.2} iterations a step, {:?}", iterations as f64 / steps as f64, sim.statistics());
+    Ok(())
+}
