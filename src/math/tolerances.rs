@@ -42,3 +42,6 @@ pub const LINEAR_RESIDUAL: f64 = 1e-8;
 /// Jacobian determinant of a cell, relative to its longest edge to the power of the dimension, below which it has no area or volume:
 /// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).
 pub const DEGENERATE_CELL: f64 = 1e-12;
+
+/// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh generator leave.
+pub const PLANE: f64 = 1e-12;

@@ -6,6 +6,7 @@
 //! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Unlike Verdict, the center of a hexahedron is not
 //! sampled.
 
+use super::error::rounded;
 use super::topology::{corner, edges};
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
@@ -36,17 +37,14 @@ pub struct Quality {
 
 impl std::fmt::Display for Quality {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Quality { cells, nodes, .. } = self;
+        let extent = if self.worst_place.len() == 3 { "volume" } else { "area" };
+        let [measure, smallest, largest, ratio, edge] =
+            [self.measure, self.smallest_scaled_jacobian, self.largest_scaled_jacobian, self.aspect_ratio, self.shortest_edge].map(rounded);
         write!(
             out,
-            "{} cells, {} nodes, {} {:.6}, scaled Jacobian {:.3} to {:.3}, aspect ratio up to {:.3}, shortest edge {:.4}",
-            self.cells,
-            self.nodes,
-            if self.worst_place.len() == 3 { "volume" } else { "area" },
-            self.measure,
-            self.smallest_scaled_jacobian,
-            self.largest_scaled_jacobian,
-            self.aspect_ratio,
-            self.shortest_edge
+            "{cells} cells, {nodes} nodes, {extent} {measure}, scaled Jacobian {smallest} to {largest}, aspect ratio up to {ratio}, \
+             shortest edge {edge}"
         )
     }
 }
@@ -174,8 +172,7 @@ impl Mesh {
                 if lengths > 0.0 { determinant(tangents) / lengths } else { 0.0 }
             });
             let scaled = scaled.fold(f64::INFINITY, f64::min);
-            // comparisons with NaN are false, so the first cell replaces it
-            if !(scaled >= quality.smallest_scaled_jacobian) {
+            if quality.smallest_scaled_jacobian.is_nan() || scaled < quality.smallest_scaled_jacobian {
                 quality.smallest_scaled_jacobian = scaled;
                 quality.worst_cell = cell;
             }
@@ -242,7 +239,7 @@ impl Mesh {
         for (position, &node) in self.connectivity.iter().enumerate() {
             refer("cell", position / nodes, node as usize, self.points.len());
         }
-        if self.connectivity.len() % nodes != 0 {
+        if !self.connectivity.len().is_multiple_of(nodes) {
             refer("cell", cells, self.connectivity.len(), self.connectivity.len());
         }
         for (index, boundary) in self.boundaries.iter().enumerate() {
@@ -290,7 +287,7 @@ impl Mesh {
                     inverted: 0,
                     cells: self.cell_count(),
                 });
-            } else if !(smallest > least) {
+            } else if smallest <= least {
                 let center = self.cell_center(index);
                 defects.push(MeshError::DegenerateCell { line: None, cell: index as u64, center, determinant: smallest });
             }
@@ -367,7 +364,7 @@ mod tests {
         assert!((quality.shortest_edge - 1.0).abs() < 1e-15);
         assert_eq!(
             quality.to_string(),
-            "1 cells, 8 nodes, volume 1.000000, scaled Jacobian 0.707 to 0.707, aspect ratio up to 1.414, shortest edge 1.0000"
+            "1 cells, 8 nodes, volume 1, scaled Jacobian 0.707107 to 0.707107, aspect ratio up to 1.41421, shortest edge 1"
         );
     }
 

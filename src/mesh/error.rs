@@ -310,7 +310,7 @@ pub enum MeshError {
         element: u64,
     },
     /// A file without quad4 or hex8 cells.
-    #[error("the file has no cells, only {lines} lines in space or plane")]
+    #[error("the file has no quad4 or hex8 cells, only {lines} line elements")]
     NoCells {
         /// Line of the section of elements.
         line: usize,
@@ -481,7 +481,7 @@ fn extent(point: &[f64]) -> &'static str {
 }
 
 /// Six significant digits, without trailing zeros.
-fn rounded(value: f64) -> String {
+pub(super) fn rounded(value: f64) -> String {
     match format!("{value:.5e}").parse::<f64>() {
         Ok(short) if (1e-4..1e7).contains(&short.abs()) || short == 0.0 => format!("{short}"),
         Ok(short) => format!("{short:e}"),

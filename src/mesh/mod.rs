@@ -6,6 +6,7 @@
 mod check;
 mod error;
 mod generators;
+mod gmsh;
 mod selection;
 mod topology;
 mod transform;
@@ -13,6 +14,7 @@ mod transform;
 pub use check::Quality;
 pub use error::MeshError;
 pub use generators::{block, rectangle, ring};
+pub use gmsh::{read_gmsh, read_gmsh_bytes, read_mesh};
 pub use selection::SelectionError;
 
 use crate::elements::CellKind;

@@ -1,0 +1,426 @@
+//! Tests of the reader: two small meshes in both versions, everything that can be wrong with them, and arbitrary damage.
+
+use std::fmt::Write;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::elements::CellKind;
+use crate::mesh::{Boundary, Facet, block};
+
+/// Two unit squares side by side, named groups, a node and a point that no cell uses.
+const SQUARES_2: &str = "$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+2 1 \"left body\"
+1 7 \"low\"
+0 9 \"a point\"
+$EndPhysicalNames
+$Nodes
+7
+1 0 0 0
+2 1 0 0
+3 2 0 0
+14 0 1 0
+15 1 1 0
+16 2 1 0
+99 5 5 0
+$EndNodes
+$Elements
+7
+1 15 2 9 1 99
+2 1 2 7 1 2 1
+3 1 2 7 1 2 3
+4 1 2 8 2 15 2
+5 1 2 0 3 1 14
+6 3 2 1 1 1 2 15 14
+7 3 2 2 2 2 3 16 15
+$EndElements
+";
+
+/// The same in version 4.1.
+const SQUARES_4: &str = "$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+0 9 \"a point\"
+1 7 \"low\"
+2 1 \"left body\"
+$EndPhysicalNames
+$Entities
+1 3 2 0
+1 5 5 0 1 9
+1 0 0 0 2 0 0 1 7 0
+2 1 0 0 1 1 0 1 -8 2 1 -1
+3 0 0 0 0 1 0 0 0
+1 0 0 0 1 1 0 1 1 1 1
+2 1 0 0 2 1 0 1 2 1 1
+$EndEntities
+$Nodes
+3 7 1 99
+0 1 0 1
+99
+5 5 0
+1 1 1 3
+1
+2
+3
+0 0 0 0
+1 0 0 0.5
+2 0 0 1
+2 1 0 3
+14
+15
+16
+0 1 0
+1 1 0
+2 1 0
+$EndNodes
+$Comments
+anything
+$EndComments
+$Elements
+6 7 1 7
+0 1 15 1
+1 99
+1 1 1 2
+2 2 1
+3 2 3
+1 2 1 1
+4 15 2
+1 3 1 1
+5 1 14
+2 1 3 1
+6 1 2 15 14
+2 2 3 1
+7 2 3 16 15
+$EndElements
+";
+
+/// A generated solid mesh as MSH 2.2 text, with its boundaries as physical groups 1, 2, ….
+fn solid_text() -> String {
+    let mesh = block([2.0, 1.0, 1.0], [2, 1, 1], [0.0; 3]).unwrap();
+    let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n7\n3 1 \"block\"\n");
+    for (i, boundary) in mesh.boundaries.iter().enumerate() {
+        writeln!(text, "2 {} \"{}\"", i + 1, boundary.name).unwrap();
+    }
+    writeln!(text, "$EndPhysicalNames\n$Nodes\n{}", mesh.points.len()).unwrap();
+    for (i, [x, y, z]) in mesh.points.iter().enumerate() {
+        writeln!(text, "{} {x} {y} {z}", i + 1).unwrap();
+    }
+    let mut elements = vec!["1 1 2 1 1 1 2".to_string()];
+    for (group, boundary) in mesh.boundaries.iter().enumerate() {
+        for &facet in &boundary.facets {
+            let nodes: Vec<String> = mesh.facet_nodes(facet).map(|n| (n + 1).to_string()).collect();
+            elements.push(format!("{} 3 2 {} 1 {}", elements.len() + 1, group + 1, nodes.join(" ")));
+        }
+    }
+    for cell in mesh.cells() {
+        let nodes: Vec<String> = cell.iter().map(|n| (n + 1).to_string()).collect();
+        elements.push(format!("{} 5 2 1 1 {}", elements.len() + 1, nodes.join(" ")));
+    }
+    writeln!(text, "$EndNodes\n$Elements\n{}\n{}\n$EndElements", elements.len(), elements.join("\n")).unwrap();
+    text
+}
+
+/// The error that a changed text gives.
+fn refusal(text: &str, from: &str, to: &str) -> MeshError {
+    assert!(text.contains(from), "{from}");
+    read_gmsh(&text.replacen(from, to, 1)).expect_err(to)
+}
+
+/// The line, from 1, in which a piece of text begins.
+fn line_of(text: &str, piece: &str) -> usize {
+    text[..text.find(piece).unwrap()].matches('\n').count() + 1
+}
+
+#[test]
+fn both_versions_give_the_same_mesh() {
+    for text in [SQUARES_2, SQUARES_4] {
+        let mesh = read_gmsh(text).unwrap();
+        assert_eq!(mesh.kind, CellKind::Quad4);
+        assert_eq!(mesh.points, [[0., 0., 0.], [1., 0., 0.], [2., 0., 0.], [0., 1., 0.], [1., 1., 0.], [2., 1., 0.]]);
+        assert_eq!(mesh.connectivity, [0, 1, 4, 3, 1, 2, 5, 4]);
+        // unnamed groups are called by their number
+        assert_eq!(mesh.parts, [("left body".to_string(), vec![0]), ("2".to_string(), vec![1])]);
+        let facet = |cell, local| Facet { cell, local };
+        assert_eq!(
+            mesh.boundaries,
+            [
+                Boundary { name: "low".into(), facets: vec![facet(0, 0), facet(1, 0)] },
+                // between the two cells: both sides
+                Boundary { name: "8".into(), facets: vec![facet(0, 1), facet(1, 3)] },
+            ]
+        );
+        assert!((mesh.measure() - 2.0).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn line_ends_blank_lines_and_a_byte_order_mark_do_not_matter() {
+    let reference = read_gmsh(SQUARES_4).unwrap();
+    for text in
+        [SQUARES_4.replace('\n', "\r\n"), SQUARES_4.replace('\n', "\n\n  "), format!("\u{feff}{SQUARES_4}"), SQUARES_4.trim().into()]
+    {
+        let mesh = read_gmsh(&text).unwrap();
+        assert_eq!((mesh.points, mesh.connectivity), (reference.points.clone(), reference.connectivity.clone()));
+    }
+}
+
+#[test]
+fn a_solid_mesh_comes_back_as_it_was() {
+    let expected = block([2.0, 1.0, 1.0], [2, 1, 1], [0.0; 3]).unwrap();
+    let mesh = read_gmsh(&solid_text()).unwrap();
+    assert_eq!((mesh.kind, &mesh.points, &mesh.connectivity), (CellKind::Hex8, &expected.points, &expected.connectivity));
+    assert_eq!(mesh.boundaries, expected.boundaries);
+    assert_eq!(mesh.parts, [("block".to_string(), vec![0, 1])]);
+}
+
+#[test]
+fn a_cell_in_two_groups_is_one_cell() {
+    let text = SQUARES_2.replace("$Elements\n7\n", "$Elements\n8\n").replace("$EndElements", "7 3 2 1 2 2 3 16 15\n$EndElements");
+    let mesh = read_gmsh(&text).unwrap();
+    assert_eq!(mesh.cell_count(), 2);
+    assert_eq!(mesh.parts, [("left body".to_string(), vec![0, 1]), ("2".to_string(), vec![1])]);
+    let entity = SQUARES_4.replace("2 1 0 0 2 1 0 1 2 1 1", "2 1 0 0 2 1 0 2 2 1 1 1");
+    assert_eq!(read_gmsh(&entity).unwrap().parts, mesh.parts);
+    // but twice in one group is an overlap
+    let twice = SQUARES_2.replace("$Elements\n7\n", "$Elements\n8\n").replace("$EndElements", "8 3 2 2 2 2 3 16 15\n$EndElements");
+    assert_eq!(read_gmsh(&twice).unwrap_err(), MeshError::DuplicateCell { line: line_of(&twice, "8 3 2 2 2"), cell: 8, first: 7 });
+}
+
+#[test]
+fn other_formats_are_recognized() {
+    for (text, found) in [
+        ("", "an empty file"),
+        ("\n\n", "an empty file"),
+        ("# vtk DataFile Version 3.0\n", "a legacy VTK file"),
+        ("<?xml version=\"1.0\"?>\n", "an XML file"),
+        ("solid part\nfacet normal 0 0 1\n", "an STL file"),
+        ("*HEADING\n", "an Abaqus or LS-DYNA input file"),
+        ("lorem ipsum", "something that does not begin with $MeshFormat"),
+        ("SetFactory(\"OpenCASCADE\");", "a Gmsh geometry (`.geo`), which has to be meshed first"),
+    ] {
+        let error = read_gmsh(text).unwrap_err();
+        assert!(matches!(error, MeshError::OtherFormat { found: f, .. } if f == found), "{text:?}: {error:?}");
+        assert_eq!(error.line(), Some(1));
+    }
+    assert_eq!(read_gmsh("$NOD\n1\n").unwrap_err(), MeshError::Version { line: 1, version: "1".into() });
+    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4 0 8"), MeshError::Version { line: 2, version: "4".into() });
+    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 8"), MeshError::Binary { line: 2 });
+    assert_eq!(read_gmsh_bytes(b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\xff\xfe\n$EndMeshFormat\n").unwrap_err(), MeshError::Binary { line: 2 });
+    assert_eq!(read_gmsh_bytes(b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\xff").unwrap_err(), MeshError::NotText { line: 4 });
+    assert!(read_gmsh_bytes(SQUARES_2.as_bytes()).is_ok());
+}
+
+#[test]
+fn every_truncation_is_an_error_with_a_line() {
+    for text in [SQUARES_2, SQUARES_4, &solid_text()] {
+        // the last line may lack its line break
+        for end in 0..text.len() - 1 {
+            let error = read_gmsh(&text[..end]).expect_err("truncated");
+            let line = error.line().unwrap_or_else(|| panic!("{error}"));
+            assert!(line <= text[..end].lines().count().max(1), "{error}");
+            assert!(!error.cure().is_empty());
+        }
+    }
+    let cut = &SQUARES_2[..SQUARES_2.find("15 1 1 0").unwrap() + 4];
+    assert_eq!(
+        read_gmsh(cut).unwrap_err().to_string(),
+        "the file ends inside section $Nodes that began in line 10: 4 of 7 entries are there"
+    );
+}
+
+#[test]
+fn missing_and_repeated_sections_are_named() {
+    let without = |section: &str| {
+        let (begin, end) = (SQUARES_2.find(&format!("${section}")).unwrap(), SQUARES_2.find(&format!("$End{section}")).unwrap());
+        read_gmsh(&format!("{}{}", &SQUARES_2[..begin], &SQUARES_2[end + section.len() + 5..])).unwrap_err()
+    };
+    assert!(matches!(without("Nodes"), MeshError::MissingNode { .. } | MeshError::MissingSection { section: "Nodes", .. }));
+    assert!(matches!(without("Elements"), MeshError::MissingSection { section: "Elements", .. }));
+    assert!(matches!(without("MeshFormat"), MeshError::MissingSection { section: "MeshFormat", .. }));
+    let twice = format!("{SQUARES_2}$Nodes\n0\n$EndNodes\n");
+    assert_eq!(read_gmsh(&twice).unwrap_err(), MeshError::RepeatedSection { line: 30, section: "Nodes".into() });
+    assert!(matches!(refusal(SQUARES_4, "$Comments", "$PartitionedEntities"), MeshError::Partitioned { .. }));
+    assert!(matches!(refusal(SQUARES_2, "$EndNodes\n", "$EndNodes\nstray\n"), MeshError::Malformed { line: 20, .. }));
+}
+
+#[test]
+fn absurd_counts_take_no_memory() {
+    let huge = u64::MAX.to_string();
+    for (text, from, to) in [
+        (SQUARES_2, "$Nodes\n7", format!("$Nodes\n{huge}")),
+        (SQUARES_2, "$Elements\n7", format!("$Elements\n{huge}")),
+        (SQUARES_2, "$PhysicalNames\n3", format!("$PhysicalNames\n{huge}")),
+        (SQUARES_2, "6 3 2 1 1 1 2 15 14", format!("6 3 {huge} 1 1 1 2 15 14")),
+        (SQUARES_4, "1 3 2 0", format!("{huge} {huge} {huge} {huge}")),
+        (SQUARES_4, "1 5 5 0 1 9", format!("1 5 5 0 {huge} 9")),
+        (SQUARES_4, "3 7 1 99", format!("{huge} {huge} 1 99")),
+        (SQUARES_4, "1 1 1 3\n", format!("1 1 1 {huge}\n")),
+        (SQUARES_4, "6 7 1 7", format!("{huge} {huge} 1 7")),
+        (SQUARES_4, "2 2 3 1", format!("2 2 3 {huge}")),
+    ] {
+        let error = refusal(text, from, &to);
+        assert!(matches!(error, MeshError::Count { .. } | MeshError::Malformed { .. }), "{to}: {error:?}");
+    }
+    // a node number that would make a table of 2^64 entries
+    let text = SQUARES_2.replace("99", &huge);
+    assert_eq!(read_gmsh(&text).unwrap().points.len(), 6);
+    assert_eq!(refusal(SQUARES_2, "$Nodes\n7", "$Nodes\n8").to_string(), "section $Nodes announces 8 entries but has 7");
+    assert_eq!(refusal(SQUARES_2, "$Nodes\n7", "$Nodes\n6").to_string(), "section $Nodes announces 6 entries but has more");
+    assert_eq!(refusal(SQUARES_4, "3 7 1 99", "3 8 1 99").to_string(), "section $Nodes announces 8 entries but has 7");
+}
+
+#[test]
+fn wrong_numbers_are_refused_in_their_line() {
+    assert!(matches!(refusal(SQUARES_2, "15 1 1 0", "15 1 nan 0"), MeshError::Coordinate { line: 16, node: 15, value } if value.is_nan()));
+    assert!(matches!(refusal(SQUARES_4, "\n2 1 0\n$End", "\n2 -inf 0\n$End"), MeshError::Coordinate { line: 37, node: 16, .. }));
+    assert_eq!(refusal(SQUARES_2, "15 1 1 0", "14 1 1 0"), MeshError::DuplicateNode { line: 16, node: 14, first: 15 });
+    assert_eq!(refusal(SQUARES_2, "99 5 5", "16 5 5"), MeshError::DuplicateNode { line: 18, node: 16, first: 17 });
+    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 17 15"), MeshError::MissingNode { line: 28, element: 7, node: 17 });
+    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 3 15"), MeshError::RepeatedNode { line: Some(28), cell: 7, node: 3 });
+    assert_eq!(refusal(SQUARES_2, "1 1 0\n16", "1 1 1e-3\n16"), MeshError::NotPlane { line: 16, node: 15, z: 1e-3 });
+    // the unused node may be anywhere
+    assert!(read_gmsh(&SQUARES_2.replace("99 5 5 0", "99 5 5 7")).is_ok());
+    for (text, from, to) in [
+        (SQUARES_2, "15 1 1 0", "15 1 1"),
+        (SQUARES_2, "15 1 1 0", "15 1 1 0 0"),
+        (SQUARES_2, "15 1 1 0", "15 1 one 0"),
+        (SQUARES_2, "2 3 16 15", "2 3 16"),
+        (SQUARES_2, "2 3 16 15", "2 3 16 15 1"),
+        (SQUARES_2, "2 3 16 15", "2 3 -16 15"),
+        (SQUARES_2, "2 1 \"left body\"", "2 1 left body"),
+        (SQUARES_2, "2 1 \"left body\"", "2 1 \"left body"),
+        (SQUARES_4, "0 1 0 1\n99", "0 1 0\n99"),
+    ] {
+        assert!(matches!(refusal(text, from, to), MeshError::Malformed { .. }), "{to}");
+    }
+    assert_eq!(
+        refusal(SQUARES_2, "15 1 1 0", "15 1 1").to_string(),
+        "expected a node with its number and three coordinates, found \"15 1 1\""
+    );
+    assert_eq!(
+        refusal(SQUARES_4, "2 2 3 1", "2 5 3 1"),
+        MeshError::UnknownEntity { line: line_of(SQUARES_4, "2 2 3 1"), dimension: 2, entity: 5 }
+    );
+    let names = refusal(SQUARES_2, "1 7 \"low\"", "2 2 \"left body\"");
+    assert_eq!(names, MeshError::AmbiguousName { line: 7, dimension: 2, name: "left body".into(), first: 1, second: 2 });
+}
+
+#[test]
+fn inside_out_cells_are_an_error_with_place_and_cure() {
+    let one = refusal(SQUARES_2, "2 3 16 15", "2 15 16 3");
+    assert_eq!((one.line(), one.cure().starts_with("mend the mesh there")), (Some(28), true));
+    assert_eq!(one.to_string(), "cell 7 at (1.5, 0.5) is inside out: its Jacobian determinant is -0.25 (1 of 2 cells are)");
+    let all = refusal(&SQUARES_2.replace("2 3 16 15", "2 15 16 3"), "1 2 15 14", "1 14 15 2");
+    assert_eq!((all.line(), all.cure().starts_with("the nodes of all cells run the wrong way round")), (Some(27), true));
+    // all four nodes on the line x = 1
+    let flat = refusal(&SQUARES_2.replace("3 2 0 0", "3 1 0.3 0"), "16 2 1 0", "16 1 0.6 0");
+    assert!(matches!(flat, MeshError::DegenerateCell { line: Some(28), cell: 7, .. }), "{flat:?}");
+}
+
+#[test]
+fn other_cells_are_refused_with_the_cure() {
+    let triangle = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 2 2 2 2 2 3 16");
+    assert_eq!(triangle.to_string(), "element 7 is a 3-node triangle, but quad4 and hex8 cells are read");
+    assert_eq!(triangle.line(), Some(28));
+    assert!(triangle.cure().contains("Mesh.RecombineAll = 1;"));
+    let second_order = refusal(SQUARES_4, "1 1 1 2", "1 1 8 2");
+    assert!(second_order.to_string().contains("3-node line (second order)") && second_order.cure().contains("Mesh.ElementOrder = 1;"));
+    assert!(matches!(refusal(SQUARES_2, "7 3 2 2 2", "7 1234 2 2 2"), MeshError::UnsupportedCell { gmsh_type: 1234, .. }));
+    let lines_only =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n";
+    assert_eq!(read_gmsh(lines_only).unwrap_err(), MeshError::NoCells { line: 9, lines: 1 });
+}
+
+#[test]
+fn facets_without_cells_and_mixed_kinds_are_refused() {
+    let stray = refusal(SQUARES_2, "3 1 2 7 1 2 3", "3 1 2 7 1 2 16");
+    assert_eq!(stray, MeshError::StrayFacet { line: 24, element: 3, boundary: "low".into() });
+    let text = solid_text();
+    let mixed = text
+        .replace("$Nodes\n12\n", "$Nodes\n16\n13 5 0 0\n14 6 0 0\n15 6 1 0\n16 5 1 0\n")
+        .replace("$Elements\n13\n", "$Elements\n14\n99 3 2 1 1 13 14 15 16\n");
+    assert!(matches!(read_gmsh(&mixed).unwrap_err(), MeshError::MixedKinds { element: 99, .. }));
+    let across = text.replace("$Elements\n13\n", "$Elements\n14\n99 3 2 1 1 1 2 11 10\n");
+    assert!(matches!(read_gmsh(&across).unwrap_err(), MeshError::StrayFacet { element: 99, .. }));
+}
+
+#[test]
+fn three_cells_on_one_facet_are_refused() {
+    let text = SQUARES_2
+        .replace("$Elements\n7\n", "$Elements\n8\n")
+        .replace("$Nodes\n7\n", "$Nodes\n9\n20 3 -1 0\n21 3 3 0\n")
+        .replace("$EndElements", "8 3 2 2 2 2 20 21 15\n$EndElements");
+    let error = read_gmsh(&text).unwrap_err();
+    assert_eq!(error, MeshError::CrowdedFacet { line: Some(29), cell: 6, sharing: 3 });
+}
+
+#[test]
+fn a_file_that_is_not_there_says_so() {
+    let error = read_mesh("no such folder/part.msh").unwrap_err();
+    assert!(error.to_string().starts_with("the mesh file no such folder/part.msh cannot be read: "), "{error}");
+}
+
+/// What the reader returns must be sound, whatever it was given.
+fn survives(content: &[u8]) {
+    match read_gmsh_bytes(content) {
+        Ok(mesh) => assert_eq!(mesh.defects(), []),
+        Err(error) => assert!(!error.cure().is_empty() && !error.to_string().is_empty()),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn arbitrary_bytes_never_panic(content in proptest::collection::vec(any::<u8>(), 0..200)) {
+        survives(&content);
+        survives(&[SQUARES_4.as_bytes(), &content].concat());
+    }
+
+    /// Bytes of a valid file replaced, at places and by characters that matter to the format.
+    #[test]
+    fn damaged_bytes_never_panic(
+        which in 0..3usize,
+        damage in proptest::collection::vec((any::<prop::sample::Index>(), prop::sample::select(b"$0123456789-.e \n\"\xff".to_vec())), 1..6),
+    ) {
+        let mut content = [SQUARES_2.into(), SQUARES_4.into(), solid_text()][which].clone().into_bytes();
+        for (place, byte) in damage {
+            let place = place.index(content.len());
+            content[place] = byte;
+        }
+        survives(&content);
+    }
+
+    /// Lines of a valid file dropped, doubled, exchanged, and numbers replaced by strange ones.
+    #[test]
+    fn damaged_lines_never_panic(
+        which in 0..3usize,
+        damage in proptest::collection::vec((0..4u8, any::<prop::sample::Index>(), any::<prop::sample::Index>()), 1..5),
+    ) {
+        const STRANGE: [&str; 12] =
+            ["-1", "0", "1", "3", "5", "15", "18446744073709551615", "-9223372036854775808", "1e308", "nan", "inf", "99999999999999999999999"];
+        let text: String = [SQUARES_2.into(), SQUARES_4.into(), solid_text()][which].clone();
+        let mut lines: Vec<String> = text.lines().map(String::from).collect();
+        for (what, first, second) in damage {
+            let (a, b) = (first.index(lines.len()), second.index(lines.len()));
+            match what {
+                0 => drop(lines.remove(a)),
+                1 => lines.insert(b, lines[a].clone()),
+                2 => lines.swap(a, b),
+                _ => {
+                    let mut fields: Vec<&str> = lines[a].split(' ').collect();
+                    let field = second.index(fields.len());
+                    fields[field] = STRANGE[first.index(STRANGE.len())];
+                    lines[a] = fields.join(" ");
+                }
+            }
+        }
+        survives(lines.join("\n").as_bytes());
+    }
+}
