@@ -45,3 +45,7 @@ pub const DEGENERATE_CELL: f64 = 1e-12;
 
 /// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh generator leave.
 pub const PLANE: f64 = 1e-12;
+
+/// Range of the values of a plot or a picture, relative to their size, below which they are shown as one constant: their differences are
+/// round-off, and a scale stretched over them would show noise.
+pub const FLAT: f64 = 1e-9;

@@ -1,1 +1,25 @@
-//! to come
+//! Floor 6: results as files. One file per format; bytes are made by pure functions, apart from where they are written.
+//!
+//! Every file of a run passes through [`RunFiles`], which keeps it below the output directory and replaces it in one piece.
+
+mod axis;
+mod colormap;
+mod contours;
+mod files;
+mod history_csv;
+mod history_svg;
+mod picture;
+mod pvd;
+mod summary;
+mod vtu;
+
+#[cfg(test)]
+mod samples;
+
+pub use files::{OutputError, RunFiles, Stream};
+pub use history_csv::HistoryCsv;
+pub use history_svg::{energies, plot};
+pub use picture::{Field, PictureOptions, picture};
+pub use pvd::{FieldSeries, pvd};
+pub use summary::{Drifts, Inertia, Summary, WallSeconds, drifts, peak_memory_bytes};
+pub use vtu::Frame;

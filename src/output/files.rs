@@ -1,0 +1,316 @@
+//! The output directory of a run: every file below it, replaced in one piece, and errors that name the file.
+//!
+//! A file is written beside its place under a hidden name and renamed, so that a reader sees the old or the new content, never half
+//! of one. Names come from scripts: what leads outside the directory (`..`, an absolute path, a symbolic link) is refused. This
+//! guards against mistakes and untrusted scripts, not against another program that swaps links while we write. No data is forced to
+//! the disk: after a power failure the last files may be missing.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Component, Path, PathBuf};
+
+use thiserror::Error;
+
+/// A result that could not be written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// A name that leads outside the output directory.
+    #[error("the path \"{name}\" leads outside the output directory \"{}\"", directory.display())]
+    Outside {
+        /// The name as given.
+        name: String,
+        /// The output directory.
+        directory: PathBuf,
+    },
+    /// A name without a file in it, such as `""` or `"plots/"`.
+    #[error("the path \"{name}\" names no file")]
+    NoFileName {
+        /// The name as given.
+        name: String,
+    },
+    /// The operating system refused.
+    #[error("\"{}\" could not be written: {}", path.display(), reason(source))]
+    Write {
+        /// The file or directory.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+}
+
+impl OutputError {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        use io::ErrorKind::{
+            DirectoryNotEmpty, IsADirectory, NotADirectory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull,
+        };
+        let text = match self {
+            OutputError::Outside { .. } => {
+                "name a file below the output directory, such as `plots/energy.svg`; choose the directory itself with `--out`"
+            }
+            OutputError::NoFileName { .. } => "end the path with the name of a file, such as `plots/energy.svg`",
+            OutputError::Write { source, .. } => match source.kind() {
+                StorageFull | QuotaExceeded => "free some space, or choose a directory on another disk with `--out`",
+                PermissionDenied | ReadOnlyFilesystem => "choose a directory that you may write to with `--out`",
+                IsADirectory | NotADirectory | DirectoryNotEmpty => {
+                    "choose another name: a file and a directory cannot share one, or remove what is in the way"
+                }
+                _ => "see that the directory still exists and may be written to, or choose another one with `--out`",
+            },
+        };
+        text.into()
+    }
+
+    fn write(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |source| OutputError::Write { path, source }
+    }
+}
+
+/// The operating system's reason in words, without its number.
+fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    let words = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = words.chars();
+    letters.next().map_or_else(|| "unknown reason".into(), |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// The output directory of a run. Cheap to clone and free to move to another thread.
+#[derive(Clone, Debug)]
+pub struct RunFiles {
+    directory: PathBuf,
+    root: PathBuf,
+}
+
+impl RunFiles {
+    /// Opens the output directory, made with its parents where missing. What is in it stays until a file of the same name is written.
+    ///
+    /// # Errors
+    /// The directory cannot be made.
+    pub fn create(directory: impl AsRef<Path>) -> Result<Self, OutputError> {
+        let directory = directory.as_ref();
+        fs::create_dir_all(directory).map_err(OutputError::write(directory))?;
+        let root = directory.canonicalize().map_err(OutputError::write(directory))?;
+        Ok(RunFiles { directory: directory.into(), root })
+    }
+
+    /// The directory as it was given.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// The place of a file below the directory, whose folders are made where missing.
+    ///
+    /// # Errors
+    /// A name that leads outside or names no file; a folder that cannot be made.
+    pub fn place(&self, name: &str) -> Result<PathBuf, OutputError> {
+        let outside = || OutputError::Outside { name: name.into(), directory: self.directory.clone() };
+        let mut parts = Vec::new();
+        for component in Path::new(name).components() {
+            match component {
+                Component::Normal(part) => parts.push(part),
+                Component::CurDir => {}
+                Component::ParentDir | Component::RootDir | Component::Prefix(_) => return Err(outside()),
+            }
+        }
+        let Some((last, folders)) = parts.split_last().filter(|_| !name.ends_with(['/', std::path::MAIN_SEPARATOR])) else {
+            return Err(OutputError::NoFileName { name: name.into() });
+        };
+        let inside = |path: &Path| match fs::symlink_metadata(path) {
+            // A link that leads nowhere cannot be judged, so it counts as leading outside.
+            Ok(found) if found.is_symlink() => path.canonicalize().is_ok_and(|target| target.starts_with(&self.root)),
+            _ => true,
+        };
+        let mut path = self.root.clone();
+        for folder in folders {
+            path.push(folder);
+            if !inside(&path) {
+                return Err(outside());
+            }
+            match fs::create_dir(&path) {
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(OutputError::Write { path, source: error }),
+                _ => {}
+            }
+        }
+        path.push(last);
+        if inside(&path) { Ok(path) } else { Err(outside()) }
+    }
+
+    /// Writes a file in one piece and returns its place.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused; an older file of that name is then still there.
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+        let path = self.place(name)?;
+        let mut hidden = OsString::from(".");
+        hidden.push(path.file_name().unwrap_or_default());
+        hidden.push(".part");
+        let hidden = path.with_file_name(hidden);
+        // What a killed run left behind goes first: `create_new` then never writes through a link.
+        let _ = fs::remove_file(&hidden);
+        let written =
+            File::create_new(&hidden).and_then(|mut file| file.write_all(bytes.as_ref())).and_then(|()| fs::rename(&hidden, &path));
+        if let Err(error) = written {
+            // The first error is the one to report; a part that cannot be removed either is only litter.
+            let _ = fs::remove_file(&hidden);
+            return Err(OutputError::Write { path, source: error });
+        }
+        Ok(path)
+    }
+
+    /// Opens an empty file that grows at its end.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused.
+    pub fn stream(&self, name: &str) -> Result<Stream, OutputError> {
+        self.place(name).and_then(|path| File::create(&path).map_err(OutputError::write(&path)))?;
+        self.extend(name)
+    }
+
+    /// Opens a file that grows at its end with what is in it.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused.
+    pub fn extend(&self, name: &str) -> Result<Stream, OutputError> {
+        let path = self.place(name)?;
+        let file = File::options().append(true).open(&path).map_err(OutputError::write(&path))?;
+        let length = file.metadata().map_err(OutputError::write(&path))?.len();
+        Ok(Stream { path, file, length })
+    }
+}
+
+/// A file that grows at its end by whole pieces.
+#[derive(Debug)]
+pub struct Stream {
+    path: PathBuf,
+    file: File,
+    length: u64,
+}
+
+impl Stream {
+    /// Its place.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Bytes written so far.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Appends a piece with one call to the operating system, so that it is in the file when this returns, however the program ends.
+    ///
+    /// # Errors
+    /// The operating system refused; the file is then as it was before.
+    pub fn append(&mut self, piece: &[u8]) -> Result<(), OutputError> {
+        if let Err(error) = self.file.write_all(piece) {
+            // A full disk may have taken a part of the piece.
+            let _ = self.file.set_len(self.length);
+            return Err(OutputError::Write { path: self.path.clone(), source: error });
+        }
+        self.length += piece.len() as u64;
+        Ok(())
+    }
+
+    /// Cuts the file back to its first `length` bytes.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn truncate(&mut self, length: u64) -> Result<(), OutputError> {
+        self.file.set_len(length).map_err(OutputError::write(&self.path))?;
+        self.length = length;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::scratch;
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_in_one_piece_and_leaves_nothing_beside_it() {
+        let (directory, files) = scratch("replace");
+        assert_eq!(files.write("plots/energy.svg", "old").unwrap(), directory.canonicalize().unwrap().join("plots/energy.svg"));
+        files.write("./plots/energy.svg", "new").unwrap();
+        assert_eq!(fs::read_to_string(directory.join("plots/energy.svg")).unwrap(), "new");
+        assert_eq!(fs::read_dir(directory.join("plots")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn names_that_lead_outside_are_refused() {
+        let (directory, files) = scratch("outside");
+        for name in ["../x", "a/../../x", "/tmp/x", "a/../x"] {
+            let error = files.write(name, "").unwrap_err();
+            assert!(matches!(&error, OutputError::Outside { name: given, .. } if given == name), "{name}: {error}");
+        }
+        for name in ["", ".", "plots/", "./"] {
+            assert!(matches!(files.write(name, ""), Err(OutputError::NoFileName { .. })), "{name}");
+        }
+        assert!(!directory.join("a").exists(), "a refused name makes no folder");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_only_while_they_stay_inside() {
+        use std::os::unix::fs::symlink;
+        let (directory, files) = scratch("links");
+        let (elsewhere, _) = scratch("links elsewhere");
+        fs::write(elsewhere.join("kept"), "theirs").unwrap();
+        symlink(&*elsewhere, directory.join("away")).unwrap();
+        symlink(elsewhere.join("kept"), directory.join("history.csv")).unwrap();
+        symlink("nowhere", directory.join("dangling")).unwrap();
+        fs::create_dir(directory.join("inside")).unwrap();
+        symlink("inside", directory.join("near")).unwrap();
+        for name in ["away/kept", "history.csv", "dangling", "dangling/x"] {
+            assert!(matches!(files.write(name, "ours"), Err(OutputError::Outside { .. })), "{name}");
+            assert!(matches!(files.stream(name), Err(OutputError::Outside { .. })), "{name}");
+        }
+        assert_eq!(fs::read_to_string(elsewhere.join("kept")).unwrap(), "theirs");
+        files.write("near/x", "ours").unwrap();
+        assert_eq!(fs::read_to_string(directory.join("inside/x")).unwrap(), "ours");
+    }
+
+    #[test]
+    fn a_refusal_names_the_file_and_keeps_the_old_one() {
+        let (directory, files) = scratch("refusal");
+        files.write("taken", "file").unwrap();
+        fs::create_dir(directory.join("folder")).unwrap();
+        for name in ["taken/x", "folder"] {
+            let error = files.write(name, "").unwrap_err();
+            assert!(matches!(error, OutputError::Write { .. }), "{name}");
+            assert!(error.to_string().contains(name), "{error}");
+            assert!(!error.to_string().contains("os error"), "{error}");
+            assert!(error.cure().contains("choose another name"), "{name}: {}", error.cure());
+        }
+        assert_eq!(fs::read_to_string(directory.join("taken")).unwrap(), "file");
+        assert_eq!(fs::read_dir(&*directory).unwrap().count(), 2, "no part is left behind");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_said_in_words() {
+        let mut stream = Stream { path: "history.csv".into(), file: File::options().append(true).open("/dev/full").unwrap(), length: 0 };
+        let error = stream.append(b"1,2\n").unwrap_err();
+        assert_eq!(error.to_string(), "\"history.csv\" could not be written: no space left on device");
+        assert!(error.cure().starts_with("free some space"));
+        assert_eq!(stream.length(), 0);
+    }
+
+    #[test]
+    fn a_stream_grows_by_whole_pieces_and_can_be_cut_back() {
+        let (directory, files) = scratch("stream");
+        files.write("history.csv", "of an older run").unwrap();
+        let mut stream = files.stream("history.csv").unwrap();
+        for piece in ["step\n", "0\n", "1\n"] {
+            stream.append(piece.as_bytes()).unwrap();
+        }
+        // The stream is still open: this is what a reader finds after the program was killed.
+        assert_eq!(fs::read_to_string(directory.join("history.csv")).unwrap(), "step\n0\n1\n");
+        stream.truncate(7).unwrap();
+        stream.append(b"2\n").unwrap();
+        assert_eq!(fs::read_to_string(directory.join("history.csv")).unwrap(), "step\n0\n2\n");
+    }
+}

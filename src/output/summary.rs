@@ -1,0 +1,372 @@
+//! `summary.json`: a run in numbers, for programs that compare runs.
+//!
+//! Drifts are what the conservation laws were off by since the loads ended, relative to a scale of the problem, so that a run without
+//! any linear momentum is not blamed for the round-off it has instead. Not a record of the steps: that is `history.csv`.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::dynamics::{LedgerRow, Model, PhaseTimes, Statistics};
+
+/// Everything in `summary.json`; the names of the fields are those of the file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// Path of the script.
+    pub script: String,
+    /// Values of `param(...)` by name.
+    pub parameters: BTreeMap<String, serde_json::Value>,
+    /// Version of the program.
+    pub version: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Number of free displacement components.
+    pub unknowns: usize,
+    /// Accepted steps.
+    pub steps: usize,
+    /// Newton iterations, those of refused steps included.
+    pub newton_iterations: usize,
+    /// Halvings.
+    pub halvings: usize,
+    /// Numeric factorizations.
+    pub factorizations: usize,
+    /// Where the time went.
+    pub wall_seconds: WallSeconds,
+    /// Largest resident memory of the process, where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// See [`Drifts::energy`].
+    pub energy_drift: Option<f64>,
+    /// See [`Drifts::momentum`].
+    pub momentum_drift: Option<f64>,
+    /// See [`Drifts::angular_momentum`].
+    pub angular_momentum_drift: Option<f64>,
+    /// See [`Drifts::worst_energy_defect`].
+    pub worst_energy_defect: Option<f64>,
+    /// `completed`, `interrupted`, or the title of the error.
+    pub outcome: String,
+}
+
+impl Summary {
+    /// Takes over the counters of a simulation.
+    pub fn count(&mut self, statistics: &Statistics) {
+        self.steps = statistics.steps;
+        self.newton_iterations = statistics.newton_iterations;
+        self.halvings = statistics.halvings;
+        self.factorizations = statistics.factorizations;
+    }
+
+    /// Takes over the drifts of a run.
+    pub fn judge(&mut self, drifts: &Drifts) {
+        self.energy_drift = drifts.energy;
+        self.momentum_drift = drifts.momentum;
+        self.angular_momentum_drift = drifts.angular_momentum;
+        self.worst_energy_defect = drifts.worst_energy_defect;
+    }
+
+    /// The text of the file. Numbers that are not finite become `null`.
+    pub fn to_json(&self) -> String {
+        // Strings, numbers and maps with string keys always have a JSON form.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}
+
+/// Wall-clock time by phase `[s]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct WallSeconds {
+    /// From the start of the program to the summary.
+    pub total: f64,
+    /// Element loop.
+    pub assembly: f64,
+    /// Contact functions.
+    pub contact: f64,
+    /// Factorizations.
+    pub factorization: f64,
+    /// Linear solves.
+    pub solve: f64,
+    /// Contact search.
+    pub search: f64,
+    /// Files.
+    pub output: f64,
+    /// The script's own statements and closures.
+    pub script: f64,
+    /// What is left.
+    pub other: f64,
+}
+
+impl WallSeconds {
+    /// The kernels' times with those of output and script; `other` is what they leave of `total`.
+    pub fn new(total: Duration, phases: &PhaseTimes, output: Duration, script: Duration) -> Self {
+        let PhaseTimes { assembly, contact, factorization, solve, search } = *phases;
+        let known = assembly + contact + factorization + solve + search + output + script;
+        WallSeconds {
+            total: total.as_secs_f64(),
+            assembly: assembly.as_secs_f64(),
+            contact: contact.as_secs_f64(),
+            factorization: factorization.as_secs_f64(),
+            solve: solve.as_secs_f64(),
+            search: search.as_secs_f64(),
+            output: output.as_secs_f64(),
+            script: script.as_secs_f64(),
+            other: total.saturating_sub(known).as_secs_f64(),
+        }
+    }
+}
+
+/// Largest resident memory of this process in bytes, where the system tells (Linux).
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    kilobytes.split_whitespace().next()?.parse::<u64>().ok().map(|count| count * 1024)
+}
+
+/// Mass and size of a model, from which its momenta get a scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia {
+    /// Mass of all bodies `[mass]`.
+    pub mass: f64,
+    /// Largest distance of an undeformed point from the origin `[length]`.
+    pub radius: f64,
+}
+
+impl Inertia {
+    /// That of a model, by the divergence theorem over the facets of every cell.
+    pub fn of(model: &Model) -> Self {
+        let mut inertia = Inertia { mass: 0.0, radius: 0.0 };
+        for body in &model.bodies {
+            let mesh = &body.mesh;
+            let mut volume = 0.0;
+            for cell in mesh.cells() {
+                // Relative to a node of the cell: no cancellation far from the origin.
+                let origin = mesh.points[cell[0] as usize];
+                let corner = |local: usize| {
+                    let point = mesh.points[cell[local] as usize];
+                    [0, 1, 2].map(|d| point[d] - origin[d])
+                };
+                for facet in mesh.kind.facets() {
+                    let corners: Vec<_> = facet.iter().map(|&local| corner(local)).collect();
+                    volume += match (mesh.dimension(), &corners[..]) {
+                        (2, [a, b, ..]) => 0.5 * (a[0] * b[1] - a[1] * b[0]),
+                        // A bilinear facet encloses the mean of what its two pairs of triangles enclose.
+                        (3, [a, b, c, d]) => {
+                            0.5 * (tetrahedron(a, b, c) + tetrahedron(a, c, d) + tetrahedron(a, b, d) + tetrahedron(b, c, d))
+                        }
+                        (3, [a, b, c]) => tetrahedron(a, b, c),
+                        _ => 0.0,
+                    };
+                }
+            }
+            inertia.mass += body.material.density() * volume;
+            inertia.radius = mesh.points.iter().map(|[x, y, z]| x.hypot(*y).hypot(*z)).fold(inertia.radius, f64::max);
+        }
+        inertia
+    }
+}
+
+/// Signed volume of the tetrahedron between three points and the origin.
+fn tetrahedron([a, b, c]: &[f64; 3], [d, e, f]: &[f64; 3], [g, h, i]: &[f64; 3]) -> f64 {
+    (a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)) / 6.0
+}
+
+/// What the conservation laws were off by; `None` where there is nothing to compare.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drifts {
+    /// Largest change of the total energy since the loads ended, contact work included, over the largest `kinetic + strain + |potential|` since then.
+    pub energy: Option<f64>,
+    /// Largest change of the linear momentum since the loads ended, less what supports explain, over the largest of `|p|` and
+    /// `sqrt(2 mass kinetic)`, which bounds `|p|` from above. Without [`Inertia`]: over the largest `|p|`.
+    pub momentum: Option<f64>,
+    /// The same for the angular momentum, with `radius` times the scale of the momentum.
+    pub angular_momentum: Option<f64>,
+    /// Largest `|energy_defect|` of a step, over the largest total energy of the run.
+    pub worst_energy_defect: Option<f64>,
+}
+
+/// Drifts of a run whose last load acted until `loads_ended`; rows in ascending order of time.
+///
+/// Momenta change where a support holds a body, which the law allows. What neither loads nor reactions explain is booked step by step in
+/// the ledger's defects, so the drift is the smaller one of the plain change and of the sum of the defects.
+pub fn drifts(rows: &[LedgerRow], loads_ended: f64, inertia: Option<Inertia>) -> Drifts {
+    // Unlike `f64::max` this keeps a NaN: a broken run must not look like a perfect one.
+    let largest =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most });
+    let scale = largest(&mut rows.iter().map(|row| row.total().abs()));
+    let worst_energy_defect = relative(largest(&mut rows.iter().map(|row| row.energy_defect.abs())), scale);
+    let worst_energy_defect = Some(worst_energy_defect).filter(|_| rows.len() > 1);
+
+    // The last row at that time: settling gives another row without letting time pass.
+    let free = match rows.iter().rposition(|row| row.time <= loads_ended) {
+        Some(first) if first + 1 < rows.len() => &rows[first..],
+        _ => return Drifts { worst_energy_defect, ..Drifts::default() },
+    };
+    let since = &free[0];
+    let energy = largest(&mut free.iter().map(|row| (row.total() - since.total()).abs()));
+    let energy_scale = largest(&mut free.iter().map(|row| row.kinetic + row.strain + row.potential.abs()));
+
+    let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
+    let change = |momentum: fn(&LedgerRow) -> [f64; 3], defect: fn(&LedgerRow) -> f64| {
+        let start = momentum(since);
+        let plain = largest(&mut free.iter().map(|row| {
+            let now = momentum(row);
+            length([now[0] - start[0], now[1] - start[1], now[2] - start[2]])
+        }));
+        let unexplained: f64 = free[1..].iter().map(|row| defect(row).abs()).sum();
+        if unexplained < plain { unexplained } else { plain }
+    };
+    let kinetic = largest(&mut rows.iter().map(|row| row.kinetic));
+    let speed_scale = inertia.map_or(0.0, |inertia| (2.0 * inertia.mass * kinetic).max(0.0).sqrt());
+    let momentum_scale = largest(&mut rows.iter().map(|row| length(row.momentum))).max(speed_scale);
+    let angular_scale =
+        largest(&mut rows.iter().map(|row| length(row.angular_momentum))).max(speed_scale * inertia.map_or(0.0, |inertia| inertia.radius));
+    Drifts {
+        energy: Some(relative(energy, energy_scale)),
+        momentum: Some(relative(change(|row| row.momentum, |row| row.momentum_defect), momentum_scale)),
+        angular_momentum: Some(relative(change(|row| row.angular_momentum, |row| row.angular_momentum_defect), angular_scale)),
+        worst_energy_defect,
+    }
+}
+
+/// `part / scale`; 0 of nothing is 0.
+fn relative(part: f64, scale: f64) -> f64 {
+    if part == 0.0 { 0.0 } else { part / scale }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{block, ring, rows};
+    use super::*;
+    use crate::dynamics::BodyDefinition;
+    use crate::materials::Material;
+
+    #[test]
+    fn keys_are_those_of_the_language() {
+        let drifts = Drifts { energy: Some(1e-13), momentum: Some(f64::NAN), ..Drifts::default() };
+        let phases = PhaseTimes { solve: Duration::from_millis(250), ..PhaseTimes::default() };
+        let mut summary = Summary {
+            script: "bearing.rhai".into(),
+            parameters: [("dt".into(), 0.005.into()), ("held".into(), true.into())].into(),
+            wall_seconds: WallSeconds::new(Duration::from_secs(1), &phases, Duration::from_millis(125), Duration::ZERO),
+            outcome: "completed".into(),
+            ..Summary::default()
+        };
+        summary.judge(&drifts);
+        summary.count(&Statistics { steps: 400, newton_iterations: 1600, halvings: 1, factorizations: 1601, times: phases });
+        insta::assert_snapshot!(summary.to_json(), @r#"
+        {
+          "script": "bearing.rhai",
+          "parameters": {
+            "dt": 0.005,
+            "held": true
+          },
+          "version": "",
+          "bodies": 0,
+          "unknowns": 0,
+          "steps": 400,
+          "newton_iterations": 1600,
+          "halvings": 1,
+          "factorizations": 1601,
+          "wall_seconds": {
+            "total": 1.0,
+            "assembly": 0.0,
+            "contact": 0.0,
+            "factorization": 0.0,
+            "solve": 0.25,
+            "search": 0.0,
+            "output": 0.125,
+            "script": 0.0,
+            "other": 0.625
+          },
+          "peak_memory_bytes": null,
+          "energy_drift": 1e-13,
+          "momentum_drift": null,
+          "angular_momentum_drift": null,
+          "worst_energy_defect": null,
+          "outcome": "completed"
+        }
+        "#);
+    }
+
+    #[test]
+    fn drifts_compare_with_the_row_at_which_the_loads_ended() {
+        let mut rows = rows();
+        rows[300].kinetic += 0.001;
+        rows[300].energy_defect = -0.001;
+        rows[301].energy_defect = 0.0005;
+        rows[200].angular_momentum[2] -= 0.003;
+        let found = drifts(&rows, 0.5, None);
+        let total = 0.05;
+        // Round-off of sums of two numbers of the size of the total.
+        assert!((found.energy.unwrap() - 0.001 / (total + 0.001)).abs() < 1e-14);
+        assert!((found.worst_energy_defect.unwrap() - 0.001 / (total + 0.001)).abs() < 1e-14);
+        assert_eq!(found.momentum, Some(0.0));
+        assert_eq!(found.angular_momentum, Some(0.0), "no step books a defect, so a reaction explains the change");
+        rows[200].angular_momentum_defect = 0.003;
+        rows[201].angular_momentum_defect = 0.003;
+        // The plain change (0.003) is below the sum of the defects (0.006); the scale is the largest angular momentum (0.03).
+        assert!((drifts(&rows, 0.5, None).angular_momentum.unwrap() - 0.1).abs() < 1e-14);
+    }
+
+    #[test]
+    fn nothing_to_compare_gives_none() {
+        let rows = rows();
+        assert_eq!(drifts(&[], 0.0, None), Drifts::default());
+        assert_eq!(drifts(&rows[..1], 0.0, None), Drifts::default());
+        let loaded = drifts(&rows[..50], rows[49].time, None);
+        assert_eq!(loaded, Drifts { worst_energy_defect: Some(0.0), ..Drifts::default() });
+        let rest = vec![LedgerRow::default(), LedgerRow { step: 1, time: 1.0, ..LedgerRow::default() }];
+        assert_eq!(drifts(&rest, 0.0, None).energy, Some(0.0), "a body at rest keeps its energy");
+    }
+
+    #[test]
+    fn the_state_after_settling_is_the_reference() {
+        let row = |time: f64, strain: f64| LedgerRow { time, strain, ..LedgerRow::default() };
+        assert_eq!(drifts(&[row(0.0, 5.0), row(0.0, 1.0), row(0.1, 1.0)], 0.0, None).energy, Some(0.0));
+    }
+
+    #[test]
+    fn a_broken_run_has_no_drift_of_zero() {
+        let mut rows = rows();
+        rows[300].kinetic = f64::NAN;
+        rows[301].momentum[0] = f64::NAN;
+        rows[301].momentum_defect = f64::NAN;
+        let found = drifts(&rows, 0.5, None);
+        assert!(found.energy.unwrap().is_nan() && found.momentum.unwrap().is_nan());
+    }
+
+    #[test]
+    fn round_off_in_a_momentum_that_vanishes_is_small() {
+        let mut rows = rows();
+        for row in &mut rows {
+            row.momentum[0] = 1e-16 * (row.step % 3) as f64;
+            row.momentum_defect = 1e-16;
+        }
+        assert!(drifts(&rows, 0.5, None).momentum.unwrap() > 0.4, "without a scale it is all there is");
+        let inertia = Inertia { mass: 8e-3, radius: 1.5 };
+        assert!(drifts(&rows, 0.5, Some(inertia)).momentum.unwrap() < 2e-14, "2e-16 over sqrt(2 * 8e-3 * 0.034)");
+    }
+
+    #[test]
+    fn inertia_is_that_of_the_meshes() {
+        let Some(row) = crate::materials::CATALOGUE.first() else { panic!("a catalogue without materials") };
+        let mut values = vec![0.3; row.parameters.len()];
+        *values.last_mut().unwrap() = 2.0;
+        let definition =
+            |body: crate::dynamics::BodyFields| BodyDefinition { name: body.name, mesh: body.mesh, material: Material::new(row, &values) };
+        let cells = 40;
+        let model = Model { bodies: vec![definition(ring("ring", [1.0, 1.5], [3, cells]))], ..Model::default() };
+        // Area between two regular polygons.
+        let angle = std::f64::consts::TAU / cells as f64;
+        let area = 0.5 * cells as f64 * angle.sin() * (1.5 * 1.5 - 1.0);
+        let found = Inertia::of(&model);
+        assert!((found.mass - 2.0 * area).abs() < 1e-13 && (found.radius - 1.5).abs() < 1e-15);
+        let model = Model { bodies: vec![definition(block([3, 2, 2], [3.0, 1.0, 0.5]))], ..Model::default() };
+        let found = Inertia::of(&model);
+        assert!((found.mass - 3.0).abs() < 1e-13 && (found.radius - (9.0f64 + 1.0 + 0.25).sqrt()).abs() < 1e-15);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn peak_memory_is_at_least_that_of_a_small_program() {
+        assert!(peak_memory_bytes().unwrap() > 1 << 20);
+    }
+}

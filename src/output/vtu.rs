@@ -1,0 +1,255 @@
+//! VTU: all bodies at one time as a VTK unstructured grid, for ParaView, PyVista and meshio.
+//!
+//! Points are the *undeformed* positions and `displacement` is a point field, so that ParaView's filter "Warp by Vector" shows the deformed
+//! bodies at any magnification. Data stand behind the XML text as raw little-endian bytes in zlib blocks (VTK file formats, "XML file
+//! formats", 2024: appended data with `vtkZLibDataCompressor`). A contact gap that does not exist is NaN. Names of the bodies stand in a
+//! comment, since meshio refuses files with text arrays; the cell field `body` counts them from 0.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+
+use crate::dynamics::BodyFields;
+use crate::elements::CellKind;
+
+/// Bytes that are compressed together. VTK's own default, and a multiple of every scalar's size as meshio needs it.
+const BLOCK: usize = 32768;
+
+/// Speed against size: levels above save a few percent and cost several times as much.
+const LEVEL: Compression = Compression::fast();
+
+/// VTK's number of a cell type.
+fn cell_type(kind: CellKind) -> u8 {
+    match kind {
+        CellKind::Quad4 => 9,
+        CellKind::Hex8 => 12,
+    }
+}
+
+/// A named array as it goes into the file, not yet compressed.
+#[derive(Clone, Debug, PartialEq)]
+struct Array {
+    name: &'static str,
+    scalar: &'static str,
+    components: usize,
+    bytes: Vec<u8>,
+}
+
+impl Array {
+    fn doubles<const N: usize>(name: &'static str, values: impl Iterator<Item = [f64; N]>) -> Self {
+        Array { name, scalar: "Float64", components: N, bytes: values.flatten().flat_map(f64::to_le_bytes).collect() }
+    }
+
+    fn integers(name: &'static str, values: impl Iterator<Item = i64>) -> Self {
+        Array { name, scalar: "Int64", components: 1, bytes: values.flat_map(i64::to_le_bytes).collect() }
+    }
+}
+
+/// All bodies at one time as plain bytes: taking a frame is quick, and a frame can be encoded and written by another thread.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    time: f64,
+    names: Vec<String>,
+    points: usize,
+    cells: usize,
+    position: Array,
+    topology: Vec<Array>,
+    nodal: Vec<Array>,
+    cellwise: Vec<Array>,
+}
+
+impl Frame {
+    /// Copies what the file needs.
+    pub fn new(time: f64, bodies: &[BodyFields]) -> Self {
+        let cells = || bodies.iter().flat_map(|body| body.mesh.cells().map(move |cell| (body.mesh.kind, cell)));
+        let first_node = |index: usize| bodies[..index].iter().map(|body| body.mesh.points.len()).sum::<usize>() as i64;
+        let connectivity = bodies.iter().enumerate().flat_map(|(index, body)| {
+            let first = first_node(index);
+            body.mesh.connectivity.iter().map(move |&node| first + i64::from(node))
+        });
+        let offsets = cells().scan(0, |end, (_, cell)| {
+            *end += cell.len() as i64;
+            Some(*end)
+        });
+        let types = Array { name: "types", scalar: "UInt8", components: 1, bytes: cells().map(|(kind, _)| cell_type(kind)).collect() };
+        Frame {
+            time,
+            names: bodies.iter().map(|body| body.name.clone()).collect(),
+            points: bodies.iter().map(|body| body.mesh.points.len()).sum(),
+            cells: bodies.iter().map(|body| body.mesh.cell_count()).sum(),
+            position: Array::doubles("Points", bodies.iter().flat_map(|body| body.mesh.points.iter().copied())),
+            topology: vec![Array::integers("connectivity", connectivity), Array::integers("offsets", offsets), types],
+            nodal: vec![
+                Array::doubles("displacement", bodies.iter().flat_map(|body| body.displacement.iter().copied())),
+                Array::doubles("velocity", bodies.iter().flat_map(|body| body.velocity.iter().copied())),
+                Array::doubles("stress", bodies.iter().flat_map(|body| body.stress.iter().copied())),
+                Array::doubles("von_mises", bodies.iter().flat_map(|body| (0..body.stress.len()).map(|node| [body.von_mises(node)]))),
+                Array::doubles("contact_pressure", bodies.iter().flat_map(|body| body.contact_pressure.iter().map(|&value| [value]))),
+                Array::doubles("contact_gap", bodies.iter().flat_map(|body| body.contact_gap.iter().map(|&value| [value]))),
+            ],
+            cellwise: vec![Array::integers(
+                "body",
+                bodies.iter().enumerate().flat_map(|(index, body)| std::iter::repeat_n(index as i64, body.mesh.cell_count())),
+            )],
+        }
+    }
+
+    /// The bytes of the file.
+    pub fn encode(&self) -> Vec<u8> {
+        let mut text = String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n",
+        );
+        let mut blob = Vec::new();
+        let mut section = |text: &mut String, tag: &str, arrays: &[Array]| {
+            let tag_name = tag.split(' ').next().unwrap_or(tag);
+            let _ = writeln!(text, "      <{tag}>");
+            for Array { name, scalar, components, bytes } in arrays {
+                // meshio makes a column matrix of a scalar that says that it has one component.
+                let count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
+                let offset = blob.len();
+                let _ =
+                    writeln!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count} format=\"appended\" offset=\"{offset}\"/>");
+                compress_into(&mut blob, bytes);
+            }
+            let _ = writeln!(text, "      </{tag_name}>");
+        };
+        for (index, name) in self.names.iter().enumerate() {
+            // Two hyphens would end the comment.
+            let _ = writeln!(text, "  <!-- body {index}: {} -->", name.replace("--", "\u{2013}").replace(['\n', '\r'], " "));
+        }
+        let _ = writeln!(text, "  <UnstructuredGrid>");
+        let _ = writeln!(text, "    <FieldData>");
+        let _ = writeln!(
+            text,
+            "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{:?}</DataArray>",
+            self.time
+        );
+        let _ = writeln!(text, "    </FieldData>");
+        let _ = writeln!(text, "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points, self.cells);
+        section(&mut text, "Points", std::slice::from_ref(&self.position));
+        section(&mut text, "Cells", &self.topology);
+        section(&mut text, "PointData Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", &self.nodal);
+        section(&mut text, "CellData", &self.cellwise);
+        let _ = write!(text, "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n   _");
+        let mut bytes = text.into_bytes();
+        bytes.append(&mut blob);
+        // meshio cuts the data at the last line end before the closing tag.
+        bytes.extend_from_slice(b"\n  </AppendedData>\n</VTKFile>\n");
+        bytes
+    }
+}
+
+/// Appends an array as VTK stores it: number of blocks, size of a block, size of the last one if it is not full, compressed sizes, blocks.
+fn compress_into(blob: &mut Vec<u8>, bytes: &[u8]) {
+    let blocks: Vec<Vec<u8>> = bytes
+        .chunks(BLOCK)
+        .map(|block| {
+            let mut encoder = ZlibEncoder::new(Vec::new(), LEVEL);
+            // Memory takes everything.
+            let _ = encoder.write_all(block);
+            encoder.finish().unwrap_or_default()
+        })
+        .collect();
+    let head = [blocks.len(), BLOCK, bytes.len() % BLOCK];
+    for number in head.into_iter().chain(blocks.iter().map(Vec::len)) {
+        blob.extend_from_slice(&(number as u64).to_le_bytes());
+    }
+    for block in blocks {
+        blob.extend_from_slice(&block);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read as _;
+
+    use flate2::read::ZlibDecoder;
+
+    use super::super::samples::{block, ring};
+    use super::*;
+
+    /// The bytes of a named array, found by its offset in the text and inflated block by block.
+    fn array(file: &[u8], name: &str) -> (usize, Vec<u8>) {
+        let start = file.windows(4).position(|window| window == b"   _").unwrap() + 4;
+        let text = std::str::from_utf8(&file[..start]).unwrap();
+        let tag = text.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap();
+        let attribute =
+            |key: &str| tag.split(&format!("{key}=\"")).nth(1).map(|rest| rest.split('"').next().unwrap().parse::<usize>().unwrap());
+        let data = &file[start + attribute("offset").unwrap()..];
+        let number = |index: usize| u64::from_le_bytes(data[8 * index..8 * index + 8].try_into().unwrap()) as usize;
+        let (count, size, last) = (number(0), number(1), number(2));
+        let mut at = 8 * (3 + count);
+        let mut bytes = Vec::new();
+        for index in 0..count {
+            let mut inflated = Vec::new();
+            ZlibDecoder::new(&data[at..at + number(3 + index)]).read_to_end(&mut inflated).unwrap();
+            assert_eq!(inflated.len(), if index + 1 == count && last > 0 { last } else { size });
+            bytes.append(&mut inflated);
+            at += number(3 + index);
+        }
+        (attribute("NumberOfComponents").unwrap_or(1), bytes)
+    }
+
+    fn doubles(file: &[u8], name: &str) -> Vec<f64> {
+        array(file, name).1.chunks_exact(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap())).collect()
+    }
+
+    fn integers(file: &[u8], name: &str) -> Vec<i64> {
+        array(file, name).1.chunks_exact(8).map(|bytes| i64::from_le_bytes(bytes.try_into().unwrap())).collect()
+    }
+
+    #[test]
+    fn arrays_read_back_bit_by_bit() {
+        // Large enough for more than one block per array, and with a body of its own node numbers behind the first.
+        let bodies = [ring("outer ring", [1.0, 1.5], [40, 80]), ring("inner -- ring", [0.5, 1.0], [2, 9])];
+        let file = Frame::new(0.25, &bodies).encode();
+        let joined = |values: fn(&BodyFields) -> Vec<f64>| bodies.iter().flat_map(values).map(f64::to_bits).collect::<Vec<_>>();
+        let bits = |name: &str| doubles(&file, name).into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        assert_eq!(bits("Points"), joined(|body| body.mesh.points.concat()));
+        assert_eq!(bits("displacement"), joined(|body| body.displacement.concat()));
+        assert_eq!(bits("velocity"), joined(|body| body.velocity.concat()));
+        assert_eq!(bits("stress"), joined(|body| body.stress.concat()));
+        assert_eq!(bits("von_mises"), joined(|body| (0..body.stress.len()).map(|node| body.von_mises(node)).collect()));
+        assert_eq!(bits("contact_pressure"), joined(|body| body.contact_pressure.clone()));
+        assert_eq!(bits("contact_gap"), joined(|body| body.contact_gap.clone()));
+        let components = ["Points", "displacement", "velocity", "stress", "von_mises", "body"].map(|name| array(&file, name).0);
+        assert_eq!(components, [3, 3, 3, 6, 1, 1]);
+
+        let connectivity = integers(&file, "connectivity");
+        let first = bodies[0].mesh.points.len() as i64;
+        assert_eq!(connectivity.len(), 4 * (40 * 80 + 2 * 9));
+        assert_eq!(
+            connectivity[4 * 40 * 80..][..4],
+            bodies[1].mesh.cell(0).iter().map(|&node| first + i64::from(node)).collect::<Vec<_>>()
+        );
+        assert_eq!(integers(&file, "offsets").last(), Some(&(connectivity.len() as i64)));
+        assert!(array(&file, "types").1.iter().all(|&kind| kind == 9));
+        assert_eq!(integers(&file, "body").iter().filter(|&&body| body == 1).count(), 18);
+        let text = String::from_utf8_lossy(&file);
+        assert!(
+            text.contains("<!-- body 0: outer ring -->") && text.contains("Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">0.25<")
+        );
+        assert_eq!(text.matches("--").count(), 4, "only the comments' own hyphens");
+    }
+
+    #[test]
+    fn hexahedra_and_nothing_at_all_are_written_too() {
+        let file = Frame::new(0.0, &[block([2, 3, 4], [1.0, 1.0, 1.0])]).encode();
+        assert_eq!(array(&file, "types").1, [12; 24]);
+        assert_eq!(integers(&file, "offsets")[..3], [8, 16, 24]);
+        assert!(String::from_utf8_lossy(&Frame::new(0.0, &[]).encode()).contains("NumberOfPoints=\"0\" NumberOfCells=\"0\""));
+    }
+
+    #[test]
+    fn a_smooth_field_is_compressed() {
+        let bodies = [ring("ring", [1.0, 1.5], [40, 80])];
+        let frame = Frame::new(0.0, &bodies);
+        let arrays = frame.topology.iter().chain(&frame.nodal).chain([&frame.position]).chain(&frame.cellwise);
+        let raw: usize = arrays.map(|array| array.bytes.len()).sum();
+        let packed = frame.encode().len();
+        assert!(3 * packed < 2 * raw, "{packed} of {raw}");
+    }
+}
