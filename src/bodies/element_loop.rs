@@ -62,6 +62,9 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
         workers: &Workers,
     ) -> Result<(), Inverted>;
 
+    /// Adds the material stiffness `int B^T D B dV` at `q`, the tangent of the static forces without its geometric part.
+    fn add_material_stiffness(&self, q: &[f64], values: &mut [f64]);
+
     /// Strain energy `[energy]`.
     fn strain_energy(&self, q: &[f64]) -> f64;
 
@@ -632,6 +635,20 @@ impl<C: ReferenceCell<D, A, Q>, const D: usize, const S: usize, const A: usize, 
             }
         }
         Ok(())
+    }
+
+    fn add_material_stiffness(&self, q: &[f64], values: &mut [f64]) {
+        let mut contribution = Contribution { force: [[Lanes::ZERO; D]; A], tangent: [[[[Lanes::ZERO; D]; D]; A]; A] };
+        let mut force = vec![0.0; q.len()];
+        for (index, batch) in self.batches.iter().enumerate() {
+            let deformation = self.deform(batch, q);
+            let (mut stress, mut tangent) = ([[Lanes::ZERO; S]; Q], [[[Lanes::ZERO; S]; S]; Q]);
+            self.law.stress_tangent_into(&deformation.strain, &mut stress, &mut tangent);
+            let gradient = &deformation.gradient;
+            let (share, weight, out) = (0.0, 1.0, &mut contribution);
+            dispatch(Integrate { batch, test: gradient, trial: gradient, stress: &stress, tangent: &tangent, share, weight, out });
+            self.scatter(index, &contribution, &mut force, values);
+        }
     }
 
     fn strain_energy(&self, q: &[f64]) -> f64 {

@@ -70,6 +70,33 @@ pub enum ContactMethod {
 pub enum UpdateRule {
     /// The gap is zero at the end of the step.
     Gap,
+    /// A node that is closed at the start of the step does not approach further (Laursen and Chawla, IJNME 40, 1997).
+    Persistency,
+    /// As `Gap`, then a smoothed velocity jump that returns the lost energy (after Laursen and Love, IJNME 53, 2002).
+    Velocity,
+}
+
+impl UpdateRule {
+    /// All rules, in the order of the reference.
+    pub const ALL: &'static [UpdateRule] = &[UpdateRule::Gap, UpdateRule::Persistency, UpdateRule::Velocity];
+
+    /// Name as written in a script.
+    pub fn name(self) -> &'static str {
+        match self {
+            UpdateRule::Gap => "gap",
+            UpdateRule::Persistency => "persistency",
+            UpdateRule::Velocity => "velocity",
+        }
+    }
+
+    /// One sentence for the reference.
+    pub fn summary(self) -> &'static str {
+        match self {
+            UpdateRule::Gap => "no penetration at the end of a step; each closing loses energy, which the ledger books as contact work",
+            UpdateRule::Persistency => "energy exact through impact and release; penetrates by at most one step's approach",
+            UpdateRule::Velocity => "no penetration and exact energy: a smoothed velocity jump returns what a closing would lose",
+        }
+    }
 }
 
 /// A contact pair.

@@ -5,7 +5,7 @@
 //! residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
 use super::error::StepError;
-use super::system::{AssemblyError, Forces, Pair, StepStart, System};
+use super::system::{AssemblyError, Conditions, Forces, Pair, StepStart, System};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::linear::LinearError;
 use crate::math::tolerances;
@@ -77,6 +77,7 @@ pub(super) struct Task<'a> {
     pub(super) start: &'a StepStart<'a>,
     pub(super) predicted: &'a [f64],
     pub(super) lambda: &'a [f64],
+    pub(super) conditions: &'a Conditions,
     pub(super) energy: f64,
     pub(super) tolerance: f64,
     pub(super) interrupted: &'a dyn Fn() -> bool,
@@ -101,7 +102,12 @@ where
     let start = task.start;
     let mut q_1 = task.predicted.to_vec();
     let mut lambda = task.lambda.to_vec();
-    let mut contacts = Contacts { dropped: vec![false; system.multipliers], active: vec![false; system.multipliers] };
+    let conditions = task.conditions;
+    let dropped = conditions.members.iter().map(|member| !member).collect();
+    let mut contacts = Contacts { dropped, active: vec![false; system.multipliers] };
+    for (lambda, _) in lambda.iter_mut().zip(&conditions.members).filter(|(_, member)| !**member) {
+        *lambda = 0.0;
+    }
     let limit = system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min) * tolerances::STEP_LIMIT;
     let mut history: Vec<Iteration> = Vec::new();
     let mut last_energy = f64::INFINITY;
@@ -129,10 +135,10 @@ where
             break;
         }
 
-        let mut set = starting_set(system, &lambda, &contacts.dropped);
+        let mut set = starting_set(system, conditions, &lambda, &contacts.dropped);
         let (increment, new_lambda) = match strategy {
-            Strategy::InnerLoop => inner_loop(system, &forces, &mut set, &contacts.dropped)?,
-            Strategy::Backtracking => system.solve(&forces, &set).map_err(Failure::Linear)?,
+            Strategy::InnerLoop => inner_loop(system, &forces, conditions, &mut set, &contacts.dropped)?,
+            Strategy::Backtracking => system.solve(&forces, &conditions.targets, &set).map_err(Failure::Linear)?,
         };
         record.changes = set.iter().zip(&contacts.active).filter(|(a, b)| a != b).count();
         contacts.active = set;
@@ -154,12 +160,12 @@ where
                 forces = system.assemble(start, &q_1, &lambda)?;
             }
             Strategy::Backtracking => {
-                let merit_before = merit(system, &forces, &lambda, &contacts.dropped);
+                let merit_before = merit(system, &forces, conditions, &lambda, &contacts.dropped);
                 let mut best: Option<(f64, f64)> = None;
                 for alpha in [1.0, 0.5, 0.25, 0.125] {
                     let (q, l) = moved_to(alpha);
                     let Ok(trial) = system.assemble(start, &q, &l) else { continue };
-                    let value = merit(system, &trial, &l, &contacts.dropped);
+                    let value = merit(system, &trial, conditions, &l, &contacts.dropped);
                     if best.is_none_or(|(least, _)| value < least) {
                         best = Some((value, alpha));
                     }
@@ -223,7 +229,7 @@ where
     let mut contact_work = 0.0;
     for pair in &system.pairs {
         for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
-            let gap = pair.evaluation.gap[row - pair.rows.start];
+            let gap = pair.evaluation.gap[row - pair.rows.start] - task.conditions.targets[row];
             let natural = if pair.equality { gap } else { gap.min(lambda[row] / pair.c) };
             let violation = natural.abs() / pair.gap_tolerance;
             if violation > record.violation {
@@ -236,12 +242,12 @@ where
 }
 
 /// The set that an iteration begins with: pressed nodes and nodes that overlap.
-fn starting_set<const D: usize>(system: &System<D>, lambda: &[f64], dropped: &[bool]) -> Vec<bool> {
+fn starting_set<const D: usize>(system: &System<D>, conditions: &Conditions, lambda: &[f64], dropped: &[bool]) -> Vec<bool> {
     let mut set = vec![false; system.multipliers];
     for pair in &system.pairs {
         for row in pair.rows.clone() {
             let local = row - pair.rows.start;
-            let pressed = pair.equality || lambda[row] - pair.c * pair.evaluation.gap[local] > 0.0;
+            let pressed = pair.equality || lambda[row] - pair.c * (pair.evaluation.gap[local] - conditions.targets[row]) > 0.0;
             set[row] = pressed && !dropped[row] && has_row(pair, local);
         }
     }
@@ -252,6 +258,7 @@ fn starting_set<const D: usize>(system: &System<D>, lambda: &[f64], dropped: &[b
 fn inner_loop<const D: usize>(
     system: &mut System<D>,
     forces: &Forces,
+    conditions: &Conditions,
     set: &mut Vec<bool>,
     dropped: &[bool],
 ) -> Result<(Vec<f64>, Vec<f64>), Failure>
@@ -261,13 +268,14 @@ where
     let mut seen = vec![set.clone()];
     let mut one_at_a_time = false;
     for inner in 0..MAX_INNER {
-        let (increment, lambda) = system.solve(forces, set).map_err(Failure::Linear)?;
+        let (increment, lambda) = system.solve(forces, &conditions.targets, set).map_err(Failure::Linear)?;
         let gaps = system.linearized_gaps(&increment);
         let mut next = set.clone();
         let mut worst = (0.0, usize::MAX);
         for pair in system.pairs.iter().filter(|pair| !pair.equality) {
             for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
-                let violation = if set[row] { -lambda[row] / pair.c } else { -gaps[row] - 1e-3 * pair.gap_tolerance };
+                let violation =
+                    if set[row] { -lambda[row] / pair.c } else { conditions.targets[row] - gaps[row] - 1e-3 * pair.gap_tolerance };
                 if violation > 0.0 || (set[row] && lambda[row] <= 0.0) {
                     next[row] = !set[row];
                     if violation > worst.0 {
@@ -297,7 +305,7 @@ where
 }
 
 /// Size of residual and contact violation, for the line search: forces and multipliers times facet size.
-fn merit<const D: usize>(system: &System<D>, forces: &Forces, lambda: &[f64], dropped: &[bool]) -> f64 {
+fn merit<const D: usize>(system: &System<D>, forces: &Forces, conditions: &Conditions, lambda: &[f64], dropped: &[bool]) -> f64 {
     let mut sum = 0.0;
     for (k, (r, c)) in forces.without_contact.iter().zip(&forces.contact).enumerate() {
         if !system.fixed[k] {
@@ -307,7 +315,7 @@ fn merit<const D: usize>(system: &System<D>, forces: &Forces, lambda: &[f64], dr
     for pair in &system.pairs {
         let size = pair.kernel.facet_size();
         for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
-            let pressure = pair.c * pair.evaluation.gap[row - pair.rows.start];
+            let pressure = pair.c * (pair.evaluation.gap[row - pair.rows.start] - conditions.targets[row]);
             let natural = size * if pair.equality { pressure } else { pressure.min(lambda[row]) };
             sum += natural * natural;
         }

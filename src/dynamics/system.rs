@@ -14,7 +14,7 @@
 use std::time::Instant;
 
 use super::error::{ModelError, StepError};
-use super::model::{ContactMethod, LoadKind, Model};
+use super::model::{ContactMethod, LoadKind, Model, UpdateRule};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, Workers, nodal_areas, torque_forces};
 use crate::contact::{ContactKernel, Evaluation, Mortar};
@@ -44,11 +44,12 @@ pub(super) struct Pair {
     pub(super) kernel: Box<dyn ContactKernel>,
     pub(super) evaluation: Evaluation,
     pub(super) equality: bool,
+    pub(super) update: UpdateRule,
     /// Range of its multipliers among all multipliers.
     pub(super) rows: std::ops::Range<usize>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
     pub(super) c: f64,
-    /// Weighted gap that counts as closed.
+    /// Weighted gap that counts as closed for Newton's method.
     pub(super) gap_tolerance: f64,
     /// Per patch: blocks of node pairs (row by row), then per constraint row and node the blocks in the multiplier's row and column.
     tangent_places: Vec<Block>,
@@ -67,6 +68,16 @@ pub(super) struct StepStart<'a> {
     pub(super) half_force: &'a [f64],
     /// `Some(mu)`: no inertia but a damping `mu/2 M (q_1 - q_0)`; velocities are not used.
     pub(super) damping: Option<f64>,
+}
+
+/// The contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that presses or is zero.
+pub(super) struct Conditions {
+    /// Weighted gaps at the start of the step.
+    pub(super) gap_n: Vec<f64>,
+    /// What the weighted gap of an active node is at the end of the step.
+    pub(super) targets: Vec<f64>,
+    /// Whether a node takes part in this step.
+    pub(super) members: Vec<bool>,
 }
 
 /// Forces of a step at one iterate.
@@ -181,6 +192,7 @@ where
             pairs.push(Pair {
                 name: contact.name.clone(),
                 equality: contact.equality,
+                update: contact.update,
                 rows: multipliers..multipliers + count,
                 c: model.bodies[contact.secondary.body].material.youngs_modulus() / (size * size),
                 gap_tolerance: tolerances::GAP * size * size,
@@ -328,6 +340,21 @@ where
         Ok(())
     }
 
+    /// The contact conditions of a step from `q_0` by the pairs' update rules.
+    pub(super) fn conditions(&self, q_0: &[f64]) -> Conditions {
+        let gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.gap(q_0)).collect();
+        let mut targets = vec![0.0; gap_n.len()];
+        let mut members = vec![true; gap_n.len()];
+        for pair in self.pairs.iter().filter(|pair| pair.update == UpdateRule::Persistency) {
+            let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
+            for row in pair.rows.clone() {
+                members[row] = pair.equality || gap_n[row] <= closed;
+                targets[row] = gap_n[row];
+            }
+        }
+        Conditions { gap_n, targets, members }
+    }
+
     /// Loads at a configuration and time, gravity not included; a time function may fail.
     pub(super) fn loads_into(&self, q: &[f64], time: f64, force: &mut [f64]) -> Result<bool, StepError> {
         let mut acted = false;
@@ -432,13 +459,15 @@ where
     }
 
     /// Solves Newton's system for the increment and the new multipliers with the given active constraints.
-    pub(super) fn solve(&mut self, forces: &Forces, active: &[bool]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+    pub(super) fn solve(&mut self, forces: &Forces, targets: &[f64], active: &[bool]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let clock = Instant::now();
         self.write_constraints(active);
         let unknowns = self.reference.len();
         let mut right: Vec<f64> = forces.without_contact.iter().zip(&self.fixed).map(|(r, &fixed)| if fixed { 0.0 } else { -r }).collect();
         for pair in &self.pairs {
-            right.extend(pair.rows.clone().map(|row| if active[row] { -pair.evaluation.gap[row - pair.rows.start] } else { 0.0 }));
+            right.extend(
+                pair.rows.clone().map(|row| if active[row] { targets[row] - pair.evaluation.gap[row - pair.rows.start] } else { 0.0 }),
+            );
         }
         self.factorizations += 1;
         self.factorization.factorize(&self.values)?;
@@ -449,6 +478,63 @@ where
         outcome?;
         let lambda = right.split_off(unknowns);
         Ok((right, lambda))
+    }
+
+    /// The smoothed velocity jump of the `velocity` rule: `w` with `(M + (dt/2)^2 K_m(q_1)) w = sum_A lambda_A grad Phi_A(q_1)`, and the impulse
+    /// of the supports that belongs to it. `K_m` is the material stiffness: its forces have neither resultant nor moment at `q_1`,
+    /// so that `v_1 + s w` has the momenta of `v_1` for every `s`.
+    pub(super) fn smoothed_jump(&mut self, q_1: &[f64], dt: f64, lambda: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        let clock = Instant::now();
+        self.values.fill(0.0);
+        for body in &self.bodies {
+            body.elements.add_material_stiffness(q_1, &mut self.values);
+        }
+        let factor = 0.25 * dt * dt;
+        for (value, mass) in self.values.iter_mut().zip(&self.mass_values) {
+            *value = factor * *value + mass;
+        }
+        let mut push = vec![0.0; q_1.len()];
+        for pair in &self.pairs {
+            let patches = pair.kernel.patches();
+            for p in (0..patches.len()).filter(|&p| pair.evaluation.live[p]) {
+                let gradients = &pair.evaluation.gradient_end[patches.gradient_range(p)];
+                for (row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
+                    let lambda = lambda[pair.rows.start + *row as usize];
+                    for (u, &node) in patches.nodes(p).iter().enumerate() {
+                        for i in 0..D {
+                            push[node as usize * D + i] += lambda * gradient[u * D + i];
+                        }
+                    }
+                }
+            }
+        }
+        let support_rows: Vec<usize> = (0..q_1.len()).filter(|&k| self.fixed[k]).collect();
+        let free_values = self.values.clone();
+        let inactive = vec![false; self.multipliers];
+        self.write_constraints(&inactive);
+        let mut right = push.clone();
+        for &k in &support_rows {
+            right[k] = 0.0;
+        }
+        right.resize(q_1.len() + self.multipliers, 0.0);
+        self.times.assembly += clock.elapsed();
+        let clock = Instant::now();
+        self.factorizations += 1;
+        self.factorization.factorize(&self.values)?;
+        self.times.factorization += clock.elapsed();
+        let clock = Instant::now();
+        self.factorization.solve(&self.values, &mut right)?;
+        self.times.solve += clock.elapsed();
+        right.truncate(q_1.len());
+        // What the supports must push so that their nodes stay.
+        let mut reaction = vec![0.0; q_1.len()];
+        if !support_rows.is_empty() {
+            self.pattern.multiply_into(&free_values, &right, &mut reaction);
+            for k in 0..reaction.len() {
+                reaction[k] = if self.fixed[k] { reaction[k] - push[k] } else { 0.0 };
+            }
+        }
+        Ok((right, reaction))
     }
 
     fn write_constraints(&mut self, active: &[bool]) {

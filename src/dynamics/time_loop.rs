@@ -5,11 +5,11 @@
 use super::error::{ModelError, StepError};
 use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
-use super::model::Model;
+use super::model::{Model, UpdateRule};
 use super::newton::{self, Failure, Iteration, Solution, Strategy, Task};
 use super::predictor::rigid_motion;
 use super::simulation::{Options, SettleReport, State, Statistics, Steps};
-use super::system::{AssemblyError, StepStart, System, moment, resultant};
+use super::system::{AssemblyError, Conditions, StepStart, System, moment, resultant};
 use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
 use crate::math::tolerances;
@@ -19,6 +19,15 @@ const MAX_SETTLE_STEPS: usize = 60;
 /// Damping of `settle` over the stiffness of the slowest elastic motion: small, so that few steps suffice, not zero, so that rigid motions
 /// stay regular.
 const SETTLE_DAMPING: f64 = 1e-5;
+
+/// A jump of the velocities at the end of a step.
+struct Jump {
+    velocity: Vec<f64>,
+    /// Impulse of the supports.
+    impulse: Vec<f64>,
+    /// Kinetic energy that it adds.
+    energy: f64,
+}
 
 /// A simulation in `D` dimensions.
 pub(super) struct TimeLoop<const D: usize> {
@@ -57,7 +66,7 @@ where
 
     /// One piece of a step from the current state: the new state, or why there is none.
     fn piece(&mut self, dt: f64) -> Result<State, Failure> {
-        let state = &self.state;
+        let state = self.state.clone();
         let (integrator, time) = (self.options.integrator, state.row.time);
         let predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
         // Reach of the search: a facet, and what both sides move in this step by the prediction or by their velocities.
@@ -82,20 +91,22 @@ where
 
         let start =
             StepStart { integrator, time, dt, q_0: &state.positions, v_0: &state.velocities, half_force: &state.half_force, damping: None };
-        let gap_n: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(&state.positions)).collect();
+        let conditions = self.system.conditions(&state.positions);
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
         let task = Task {
             start: &start,
             predicted: &predicted,
             lambda: &state.lambda,
+            conditions: &conditions,
             energy,
             tolerance: options.tolerance,
             interrupted: &|| options.interrupted(),
         };
         let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations)?;
         self.check_reach(&solution, &margins)?;
-        Ok(self.accept(&start, solution, &gap_n))
+        let jump = self.velocity_jump(dt, &solution, &conditions)?;
+        Ok(self.accept(&start, solution, &conditions, jump))
     }
 
     /// Energy that defects are measured by: that of the state, the predicted kinetic energy, and the work of loads over the prediction.
@@ -129,8 +140,42 @@ where
         Ok(())
     }
 
+    /// The velocity jump that returns the energy `sum lambda Phi(q_0)` which closing pairs of the `velocity` rule lost, and its support impulse.
+    ///
+    /// `v_1 + s w` with the root of `1/2 s^2 w.Mw + s v_1.Mw = lost`.
+    fn velocity_jump(&mut self, dt: f64, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {
+        let mut lambda = vec![0.0; self.system.multipliers];
+        let mut lost = 0.0;
+        for pair in self.system.pairs.iter().filter(|pair| pair.update == UpdateRule::Velocity) {
+            let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
+            for row in pair.rows.clone().filter(|&row| solution.active[row] && conditions.gap_n[row].abs() > closed) {
+                lambda[row] = solution.lambda[row];
+                lost += lambda[row] * conditions.gap_n[row];
+            }
+        }
+        if lost == 0.0 {
+            return Ok(None);
+        }
+        let (mut w, mut impulse) = self.system.smoothed_jump(&solution.q_1, dt, &lambda).map_err(Failure::Linear)?;
+        let state = &self.state;
+        let mut momentum = vec![0.0; w.len()];
+        self.system.mass.multiply_into::<D>(&w, &mut momentum);
+        let velocity = |k: usize| 2.0 / dt * (solution.q_1[k] - state.positions[k]) - state.velocities[k];
+        let (a, b) = (0..w.len()).fold((0.0, 0.0), |(a, b), k| (a + 0.5 * w[k] * momentum[k], b + velocity(k) * momentum[k]));
+        let discriminant = b * b + 4.0 * a * lost;
+        let divisor = b + discriminant.max(0.0).sqrt();
+        if discriminant < 0.0 || divisor <= 0.0 {
+            // A gain (a node that had sat out a step) larger than the jump can take away: it stays booked as contact work.
+            return Ok(None);
+        }
+        let s = 2.0 * lost / divisor;
+        w.iter_mut().for_each(|w| *w *= s);
+        impulse.iter_mut().for_each(|f| *f *= s);
+        Ok(Some(Jump { velocity: w, impulse, energy: lost }))
+    }
+
     /// The state at the end of a converged step, with its row of the ledger.
-    fn accept(&self, start: &StepStart, solution: Solution, gap_n: &[f64]) -> State {
+    fn accept(&self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
         let Solution { q_1, mut lambda, active, forces, iterations } = solution;
         let (system, dt, unknowns) = (&self.system, start.dt, q_1.len());
         for (lambda, &active) in lambda.iter_mut().zip(&active) {
@@ -138,7 +183,19 @@ where
                 *lambda = 0.0;
             }
         }
-        let v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
+        let mut v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
+        let half_force = if start.integrator == Integrator::Trapezoidal {
+            // r = inertia + new half + old half, so the new half is what is left after the inertia.
+            let rate: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / dt).collect();
+            let mut inertia = vec![0.0; unknowns];
+            system.mass.multiply_into::<D>(&rate, &mut inertia);
+            (0..unknowns).map(|k| forces.without_contact[k] - forces.contact[k] - inertia[k] - start.half_force[k]).collect()
+        } else {
+            self.state.half_force.clone()
+        };
+        if let Some(jump) = &jump {
+            v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
+        }
         let old = &self.state.row;
         let mut row = LedgerRow {
             step: old.step + 1,
@@ -162,7 +219,8 @@ where
             }
         }
         row.load_work = (0..unknowns).map(|k| load[k] * (q_1[k] - start.q_0[k])).sum();
-        row.contact_work = -weight * lambda.iter().zip(gap_n).map(|(lambda, gap)| lambda * gap).sum::<f64>();
+        let closing: f64 = (0..lambda.len()).map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row])).sum();
+        row.contact_work = weight * closing + jump.as_ref().map_or(0.0, |jump| jump.energy);
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
 
         // Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
@@ -174,10 +232,14 @@ where
             }
         }
         let middle: Vec<f64> = (0..unknowns).map(|k| 0.5 * (q_1[k] + start.q_0[k])).collect();
-        let unexplained =
-            |new: [f64; 3], old: [f64; 3], rate: [f64; 3]| (0..3).map(|i| (new[i] - old[i] - dt * rate[i]).abs()).fold(0.0, f64::max);
-        row.momentum_defect = unexplained(row.momentum, old.momentum, resultant::<D>(&external));
-        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, moment::<D>(&middle, &external));
+        let nothing = vec![0.0; unknowns];
+        let impulse = jump.as_ref().map_or(&nothing, |jump| &jump.impulse);
+        let unexplained = |new: [f64; 3], old: [f64; 3], rate: [f64; 3], impulse: [f64; 3]| {
+            (0..3).map(|i| (new[i] - old[i] - dt * rate[i] - impulse[i]).abs()).fold(0.0, f64::max)
+        };
+        row.momentum_defect = unexplained(row.momentum, old.momentum, resultant::<D>(&external), resultant::<D>(impulse));
+        let (rate, impulse) = (moment::<D>(&middle, &external), moment::<D>(&q_1, impulse));
+        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, rate, impulse);
 
         for pair in &system.pairs {
             for (node, (gap, covered)) in pair.evaluation.gap.iter().zip(&pair.evaluation.coverage).enumerate() {
@@ -186,15 +248,6 @@ where
                 }
             }
         }
-        let half_force = if start.integrator == Integrator::Trapezoidal {
-            // r = inertia + new half + old half, so the new half is what is left after the inertia.
-            let rate: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / dt).collect();
-            let mut inertia = vec![0.0; unknowns];
-            system.mass.multiply_into::<D>(&rate, &mut inertia);
-            (0..unknowns).map(|k| forces.without_contact[k] - forces.contact[k] - inertia[k] - start.half_force[k]).collect()
-        } else {
-            Vec::new()
-        };
         let acted = load.iter().any(|f| *f != 0.0);
         State {
             row,
@@ -202,7 +255,7 @@ where
             velocities: v_1,
             lambda,
             active,
-            half_force: if half_force.is_empty() { self.state.half_force.clone() } else { half_force },
+            half_force,
             clock: self.state.clock,
             level: self.state.level,
             loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
@@ -538,10 +591,14 @@ where
             let floor = tolerances::FORCE_FLOOR * self.system.modulus * self.system.extent.powi(D as i32);
             let energy = self.system.strain_energy(&positions).max(floor);
             let options = &self.options;
+            // At rest every rule closes the gaps.
+            let count = self.system.multipliers;
+            let conditions = Conditions { gap_n: vec![0.0; count], targets: vec![0.0; count], members: vec![true; count] };
             let task = Task {
                 start: &start,
                 predicted: &positions,
                 lambda: &self.state.lambda,
+                conditions: &conditions,
                 energy,
                 tolerance: options.tolerance,
                 interrupted: &|| options.interrupted(),

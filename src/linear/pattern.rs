@@ -134,6 +134,24 @@ impl Pattern {
         &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
     }
 
+    /// `y = A x` with the given values, over the unknowns that `x` has (the leading ones).
+    pub fn multiply_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for v in (0..self.lengths.len()).take_while(|&v| self.first[v] < x.len()) {
+            for k in 0..self.first[v + 1] - self.first[v] {
+                let mut place = self.columns[v] + k * self.lengths[v];
+                for &u in self.neighbors(v) {
+                    for row in self.first[u as usize]..self.first[u as usize + 1] {
+                        if row < y.len() {
+                            y[row] += values[place] * x[self.first[v] + k];
+                        }
+                        place += 1;
+                    }
+                }
+            }
+        }
+    }
+
     /// Compressed columns: start of every column, and row of every value.
     pub fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>) {
         let mut starts = Vec::with_capacity(self.unknowns() + 1);

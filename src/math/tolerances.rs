@@ -14,6 +14,10 @@ pub const FORCE_FLOOR: f64 = 1e-14;
 /// Weighted gap that counts as closed, relative to the square of the shortest secondary facet (Newton's target).
 pub const GAP: f64 = 1e-12;
 
+/// Weighted gap at the start of a step that counts as closed for the `persistency` rule, relative to the square of the shortest secondary
+/// facet: well above Newton's gap tolerance, or nodes would drop out for good; a thousand times below where nodes are held visibly open.
+pub const CLOSED: f64 = 1e-9;
+
 /// Squared strain increment below which the derivative of the discrete gradient's correction is dropped (|dE| = 1e-8):
 /// it is a quotient of two round-offs there and Newton does not feel its absence.
 pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
