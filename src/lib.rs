@@ -3,6 +3,8 @@
 //! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
 //! The method is that of C. Hesch and P. Betsch, "Energy-momentum schemes for large deformation contact problems", PAMM 2007.
 
+#![deny(missing_docs)]
+
 pub mod math;
 
 pub mod elements;

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! (method: Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000). The gradients of the shape functions sum to zero, so the blocks of the last
-//! node follow from the others. Lanes run over elements; what is left over in the last batch repeats its first element and is not scattered.
+//! node follow from the others. Lanes run over elements; what is left over in the last batch repeats its first element and is not
+//! scattered.
 
 use std::sync::Arc;
 

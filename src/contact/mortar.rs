@@ -4,8 +4,8 @@
 //! which keeps energy and momenta exact while facets slide over each other (Hesch and Betsch 2007, equations 4 to 10). A patch is a
 //! candidate pair: nodes `(x_1, x_2, y_1, y_2)`, rows `(x_1, x_2)`.
 //!
-//! The correction of the discrete gradient is taken per pair. Where vertices of both meshes meet at rest, kinks of neighboring pairs cancel in
-//! the sum but not in their corrections; one correction for each node would cure that, at the price of coupling all its pairs.
+//! The correction of the discrete gradient is taken per pair. Where vertices of both meshes meet at rest, kinks of neighboring pairs cancel
+//! in the sum but not in their corrections; one correction for each node would cure that, at the price of coupling all its pairs.
 
 use super::ContactKernel;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
@@ -441,7 +441,8 @@ mod tests {
             mortar.evaluate(Integrator::EnergyMomentum, &q_1, &[0.0, 2.0], &mut out);
             let fresh = evaluated(&mortar, Integrator::EnergyMomentum, &q_1, &[0.0, 2.0]);
             prop_assert_eq!((&out.gap, &out.coverage, &out.live), (&fresh.gap, &fresh.coverage, &fresh.live));
-            prop_assert_eq!((&out.gradient_end, &out.gradient_bar, &out.tangent), (&fresh.gradient_end, &fresh.gradient_bar, &fresh.tangent));
+            prop_assert_eq!((&out.gradient_end, &out.gradient_bar), (&fresh.gradient_end, &fresh.gradient_bar));
+            prop_assert_eq!(&out.tangent, &fresh.tangent);
         }
     }
 

@@ -1,7 +1,7 @@
 //! A surface in the plane: a chain, or several, of oriented straight facets with the body on their left.
 //!
-//! Only the numbering is kept; positions come with every call. Nodes are numbered locally in ascending order of their global numbers. Nothing
-//! is asked of the shape: open, closed, in several pieces.
+//! Only the numbering is kept; positions come with every call. Nodes are numbered locally in ascending order of their global numbers.
+//! Nothing is asked of the shape: open, closed, in several pieces.
 
 /// Oriented two-node facets and their nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]

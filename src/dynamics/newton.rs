@@ -1,8 +1,8 @@
 //! Newton's method of one step, with the contact conditions found together with the nonlinear equations.
 //!
 //! Semi-smooth Newton: the set of active nodes is finished on the frozen linearisation of each iteration before the geometry is evaluated
-//! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap sit out the step; convergence is decided by the natural
-//! residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
+//! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap sit out the step; convergence is decided by the
+//! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
 use super::error::StepError;
 use super::system::{AssemblyError, Conditions, Forces, Pair, StepStart, System};

@@ -1,8 +1,8 @@
 //! The start of Newton's method: every free piece moved by its rigid velocity alone.
 //!
-//! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity that belongs to
-//! the piece's angular momentum. Elastic velocities are left out (they are noise when dt is many element periods), and a rotation proper
-//! does not inflate the body as `q_0 + dt v_0` does. Pieces with supports start where they are.
+//! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity that
+//! belongs to the piece's angular momentum. Elastic velocities are left out (they are noise when dt is many element periods), and a
+//! rotation proper does not inflate the body as `q_0 + dt v_0` does. Pieces with supports start where they are.
 
 use super::system::System;
 use crate::bodies::{Elements, Space};

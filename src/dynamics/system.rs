@@ -312,7 +312,8 @@ where
         }
     }
 
-    /// Starts a step (or a piece of one) at `q_0`: candidate pairs within a margin for each contact, and what the kernels keep of the start.
+    /// Starts a step (or a piece of one) at `q_0`: candidate pairs within a margin for each contact, and what the kernels keep of the
+    /// start.
     pub(super) fn begin_step(&mut self, q_0: &[f64], margins: &[f64]) -> Result<(), LinearError> {
         let clock = Instant::now();
         let mut changed = false;

@@ -307,7 +307,8 @@ where
             ),
             Failure::Linear(error) => (
                 format!("{error} in the tangent of the step"),
-                "hold every body against static rigid motion with `fix`, or give it a density and a dynamic step; check for duplicate contact pairs"
+                "hold every body against static rigid motion with `fix`, or give it a density and a dynamic step; check for duplicate \
+                 contact pairs"
                     .into(),
             ),
             Failure::Diverged => ("the iterates grew without bound".into(), format!("{smaller}, or apply the load more slowly")),

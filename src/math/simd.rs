@@ -1,8 +1,8 @@
 //! Running a kernel with the instructions that the processor has: the one place with `unsafe`.
 //!
-//! The program is compiled for every x86-64 processor. A kernel written on [`super::lanes::Lanes`] is compiled twice, once plain and once with AVX2 and
-//! FMA allowed, and the choice is made here at run time (three to four times faster where the instructions exist; wider ones gain nothing).
-//! Results differ in the last bits between processors with and without these instructions; on one kind they are the same.
+//! The program is compiled for every x86-64 processor. A kernel written on [`super::lanes::Lanes`] is compiled twice, once plain and once
+//! with AVX2 and FMA allowed, and the choice is made here at run time (three to four times faster where the instructions exist; wider ones
+//! gain nothing). Results differ in the last bits between processors with and without these instructions; on one kind they are the same.
 
 /// A computation that is compiled for more than one instruction set. `run` must be `#[inline(always)]`, and so must all it calls.
 pub trait Kernel {

@@ -22,10 +22,12 @@ pub const CLOSED: f64 = 1e-9;
 /// it is a quotient of two round-offs there and Newton does not feel its absence.
 pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
 
-/// Step strain |dE| above which the energy quotient is accurate enough as it stands; below it a five-point Lobatto rule is exact to round-off.
+/// Step strain |dE| above which the energy quotient is accurate enough as it stands; below it a five-point Lobatto rule is exact to
+/// round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
 
-/// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient is under round-off.
+/// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient is under
+/// round-off.
 pub const INVARIANT_INCREMENT: f64 = 1e-5;
 
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
@@ -47,7 +49,8 @@ pub const LINEAR_RESIDUAL: f64 = 1e-8;
 /// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).
 pub const DEGENERATE_CELL: f64 = 1e-12;
 
-/// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh generator leave.
+/// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh
+/// generator leave.
 pub const PLANE: f64 = 1e-12;
 
 /// Range of the values of a plot or a picture, relative to their size, below which they are shown as one constant: their differences are

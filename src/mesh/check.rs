@@ -3,8 +3,8 @@
 //! Soundness: a cell is refused when its Jacobian determinant is not positive at a quadrature point, since its integrals are
 //! meaningless then; nothing is turned round silently. Quality: the scaled Jacobian (P. Knupp, 2003; C. Stimpson et al., The Verdict
 //! Library Reference Manual, 2007, sections 4.13 and 6.12), the smallest over a cell's corners of the determinant of the edge vectors
-//! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Unlike Verdict, the center of a hexahedron is not
-//! sampled.
+//! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond.
+//! Unlike Verdict, the center of a hexahedron is not sampled.
 
 use super::error::rounded;
 use super::topology::{corner, edges};

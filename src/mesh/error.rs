@@ -204,7 +204,7 @@ pub enum MeshError {
         announced: usize,
     },
     /// A section whose number of entries is not the one that it announces.
-    #[error("section ${section} announces {announced} entries but has {}", if *.found > *.announced { "more".into() } else { found.to_string() })]
+    #[error("section ${section} announces {announced} entries but has {}", more_or(*.found, *.announced))]
     Count {
         /// Line where this shows.
         line: usize,
@@ -469,6 +469,11 @@ fn listed(names: &[String]) -> String {
         return "none (it has no physical groups of cells)".into();
     }
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// A count that falls short, or that there is more than announced.
+fn more_or(found: usize, announced: usize) -> String {
+    if found > announced { "more".into() } else { found.to_string() }
 }
 
 /// A point with six digits.

@@ -1,8 +1,8 @@
 //! A mesh moved, turned, scaled or divided: each takes the mesh and returns another.
 //!
 //! Transforms move nodes only, so boundaries and parts stay as they are. Refinement splits each cell at the middle of its reference
-//! cell: the refined mesh covers the same set of points, and curved boundaries that the coarse mesh cut off are not recovered (generate a ring with
-//! more cells instead).
+//! cell: the refined mesh covers the same set of points, and curved boundaries that the coarse mesh cut off are not recovered
+//! (generate a ring with more cells instead).
 
 use std::collections::HashMap;
 

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
+use proptest::sample::{Index, select};
 
 use super::*;
 use crate::elements::CellKind;
@@ -387,7 +388,7 @@ proptest! {
     #[test]
     fn damaged_bytes_never_panic(
         which in 0..3usize,
-        damage in proptest::collection::vec((any::<prop::sample::Index>(), prop::sample::select(b"$0123456789-.e \n\"\xff".to_vec())), 1..6),
+        damage in proptest::collection::vec((any::<Index>(), select(b"$0123456789-.e \n\"\xff".to_vec())), 1..6),
     ) {
         let mut content = [SQUARES_2.into(), SQUARES_4.into(), solid_text()][which].clone().into_bytes();
         for (place, byte) in damage {
@@ -401,10 +402,10 @@ proptest! {
     #[test]
     fn damaged_lines_never_panic(
         which in 0..3usize,
-        damage in proptest::collection::vec((0..4u8, any::<prop::sample::Index>(), any::<prop::sample::Index>()), 1..5),
+        damage in proptest::collection::vec((0..4u8, any::<Index>(), any::<Index>()), 1..5),
     ) {
         const STRANGE: [&str; 12] =
-            ["-1", "0", "1", "3", "5", "15", "18446744073709551615", "-9223372036854775808", "1e308", "nan", "inf", "99999999999999999999999"];
+            ["-1", "0", "1", "3", "5", "15", "18446744073709551615", "-9223372036854775808", "1e308", "nan", "inf", "99999999999999999999"];
         let text: String = [SQUARES_2.into(), SQUARES_4.into(), solid_text()][which].clone();
         let mut lines: Vec<String> = text.lines().map(String::from).collect();
         for (what, first, second) in damage {
