@@ -6,9 +6,7 @@
 use std::error::Error;
 use std::rc::Rc;
 
-use conserva::dynamics::{
-    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Hat, Load, LoadKind, Model, Options, Simulation, Support, UpdateRule,
-};
+use conserva::dynamics::{BodyBoundary, BodyDefinition, ContactDefinition, Hat, Load, LoadKind, Model, Options, Simulation, Support};
 use conserva::integrators::Integrator;
 use conserva::materials::{CATALOGUE, Material};
 use conserva::mesh::ring;
@@ -31,14 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (rim, race, journal, bore) = (boundary(0, "outer"), boundary(0, "inner"), boundary(1, "outer"), boundary(1, "inner"));
     model.supports.push(Support { on: rim, components: [true; 3] });
-    model.contacts.push(ContactDefinition {
-        name: "race".into(),
-        secondary: journal,
-        primary: race,
-        method: ContactMethod::Mortar,
-        update: UpdateRule::Gap,
-        equality: false,
-    });
+    model.contacts.push(ContactDefinition::new("race", journal, race));
     model.loads.push(Load { kind: LoadKind::Torque, on: bore, amplitude: Rc::new(Hat { start: 0.0, end: 0.5, peak: 0.1 }) });
 
     let mut sim = Simulation::new(&model, Options::new(Integrator::EnergyMomentum, dt))?;

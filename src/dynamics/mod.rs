@@ -16,6 +16,7 @@ pub use error::{ModelError, StepError};
 pub use fields::{BodyFields, ContactFields};
 pub use ledger::LedgerRow;
 pub use model::{
-    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Load, LoadKind, Model, Support, UpdateRule,
+    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model, Support,
+    UpdateRule,
 };
 pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

@@ -99,6 +99,19 @@ impl UpdateRule {
     }
 }
 
+/// What keeps a contact node from penetrating.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Enforcement {
+    /// Lagrange multipliers: the update rule holds exactly.
+    Multiplier,
+    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap, with `kappa = factor * youngs_modulus / h^2`: a small penetration, and exact energy by
+    /// the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is not used.
+    Penalty {
+        /// Stiffness over that of the secondary body's facets.
+        factor: f64,
+    },
+}
+
 /// A contact pair.
 #[derive(Clone, Debug)]
 pub struct ContactDefinition {
@@ -112,8 +125,25 @@ pub struct ContactDefinition {
     pub method: ContactMethod,
     /// Condition over a step.
     pub update: UpdateRule,
+    /// What keeps nodes from penetrating.
+    pub enforcement: Enforcement,
     /// The paper's bilateral constraints: every covered node is closed, tension is allowed.
     pub equality: bool,
+}
+
+impl ContactDefinition {
+    /// Mortar contact with multipliers and the `gap` rule; change the fields for anything else.
+    pub fn new(name: &str, secondary: BodyBoundary, primary: BodyBoundary) -> Self {
+        ContactDefinition {
+            name: name.into(),
+            secondary,
+            primary,
+            method: ContactMethod::Mortar,
+            update: UpdateRule::Gap,
+            enforcement: Enforcement::Multiplier,
+            equality: false,
+        }
+    }
 }
 
 /// Velocity of a body at the start: `linear + angular x (x - center of mass)`.

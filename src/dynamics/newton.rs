@@ -5,7 +5,7 @@
 //! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
 use super::error::StepError;
-use super::system::{AssemblyError, Conditions, Forces, Pair, StepStart, System};
+use super::system::{AssemblyError, Conditions, ConstraintRows, Forces, Pair, StepStart, System};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::linear::LinearError;
 use crate::math::tolerances;
@@ -138,7 +138,10 @@ where
         let mut set = starting_set(system, conditions, &lambda, &contacts.dropped);
         let (increment, new_lambda) = match strategy {
             Strategy::InnerLoop => inner_loop(system, &forces, conditions, &mut set, &contacts.dropped)?,
-            Strategy::Backtracking => system.solve(&forces, &conditions.targets, &set).map_err(Failure::Linear)?,
+            Strategy::Backtracking => {
+                let rows = constraint_rows(system, conditions, &set);
+                system.solve(&forces, &rows).map_err(Failure::Linear)?
+            }
         };
         record.changes = set.iter().zip(&contacts.active).filter(|(a, b)| a != b).count();
         contacts.active = set;
@@ -182,15 +185,15 @@ where
     Err(Failure::Iterations(history))
 }
 
-/// Whether constraint `row` of a pair can hold at all at this iterate: its node has an overlap.
+/// Whether constraint `row` of a pair can hold at all at this iterate: its node has an overlap. A penalty potential always counts.
 fn has_row(pair: &Pair, row: usize) -> bool {
-    pair.evaluation.coverage[row] > tolerances::ZERO_ROW
+    pair.penalty > 0.0 || pair.evaluation.coverage[row] > tolerances::ZERO_ROW
 }
 
 /// Takes nodes with a sliver of overlap out of the step; returns whether a multiplier was lost.
 fn drop_slivers<const D: usize>(system: &System<D>, dropped: &mut [bool], lambda: &mut [f64]) -> bool {
     let mut lost = false;
-    for pair in &system.pairs {
+    for pair in system.pairs.iter().filter(|pair| pair.penalty == 0.0) {
         for row in pair.rows.clone() {
             let covered = pair.evaluation.coverage[row - pair.rows.start];
             if !dropped[row] && covered > 0.0 && covered < tolerances::SLIVER {
@@ -229,13 +232,12 @@ where
     let mut contact_work = 0.0;
     for pair in &system.pairs {
         for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
-            let gap = pair.evaluation.gap[row - pair.rows.start] - task.conditions.targets[row];
-            let natural = if pair.equality { gap } else { gap.min(lambda[row] / pair.c) };
+            let (natural, energy) = violation(pair, task.conditions, row, lambda[row]);
             let violation = natural.abs() / pair.gap_tolerance;
             if violation > record.violation {
                 (record.violation, record.worst_row) = (violation, row);
             }
-            contact_work += lambda[row] * gap;
+            contact_work += energy;
         }
     }
     (record, work.abs() + contact_work.abs())
@@ -247,11 +249,44 @@ fn starting_set<const D: usize>(system: &System<D>, conditions: &Conditions, lam
     for pair in &system.pairs {
         for row in pair.rows.clone() {
             let local = row - pair.rows.start;
-            let pressed = pair.equality || lambda[row] - pair.c * (pair.evaluation.gap[local] - conditions.targets[row]) > 0.0;
+            let pressed =
+                pair.equality || pair.penalty > 0.0 || lambda[row] - pair.c * (pair.evaluation.gap[local] - conditions.targets[row]) > 0.0;
             set[row] = pressed && !dropped[row] && has_row(pair, local);
         }
     }
     set
+}
+
+/// The constraint rows for a set of active nodes.
+fn constraint_rows<const D: usize>(system: &System<D>, conditions: &Conditions, set: &[bool]) -> ConstraintRows {
+    let mut rows = ConstraintRows { gradient: set.to_vec(), diagonal: vec![1.0; system.multipliers], right: vec![0.0; system.multipliers] };
+    for pair in &system.pairs {
+        for row in pair.rows.clone().filter(|&row| set[row]) {
+            let gap = pair.evaluation.gap[row - pair.rows.start];
+            if pair.penalty == 0.0 {
+                (rows.diagonal[row], rows.right[row]) = (0.0, conditions.targets[row] - gap);
+                continue;
+            }
+            // lambda = p(Phi_1 + G_1 dq), divided by the slope so that all rows are of one size.
+            let (pressure, slope) = conditions.penalty_pressure(pair, row, gap);
+            rows.gradient[row] = slope != 0.0;
+            if slope != 0.0 {
+                (rows.diagonal[row], rows.right[row]) = (-1.0 / slope, -pressure / slope);
+            }
+        }
+    }
+    rows
+}
+
+/// By how much an iterate violates the condition of a constraint, as a weighted gap, and the energy that goes with it.
+fn violation(pair: &Pair, conditions: &Conditions, row: usize, lambda: f64) -> (f64, f64) {
+    let gap = pair.evaluation.gap[row - pair.rows.start];
+    if pair.penalty > 0.0 {
+        let off = lambda - conditions.penalty_pressure(pair, row, gap).0;
+        return (off / pair.c, off * (gap - conditions.gap_n[row]));
+    }
+    let gap = gap - conditions.targets[row];
+    (if pair.equality { gap } else { gap.min(lambda / pair.c) }, lambda * gap)
 }
 
 /// Finishes the set on the frozen linearisation: active nodes that pull leave, inactive nodes that would overlap enter.
@@ -268,11 +303,12 @@ where
     let mut seen = vec![set.clone()];
     let mut one_at_a_time = false;
     for inner in 0..MAX_INNER {
-        let (increment, lambda) = system.solve(forces, &conditions.targets, set).map_err(Failure::Linear)?;
+        let rows = constraint_rows(system, conditions, set);
+        let (increment, lambda) = system.solve(forces, &rows).map_err(Failure::Linear)?;
         let gaps = system.linearized_gaps(&increment);
         let mut next = set.clone();
         let mut worst = (0.0, usize::MAX);
-        for pair in system.pairs.iter().filter(|pair| !pair.equality) {
+        for pair in system.pairs.iter().filter(|pair| !pair.equality && pair.penalty == 0.0) {
             for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
                 let violation =
                     if set[row] { -lambda[row] / pair.c } else { conditions.targets[row] - gaps[row] - 1e-3 * pair.gap_tolerance };
@@ -315,8 +351,7 @@ fn merit<const D: usize>(system: &System<D>, forces: &Forces, conditions: &Condi
     for pair in &system.pairs {
         let size = pair.kernel.facet_size();
         for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
-            let pressure = pair.c * (pair.evaluation.gap[row - pair.rows.start] - conditions.targets[row]);
-            let natural = size * if pair.equality { pressure } else { pressure.min(lambda[row]) };
+            let natural = size * pair.c * violation(pair, conditions, row, lambda[row]).0;
             sum += natural * natural;
         }
     }

@@ -14,7 +14,7 @@
 use std::time::Instant;
 
 use super::error::{ModelError, StepError};
-use super::model::{ContactMethod, LoadKind, Model, UpdateRule};
+use super::model::{ContactMethod, Enforcement, LoadKind, Model, UpdateRule};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, Workers, nodal_areas, torque_forces};
 use crate::contact::{ContactKernel, Evaluation, Mortar};
@@ -45,6 +45,8 @@ pub(super) struct Pair {
     pub(super) evaluation: Evaluation,
     pub(super) equality: bool,
     pub(super) update: UpdateRule,
+    /// Stiffness `kappa` of a penalty potential; 0 with multipliers.
+    pub(super) penalty: f64,
     /// Range of its multipliers among all multipliers.
     pub(super) rows: std::ops::Range<usize>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
@@ -78,6 +80,24 @@ pub(super) struct Conditions {
     pub(super) targets: Vec<f64>,
     /// Whether a node takes part in this step.
     pub(super) members: Vec<bool>,
+    /// Penalty pressures belong to the end of the step (statics, trapezoidal rule) instead of to its change of energy.
+    pub(super) end_point: bool,
+}
+
+impl Conditions {
+    /// Pressure of a pair's penalty potential at a constraint whose weighted gap is `gap`, and its derivative.
+    pub(super) fn penalty_pressure(&self, pair: &Pair, row: usize, gap: f64) -> (f64, f64) {
+        // From a start at zero the quotient is half the pressure of the end.
+        if self.end_point { penalty_pressure(2.0 * pair.penalty, 0.0, gap) } else { penalty_pressure(pair.penalty, self.gap_n[row], gap) }
+    }
+}
+
+/// The constraint rows of Newton's system: `gradient_A G_1A dq + diagonal_A lambda_A = right_A`.
+pub(super) struct ConstraintRows {
+    /// 1, or 0 for `lambda = right`.
+    pub(super) gradient: Vec<bool>,
+    pub(super) diagonal: Vec<f64>,
+    pub(super) right: Vec<f64>,
 }
 
 /// Forces of a step at one iterate.
@@ -189,12 +209,17 @@ where
             };
             let count = kernel.secondary().nodes().len();
             let size = kernel.facet_size();
+            let c = model.bodies[contact.secondary.body].material.youngs_modulus() / (size * size);
             pairs.push(Pair {
                 name: contact.name.clone(),
                 equality: contact.equality,
                 update: contact.update,
+                penalty: match contact.enforcement {
+                    Enforcement::Multiplier => 0.0,
+                    Enforcement::Penalty { factor } => factor * c,
+                },
                 rows: multipliers..multipliers + count,
-                c: model.bodies[contact.secondary.body].material.youngs_modulus() / (size * size),
+                c,
                 gap_tolerance: tolerances::GAP * size * size,
                 kernel,
                 evaluation: Evaluation::default(),
@@ -342,18 +367,18 @@ where
     }
 
     /// The contact conditions of a step from `q_0` by the pairs' update rules.
-    pub(super) fn conditions(&self, q_0: &[f64]) -> Conditions {
+    pub(super) fn conditions(&self, q_0: &[f64], integrator: Integrator) -> Conditions {
         let gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.gap(q_0)).collect();
         let mut targets = vec![0.0; gap_n.len()];
         let mut members = vec![true; gap_n.len()];
-        for pair in self.pairs.iter().filter(|pair| pair.update == UpdateRule::Persistency) {
+        for pair in self.pairs.iter().filter(|pair| pair.update == UpdateRule::Persistency && pair.penalty == 0.0) {
             let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
             for row in pair.rows.clone() {
                 members[row] = pair.equality || gap_n[row] <= closed;
                 targets[row] = gap_n[row];
             }
         }
-        Conditions { gap_n, targets, members }
+        Conditions { gap_n, targets, members, end_point: integrator == Integrator::Trapezoidal }
     }
 
     /// Loads at a configuration and time, gravity not included; a time function may fail.
@@ -459,17 +484,13 @@ where
         Ok(Forces { without_contact: residual, contact, load, internal_work, scale })
     }
 
-    /// Solves Newton's system for the increment and the new multipliers with the given active constraints.
-    pub(super) fn solve(&mut self, forces: &Forces, targets: &[f64], active: &[bool]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+    /// Solves Newton's system for the increment and the new multipliers.
+    pub(super) fn solve(&mut self, forces: &Forces, rows: &ConstraintRows) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let clock = Instant::now();
-        self.write_constraints(active);
+        self.write_constraints(&rows.gradient, &rows.diagonal);
         let unknowns = self.reference.len();
         let mut right: Vec<f64> = forces.without_contact.iter().zip(&self.fixed).map(|(r, &fixed)| if fixed { 0.0 } else { -r }).collect();
-        for pair in &self.pairs {
-            right.extend(
-                pair.rows.clone().map(|row| if active[row] { targets[row] - pair.evaluation.gap[row - pair.rows.start] } else { 0.0 }),
-            );
-        }
+        right.extend_from_slice(&rows.right);
         self.factorizations += 1;
         self.factorization.factorize(&self.values)?;
         self.times.factorization += clock.elapsed();
@@ -511,8 +532,7 @@ where
         }
         let support_rows: Vec<usize> = (0..q_1.len()).filter(|&k| self.fixed[k]).collect();
         let free_values = self.values.clone();
-        let inactive = vec![false; self.multipliers];
-        self.write_constraints(&inactive);
+        self.write_constraints(&vec![false; self.multipliers], &vec![1.0; self.multipliers]);
         let mut right = push.clone();
         for &k in &support_rows {
             right[k] = 0.0;
@@ -538,7 +558,7 @@ where
         Ok((right, reaction))
     }
 
-    fn write_constraints(&mut self, active: &[bool]) {
+    fn write_constraints(&mut self, active: &[bool], diagonal: &[f64]) {
         for (pair, clear) in self.pairs.iter().flat_map(|pair| [(pair, true), (pair, false)]) {
             let patches = pair.kernel.patches();
             let mut place = 0;
@@ -566,8 +586,8 @@ where
                 }
             }
         }
-        for (place, &active) in self.diagonal_places.iter().zip(active) {
-            self.values[*place as usize] = if active { 0.0 } else { 1.0 };
+        for (place, &diagonal) in self.diagonal_places.iter().zip(diagonal) {
+            self.values[*place as usize] = diagonal;
         }
         for &place in &self.zero_places {
             self.values[place as usize] = 0.0;
@@ -610,6 +630,12 @@ where
         self.bodies.iter().map(|body| body.elements.strain_energy(q)).sum()
     }
 
+    /// Potential energy of the penalty springs at the given weighted gaps `[energy]`.
+    pub(super) fn penalty_energy(&self, gaps: &[f64]) -> f64 {
+        let of = |pair: &Pair| 0.5 * pair.penalty * gaps[pair.rows.clone()].iter().map(|gap| gap.min(0.0).powi(2)).sum::<f64>();
+        self.pairs.iter().map(of).sum()
+    }
+
     /// Potential energy of gravity `[energy]`, zero at the origin.
     pub(super) fn potential_energy(&self, q: &[f64]) -> f64 {
         -q.iter().zip(&self.weight).map(|(q, w)| q * w).sum::<f64>()
@@ -620,6 +646,19 @@ where
         let mut momentum = vec![0.0; v.len()];
         self.mass.multiply_into::<D>(v, &mut momentum);
         (resultant::<D>(&momentum), moment::<D>(q, &momentum))
+    }
+}
+
+/// Pressure of the penalty potential `kappa/2 min(Phi, 0)^2` over a step, `-(U_1 - U_0)/(Phi_1 - Phi_0)`, and its derivative with respect to `Phi_1`.
+fn penalty_pressure(kappa: f64, gap_n: f64, gap: f64) -> (f64, f64) {
+    if gap_n <= 0.0 && gap <= 0.0 {
+        (-0.5 * kappa * (gap_n + gap), -0.5 * kappa)
+    } else if gap_n >= 0.0 && gap >= 0.0 {
+        (0.0, 0.0)
+    } else {
+        // One end is open: the numerator is the other end's potential.
+        let (step, closed) = (gap - gap_n, gap.min(0.0).powi(2) - gap_n.min(0.0).powi(2));
+        (-0.5 * kappa * closed / step, -0.5 * kappa * (2.0 * gap.min(0.0) - closed / step) / step)
     }
 }
 
@@ -705,4 +744,23 @@ fn connected_pieces<'a>(nodes: usize, cliques: impl Iterator<Item = &'a Vec<u32>
         number[node] = number[top];
     }
     (number, count as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::penalty_pressure;
+
+    #[test]
+    fn penalty_pressure_does_the_work_of_its_potential_and_has_an_exact_derivative() {
+        let energy = |gap: f64| 0.5 * 3.0 * gap.min(0.0).powi(2);
+        for (gap_n, gap) in [(-0.3, -0.1), (-0.3, 0.2), (0.4, -0.1), (0.4, 0.2), (0.0, -0.2), (-0.2, 0.0)] {
+            let (pressure, slope) = penalty_pressure(3.0, gap_n, gap);
+            assert!((pressure * (gap - gap_n) + energy(gap) - energy(gap_n)).abs() < 1e-16);
+            assert!(pressure >= 0.0);
+            let h = 1e-6;
+            let difference = (penalty_pressure(3.0, gap_n, gap + h).0 - penalty_pressure(3.0, gap_n, gap - h).0) / (2.0 * h);
+            // At a kink (gap = 0) the two sides differ by order kappa h.
+            assert!((difference - slope).abs() < 1e-5, "{gap_n} {gap}: {difference} {slope}");
+        }
+    }
 }

@@ -91,7 +91,7 @@ where
 
         let start =
             StepStart { integrator, time, dt, q_0: &state.positions, v_0: &state.velocities, half_force: &state.half_force, damping: None };
-        let conditions = self.system.conditions(&state.positions);
+        let conditions = self.system.conditions(&state.positions, integrator);
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
         let task = Task {
@@ -146,7 +146,7 @@ where
     fn velocity_jump(&mut self, dt: f64, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {
         let mut lambda = vec![0.0; self.system.multipliers];
         let mut lost = 0.0;
-        for pair in self.system.pairs.iter().filter(|pair| pair.update == UpdateRule::Velocity) {
+        for pair in self.system.pairs.iter().filter(|pair| pair.update == UpdateRule::Velocity && pair.penalty == 0.0) {
             let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
             for row in pair.rows.clone().filter(|&row| solution.active[row] && conditions.gap_n[row].abs() > closed) {
                 lambda[row] = solution.lambda[row];
@@ -176,13 +176,16 @@ where
 
     /// The state at the end of a converged step, with its row of the ledger.
     fn accept(&self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
-        let Solution { q_1, mut lambda, active, forces, iterations } = solution;
+        let Solution { q_1, mut lambda, mut active, forces, iterations } = solution;
         let (system, dt, unknowns) = (&self.system, start.dt, q_1.len());
-        for (lambda, &active) in lambda.iter_mut().zip(&active) {
-            if !active {
+        for (lambda, active) in lambda.iter_mut().zip(&mut active) {
+            // With a penalty every covered node is in the system: in contact are those that press.
+            *active &= *lambda != 0.0;
+            if !*active {
                 *lambda = 0.0;
             }
         }
+        let gaps: Vec<f64> = system.pairs.iter().flat_map(|pair| pair.evaluation.gap.iter().copied()).collect();
         let mut v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
         let half_force = if start.integrator == Integrator::Trapezoidal {
             // r = inertia + new half + old half, so the new half is what is left after the inertia.
@@ -202,7 +205,7 @@ where
             dt,
             kinetic: system.kinetic_energy(&v_1),
             strain: system.strain_energy(&q_1),
-            potential: system.potential_energy(&q_1),
+            potential: system.potential_energy(&q_1) + system.penalty_energy(&gaps),
             newton_iterations: iterations,
             active: active.iter().filter(|&&active| active).count(),
             ..LedgerRow::default()
@@ -219,7 +222,13 @@ where
             }
         }
         row.load_work = (0..unknowns).map(|k| load[k] * (q_1[k] - start.q_0[k])).sum();
-        let closing: f64 = (0..lambda.len()).map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row])).sum();
+        let closing: f64 = system
+            .pairs
+            .iter()
+            .filter(|pair| pair.penalty == 0.0)
+            .flat_map(|pair| pair.rows.clone())
+            .map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row]))
+            .sum();
         row.contact_work = weight * closing + jump.as_ref().map_or(0.0, |jump| jump.energy);
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
 
@@ -594,7 +603,7 @@ where
             let options = &self.options;
             // At rest every rule closes the gaps.
             let count = self.system.multipliers;
-            let conditions = Conditions { gap_n: vec![0.0; count], targets: vec![0.0; count], members: vec![true; count] };
+            let conditions = Conditions { gap_n: vec![0.0; count], targets: vec![0.0; count], members: vec![true; count], end_point: true };
             let task = Task {
                 start: &start,
                 predicted: &positions,
@@ -640,7 +649,8 @@ where
         let (q, v) = (&self.state.positions, &self.state.velocities);
         let row = &mut self.state.row;
         row.strain = self.system.strain_energy(q);
-        row.potential = self.system.potential_energy(q);
+        let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
+        row.potential = self.system.potential_energy(q) + self.system.penalty_energy(&gaps);
         (row.momentum, row.angular_momentum) = self.system.momenta(q, v);
         row.active = self.state.active.iter().filter(|&&active| active).count();
         Ok(SettleReport {
