@@ -7,6 +7,7 @@ mod ledger;
 mod model;
 mod newton;
 mod predictor;
+mod report;
 mod simulation;
 mod system;
 mod time_loop;
@@ -19,4 +20,5 @@ pub use model::{
     BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model, Support,
     UpdateRule,
 };
+pub use report::{FailureCause, FailureReport, IterationReport};
 pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

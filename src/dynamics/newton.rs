@@ -19,7 +19,15 @@ pub(super) struct Solution {
     pub(super) iterations: usize,
 }
 
-/// What an iteration looked like, for the report of a failure.
+/// The course of Newton's method, kept for the report of a failure.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trace {
+    pub(super) iterations: Vec<Iteration>,
+    /// The last iterate.
+    pub(super) q_1: Vec<f64>,
+}
+
+/// What an iteration looked like.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Iteration {
     /// Largest component of the residual and its unknown.
@@ -32,12 +40,14 @@ pub(super) struct Iteration {
     pub(super) worst_row: usize,
     /// Nodes whose contact state changed.
     pub(super) changes: usize,
+    /// Active contact nodes.
+    pub(super) active: usize,
 }
 
 /// Why a step did not converge.
 pub(super) enum Failure {
-    /// Too many iterations; the last ones.
-    Iterations(Vec<Iteration>),
+    /// Too many iterations.
+    Iterations,
     Inverted {
         body: String,
         inverted: Inverted,
@@ -94,13 +104,14 @@ struct Contacts {
     active: Vec<bool>,
 }
 
-/// Solves one step.
-pub(super) fn solve<const D: usize>(system: &mut System<D>, task: &Task, strategy: Strategy) -> Result<Solution, Failure>
+/// Solves one step; `trace` tells its course.
+pub(super) fn solve<const D: usize>(system: &mut System<D>, task: &Task, strategy: Strategy, trace: &mut Trace) -> Result<Solution, Failure>
 where
     Space<D>: Elements<D>,
 {
     let start = task.start;
-    let mut q_1 = task.predicted.to_vec();
+    *trace = Trace { iterations: Vec::new(), q_1: task.predicted.to_vec() };
+    let Trace { iterations: history, q_1 } = trace;
     let mut lambda = task.lambda.to_vec();
     let conditions = task.conditions;
     let dropped = conditions.members.iter().map(|member| !member).collect();
@@ -109,25 +120,27 @@ where
         *lambda = 0.0;
     }
     let limit = system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min) * tolerances::STEP_LIMIT;
-    let mut history: Vec<Iteration> = Vec::new();
     let mut last_energy = f64::INFINITY;
     let iterations = if strategy == Strategy::InnerLoop { MAX_ITERATIONS } else { MAX_BACKTRACKING_ITERATIONS };
-    let mut forces = system.assemble(start, &q_1, &lambda)?;
+    let mut forces = system.assemble(start, q_1, &lambda)?;
     for iteration in 0..=iterations {
         if (task.interrupted)() {
             return Err(Failure::Fatal(StepError::Interrupted { time: start.time }));
         }
         if iteration > 0 && drop_slivers(system, &mut contacts.dropped, &mut lambda) {
             // Their multipliers are gone, so the forces changed.
-            forces = system.assemble(start, &q_1, &lambda)?;
+            forces = system.assemble(start, q_1, &lambda)?;
         }
-        let (mut record, moved) = measure(system, task, &forces, &q_1, &lambda, &contacts.dropped);
+        let (mut record, moved) = measure(system, task, &forces, q_1, &lambda, &contacts.dropped);
         let converged_force = record.residual <= record.target;
         let small = task.tolerance * task.energy.max(forces.internal_work.abs());
         // Round-off: the energy no longer falls although everything else has converged.
         let stalled = moved <= 100.0 * small && moved > 0.5 * last_energy;
         if converged_force && record.violation <= 1.0 && (moved <= small || stalled) {
-            return Ok(Solution { q_1, lambda, active: contacts.active, forces, iterations: iteration });
+            // With a penalty every covered node is in the system: in contact are those that press.
+            let mut active = starting_set(system, conditions, &lambda, &contacts.dropped);
+            active.iter_mut().zip(&lambda).for_each(|(active, lambda)| *active &= *lambda != 0.0);
+            return Ok(Solution { q_1: q_1.clone(), lambda, active, forces, iterations: iteration });
         }
         last_energy = moved;
         if iteration == iterations {
@@ -144,6 +157,7 @@ where
             }
         };
         record.changes = set.iter().zip(&contacts.active).filter(|(a, b)| a != b).count();
+        record.active = set.iter().filter(|active| **active).count();
         contacts.active = set;
         history.push(record);
         let largest = increment.iter().fold(0.0f64, |largest, d| largest.max(d.abs()));
@@ -159,8 +173,8 @@ where
         match strategy {
             Strategy::InnerLoop => {
                 let alpha = if largest > limit { limit / largest } else { 1.0 };
-                (q_1, lambda) = moved_to(alpha);
-                forces = system.assemble(start, &q_1, &lambda)?;
+                (*q_1, lambda) = moved_to(alpha);
+                forces = system.assemble(start, q_1, &lambda)?;
             }
             Strategy::Backtracking => {
                 let merit_before = merit(system, &forces, conditions, &lambda, &contacts.dropped);
@@ -177,12 +191,12 @@ where
                     }
                 }
                 let (_, alpha) = best.ok_or(Failure::Diverged)?;
-                (q_1, lambda) = moved_to(alpha);
-                forces = system.assemble(start, &q_1, &lambda)?;
+                (*q_1, lambda) = moved_to(alpha);
+                forces = system.assemble(start, q_1, &lambda)?;
             }
         }
     }
-    Err(Failure::Iterations(history))
+    Err(Failure::Iterations)
 }
 
 /// Whether constraint `row` of a pair can hold at all at this iterate: its node has an overlap. A penalty potential always counts.

@@ -8,6 +8,7 @@ use super::error::{ModelError, StepError};
 use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::Model;
+use super::report::FailureReport;
 use super::time_loop::TimeLoop;
 use crate::integrators::Integrator;
 
@@ -122,6 +123,8 @@ pub(super) trait Steps {
     fn settle(&mut self) -> Result<SettleReport, StepError>;
     fn fields(&self) -> Vec<BodyFields>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
+    fn failure(&self) -> Option<&FailureReport>;
+    fn failed_fields(&self) -> Option<Vec<BodyFields>>;
     fn statistics(&self) -> Statistics;
 }
 
@@ -201,6 +204,16 @@ impl Simulation {
     /// Quantities of the contact pair of that name; `None` when there is none.
     pub fn contact(&self, name: &str) -> Option<ContactFields> {
         self.steps.contact(name)
+    }
+
+    /// Why the last step that failed for good did so; `None` when none has failed.
+    pub fn failure(&self) -> Option<&FailureReport> {
+        self.steps.failure()
+    }
+
+    /// Nodal fields of the iterate at which that step was given up (velocities are those of the last accepted state).
+    pub fn failed_fields(&self) -> Option<Vec<BodyFields>> {
+        self.steps.failed_fields()
     }
 
     /// Counters and times so far.

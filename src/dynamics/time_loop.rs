@@ -6,8 +6,9 @@ use super::error::{ModelError, StepError};
 use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::{Model, UpdateRule};
-use super::newton::{self, Failure, Iteration, Solution, Strategy, Task};
+use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
 use super::predictor::rigid_motion;
+use super::report::{FailureCause, FailureReport, IterationReport};
 use super::simulation::{Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, Conditions, StepStart, System, moment, resultant};
 use crate::bodies::{Elements, Space};
@@ -36,6 +37,10 @@ pub(super) struct TimeLoop<const D: usize> {
     options: Options,
     state: State,
     statistics: Statistics,
+    /// The course of the last step's Newton method.
+    trace: Trace,
+    /// The last step that failed for good, and the iterate at which it was given up.
+    failure: Option<(FailureReport, Vec<f64>)>,
 }
 
 impl<const D: usize> TimeLoop<D>
@@ -61,7 +66,15 @@ where
             positions,
             velocities,
         };
-        Ok(TimeLoop { model: model.clone(), system, options, state, statistics: Statistics::default() })
+        Ok(TimeLoop {
+            model: model.clone(),
+            system,
+            options,
+            state,
+            statistics: Statistics::default(),
+            trace: Trace::default(),
+            failure: None,
+        })
     }
 
     /// One piece of a step from the current state: the new state, or why there is none.
@@ -103,7 +116,7 @@ where
             tolerance: options.tolerance,
             interrupted: &|| options.interrupted(),
         };
-        let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations)?;
+        let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
         self.check_reach(&solution, &margins)?;
         let jump = self.velocity_jump(dt, &solution, &conditions)?;
         Ok(self.accept(&start, solution, &conditions, jump))
@@ -176,14 +189,10 @@ where
 
     /// The state at the end of a converged step, with its row of the ledger.
     fn accept(&self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
-        let Solution { q_1, mut lambda, mut active, forces, iterations } = solution;
+        let Solution { q_1, mut lambda, active, forces, iterations } = solution;
         let (system, dt, unknowns) = (&self.system, start.dt, q_1.len());
-        for (lambda, active) in lambda.iter_mut().zip(&mut active) {
-            // With a penalty every covered node is in the system: in contact are those that press.
-            *active &= *lambda != 0.0;
-            if !*active {
-                *lambda = 0.0;
-            }
+        for (lambda, _) in lambda.iter_mut().zip(&active).filter(|(_, active)| !**active) {
+            *lambda = 0.0;
         }
         let gaps: Vec<f64> = system.pairs.iter().flat_map(|pair| pair.evaluation.gap.iter().copied()).collect();
         let mut v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
@@ -273,7 +282,7 @@ where
 
     /// Half of the static forces at the current state: where the trapezoidal rule starts from.
     fn start_trapezoidal(&mut self) -> Result<(), StepError> {
-        let state = &self.state;
+        let state = self.state.clone();
         let zero = vec![0.0; state.positions.len()];
         let start = StepStart {
             integrator: Integrator::Trapezoidal,
@@ -285,9 +294,9 @@ where
             damping: Some(0.0),
         };
         let margins: Vec<f64> = self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).collect();
-        let begun = self.system.begin_step(&state.positions, &margins);
-        begun.map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))?;
-        let state = &self.state;
+        if let Err(error) = self.system.begin_step(&state.positions, &margins) {
+            return Err(self.failed(&Failure::Linear(error), 0.0, 0));
+        }
         match self.system.assemble(&start, &state.positions, &state.lambda) {
             Ok(forces) => {
                 let half = forces.without_contact.iter().zip(&forces.contact).map(|(r, c)| r - c).collect();
@@ -299,74 +308,82 @@ where
         }
     }
 
-    /// The error that a user sees when a step failed for good.
-    fn failed(&self, failure: &Failure, dt: f64, halvings: usize) -> StepError {
-        let (cause, cure) = self.explain(failure, dt);
-        StepError::NotConverged { time: self.state.row.time, step: self.state.row.step + 1, dt, halvings, cause, cure }
+    /// The error that a user sees when a step failed for good; its report is kept.
+    fn failed(&mut self, failure: &Failure, dt: f64, halvings: usize) -> StepError {
+        let report = self.report(failure, dt, halvings);
+        let smaller = if dt > 0.0 {
+            format!("use a smaller step than dt = {}, or allow more `max_halvings`", self.options.dt)
+        } else {
+            "check supports and loads".into()
+        };
+        let (time, step) = (report.time, report.step);
+        let (cause, cure) = (report.explanation(), report.cure(&smaller));
+        self.failure = Some((report, self.trace.q_1.clone()));
+        StepError::NotConverged { time, step, dt, halvings, cause, cure }
     }
 
-    fn explain(&self, failure: &Failure, dt: f64) -> (String, String) {
-        let smaller =
-            if dt > 0.0 { format!("use a smaller step than dt = {}", self.options.dt) } else { "check supports and loads".into() };
-        match failure {
-            Failure::Iterations(history) => self.explain_iterations(history, smaller),
-            Failure::Inverted { body, inverted } => (
-                format!("cell {} of body \"{body}\" turned inside out (det F = {:.2e})", inverted.cell, inverted.determinant),
-                format!("{smaller}, a finer mesh there, or a smaller load"),
-            ),
-            Failure::Linear(error) => (
-                format!("{error} in the tangent of the step"),
-                "hold every body against static rigid motion with `fix`, or give it a density and a dynamic step; check for duplicate \
-                 contact pairs"
-                    .into(),
-            ),
-            Failure::Diverged => ("the iterates grew without bound".into(), format!("{smaller}, or apply the load more slowly")),
-            Failure::BeyondSearch { pair } => {
-                (format!("the bodies of contact \"{pair}\" moved farther in one step than the search for contact reaches"), smaller)
+    fn report(&self, failure: &Failure, dt: f64, halvings: usize) -> FailureReport {
+        let contact_of = |row: usize| self.system.pairs.iter().find(|pair| pair.rows.contains(&row));
+        let iterations: Vec<IterationReport> = self
+            .trace
+            .iterations
+            .iter()
+            .map(|iteration| {
+                let (body, node) = self.system.owner(iteration.worst / D);
+                IterationReport {
+                    residual: iteration.residual,
+                    target: iteration.target,
+                    gap_violation: iteration.violation,
+                    changes: iteration.changes,
+                    active: iteration.active,
+                    body: body.into(),
+                    node,
+                    contact: contact_of(iteration.worst_row).map(|pair| pair.name.clone()),
+                }
+            })
+            .collect();
+        let cause = match failure {
+            Failure::Iterations => {
+                let last = &self.trace.iterations[self.trace.iterations.len().saturating_sub(6)..];
+                let cycling = last.iter().rev().skip(1).map(|iteration| iteration.changes).min().unwrap_or(0);
+                match last.last().and_then(|iteration| contact_of(iteration.worst_row)) {
+                    Some(pair) if cycling > 0 => {
+                        FailureCause::CyclingContact { contact: pair.name.clone(), changing: cycling, nodes: pair.rows.len() }
+                    }
+                    _ => FailureCause::SlowConvergence,
+                }
             }
-            Failure::Fatal(error) => (error.to_string(), error.cure()),
-        }
-    }
-
-    fn explain_iterations(&self, history: &[Iteration], smaller: String) -> (String, String) {
-        let Some(last) = history.last() else { return ("no iteration was made".into(), smaller) };
-        let node = last.worst / D;
-        let (body, local) = self.system.owner(node);
-        let mut cause = format!(
-            "after {} iterations the largest residual is {:.1e} at node {local} of body \"{body}\" (target {:.1e})",
-            history.len() - 1,
-            last.residual,
-            last.target
-        );
-        let tail = &history[history.len().saturating_sub(6)..history.len() - 1];
-        let cycling = tail.iter().map(|iteration| iteration.changes).min().unwrap_or(0);
-        if cycling > 0 {
-            if let Some(pair) = self.system.pairs.iter().find(|pair| pair.rows.contains(&last.worst_row)) {
-                cause = format!(
-                    "the contact state of {cycling} or more of {} nodes of contact \"{}\" changed in every iteration; {cause}",
-                    pair.rows.len(),
-                    pair.name
-                );
+            Failure::Inverted { body, inverted } => {
+                let index = self.system.bodies.iter().position(|other| other.name == *body).unwrap_or(0);
+                let mesh = &self.model.bodies[index].mesh;
+                let corners = mesh.cell(inverted.cell);
+                let mut center = [0.0; 3];
+                for &node in corners {
+                    for i in 0..3 {
+                        center[i] += mesh.points[node as usize][i] / corners.len() as f64;
+                    }
+                }
+                FailureCause::InvertedCell { body: body.clone(), cell: inverted.cell, determinant: inverted.determinant, center }
             }
-            return (
-                cause,
-                format!("{smaller}, so that the surfaces slide by less than two facets per step, or allow more `max_halvings`"),
-            );
-        }
-        (cause, format!("{smaller}, or allow more `max_halvings`"))
+            Failure::Linear(error) => FailureCause::SingularSystem { reason: error.to_string() },
+            Failure::Diverged => FailureCause::Divergence,
+            Failure::BeyondSearch { pair } => FailureCause::TooFast { contact: pair.clone() },
+            Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string() },
+        };
+        FailureReport { time: self.state.row.time, step: self.state.row.step + 1, dt, halvings, cause, iterations }
     }
 }
 
 /// Newton's method with its second try.
-fn solve<const D: usize>(system: &mut System<D>, task: &Task, iterations: &mut usize) -> Result<Solution, Failure>
+fn solve<const D: usize>(system: &mut System<D>, task: &Task, iterations: &mut usize, trace: &mut Trace) -> Result<Solution, Failure>
 where
     Space<D>: Elements<D>,
 {
     let before = system.factorizations;
-    let mut outcome = newton::solve(system, task, Strategy::InnerLoop);
+    let mut outcome = newton::solve(system, task, Strategy::InnerLoop, trace);
     let hopeless = matches!(outcome, Ok(_) | Err(Failure::Fatal(_) | Failure::Inverted { .. }));
     if !hopeless && system.multipliers > 0 {
-        outcome = newton::solve(system, task, Strategy::Backtracking);
+        outcome = newton::solve(system, task, Strategy::Backtracking, trace);
     }
     *iterations += outcome.as_ref().map_or(system.factorizations - before, |solution| solution.iterations);
     outcome
@@ -492,43 +509,15 @@ where
     }
 
     fn fields(&self) -> Vec<BodyFields> {
-        let (q, v) = (&self.state.positions, &self.state.velocities);
-        let nodes = self.system.nodes();
-        let mut stress = vec![[0.0; 6]; nodes];
-        let mut weight = vec![0.0; nodes];
-        for body in &self.system.bodies {
-            body.elements.project_stress(q, &mut stress, &mut weight);
-        }
-        let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
-        for pair in &self.system.pairs {
-            let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
-            for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
-                pressure[node as usize] += self.state.lambda[pair.rows.start + local];
-                if coverage[local] > tolerances::SLIVER {
-                    gap[node as usize] = gaps[local] / (coverage[local] * pair.kernel.weights()[local]);
-                }
-            }
-        }
-        let vector = |values: &[f64], node: usize| {
-            let mut vector = [0.0; 3];
-            vector[..D].copy_from_slice(&values[node * D..(node + 1) * D]);
-            vector
-        };
-        let displacement: Vec<f64> = q.iter().zip(&self.system.reference).map(|(q, x)| q - x).collect();
-        self.system
-            .bodies
-            .iter()
-            .zip(&self.model.bodies)
-            .map(|(body, definition)| BodyFields {
-                name: body.name.clone(),
-                mesh: definition.mesh.clone(),
-                displacement: body.nodes.clone().map(|node| vector(&displacement, node)).collect(),
-                velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
-                stress: body.nodes.clone().map(|node| stress[node].map(|s| s / weight[node])).collect(),
-                contact_pressure: pressure[body.nodes.clone()].to_vec(),
-                contact_gap: gap[body.nodes.clone()].to_vec(),
-            })
-            .collect()
+        self.fields_at(&self.state.positions)
+    }
+
+    fn failure(&self) -> Option<&FailureReport> {
+        self.failure.as_ref().map(|(report, _)| report)
+    }
+
+    fn failed_fields(&self) -> Option<Vec<BodyFields>> {
+        self.failure.as_ref().map(|(_, q)| self.fields_at(q))
     }
 
     fn contact(&self, name: &str) -> Option<ContactFields> {
@@ -578,6 +567,46 @@ impl<const D: usize> TimeLoop<D>
 where
     Space<D>: Elements<D>,
 {
+    fn fields_at(&self, q: &[f64]) -> Vec<BodyFields> {
+        let v = &self.state.velocities;
+        let nodes = self.system.nodes();
+        let mut stress = vec![[0.0; 6]; nodes];
+        let mut weight = vec![0.0; nodes];
+        for body in &self.system.bodies {
+            body.elements.project_stress(q, &mut stress, &mut weight);
+        }
+        let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
+        for pair in &self.system.pairs {
+            let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
+            for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
+                pressure[node as usize] += self.state.lambda[pair.rows.start + local];
+                if coverage[local] > tolerances::SLIVER {
+                    gap[node as usize] = gaps[local] / (coverage[local] * pair.kernel.weights()[local]);
+                }
+            }
+        }
+        let vector = |values: &[f64], node: usize| {
+            let mut vector = [0.0; 3];
+            vector[..D].copy_from_slice(&values[node * D..(node + 1) * D]);
+            vector
+        };
+        let displacement: Vec<f64> = q.iter().zip(&self.system.reference).map(|(q, x)| q - x).collect();
+        self.system
+            .bodies
+            .iter()
+            .zip(&self.model.bodies)
+            .map(|(body, definition)| BodyFields {
+                name: body.name.clone(),
+                mesh: definition.mesh.clone(),
+                displacement: body.nodes.clone().map(|node| vector(&displacement, node)).collect(),
+                velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
+                stress: body.nodes.clone().map(|node| stress[node].map(|s| s / weight[node])).collect(),
+                contact_pressure: pressure[body.nodes.clone()].to_vec(),
+                contact_gap: gap[body.nodes.clone()].to_vec(),
+            })
+            .collect()
+    }
+
     fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
         let iterations_before = self.statistics.newton_iterations;
         let zero = vec![0.0; self.state.positions.len()];
@@ -588,7 +617,9 @@ where
         loop {
             let positions = self.state.positions.clone();
             let margins: Vec<f64> = self.system.pairs.iter().map(|pair| 3.0 * pair.kernel.facet_size()).collect();
-            self.system.begin_step(&positions, &margins).map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))?;
+            if let Err(error) = self.system.begin_step(&positions, &margins) {
+                return Err(self.failed(&Failure::Linear(error), 0.0, 0));
+            }
             let start = StepStart {
                 integrator: Integrator::Trapezoidal,
                 time: self.state.row.time,
@@ -613,7 +644,7 @@ where
                 tolerance: options.tolerance,
                 interrupted: &|| options.interrupted(),
             };
-            let outcome = solve(&mut self.system, &task, &mut self.statistics.newton_iterations);
+            let outcome = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace);
             let solution = match outcome {
                 Ok(solution) => solution,
                 Err(Failure::Fatal(error)) => return Err(error),
