@@ -105,6 +105,10 @@ pub fn read_gmsh(text: &str) -> Result<Mesh, MeshError> {
             });
         }
     }
+    if matches!(version, Some(Version::Four)) && entities.is_none() && !tables.names.is_empty() {
+        // without it, the named groups would be lost without a word
+        return Err(MeshError::MissingSection { line: lines.number, section: "Entities" });
+    }
     assembly::assemble(tables)
 }
 

@@ -41,6 +41,9 @@ pub struct Boundary {
 }
 
 /// Nodes, cells of one kind, named boundaries and named parts.
+///
+/// Generators and readers give sound meshes. One that is put together by hand may refer to nodes or cells that it does not have;
+/// [`Mesh::defects`] finds that, other methods panic on it.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     /// Kind of all cells.

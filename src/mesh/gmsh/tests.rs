@@ -237,13 +237,19 @@ fn every_truncation_is_an_error_with_a_line() {
 
 #[test]
 fn missing_and_repeated_sections_are_named() {
-    let without = |section: &str| {
-        let (begin, end) = (SQUARES_2.find(&format!("${section}")).unwrap(), SQUARES_2.find(&format!("$End{section}")).unwrap());
-        read_gmsh(&format!("{}{}", &SQUARES_2[..begin], &SQUARES_2[end + section.len() + 5..])).unwrap_err()
+    let without = |text: &str, section: &str| {
+        let (begin, end) = (text.find(&format!("${section}")).unwrap(), text.find(&format!("$End{section}")).unwrap());
+        read_gmsh(&format!("{}{}", &text[..begin], &text[end + section.len() + 5..]))
     };
-    assert!(matches!(without("Nodes"), MeshError::MissingNode { .. } | MeshError::MissingSection { section: "Nodes", .. }));
-    assert!(matches!(without("Elements"), MeshError::MissingSection { section: "Elements", .. }));
-    assert!(matches!(without("MeshFormat"), MeshError::MissingSection { section: "MeshFormat", .. }));
+    for text in [SQUARES_2, SQUARES_4] {
+        for name in ["Nodes", "Elements", "MeshFormat"] {
+            let error = without(text, name).unwrap_err();
+            assert!(matches!(error, MeshError::MissingSection { section, .. } if section == name), "{name}: {error:?}");
+        }
+        // groups without names are called by their numbers
+        assert_eq!(without(text, "PhysicalNames").unwrap().parts[0].0, "1");
+    }
+    assert!(matches!(without(SQUARES_4, "Entities"), Err(MeshError::MissingSection { section: "Entities", .. })));
     let twice = format!("{SQUARES_2}$Nodes\n0\n$EndNodes\n");
     assert_eq!(read_gmsh(&twice).unwrap_err(), MeshError::RepeatedSection { line: 30, section: "Nodes".into() });
     assert!(matches!(refusal(SQUARES_4, "$Comments", "$PartitionedEntities"), MeshError::Partitioned { .. }));
