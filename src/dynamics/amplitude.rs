@@ -11,6 +11,16 @@ pub trait TimeFunction {
     /// Whatever a user's function fails with; the step that asked is not taken.
     fn value(&self, time: f64) -> Result<f64, Box<dyn std::error::Error>>;
 
+    /// Rate of change at `time`; a central difference unless the function knows better. At a kink it is the mean of both sides.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn rate(&self, time: f64) -> Result<f64, Box<dyn std::error::Error>> {
+        // The best step of a central difference is the cube root of the round-off.
+        let h = 6e-6 * time.abs().max(1e-3);
+        Ok((self.value(time + h)? - self.value(time - h)?) / (2.0 * h))
+    }
+
     /// How it prints, such as `hat(0, 0.5, 0.1)`.
     fn describe(&self) -> String;
 }

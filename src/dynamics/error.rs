@@ -46,6 +46,12 @@ pub enum ModelError {
         /// Space dimension.
         dimension: usize,
     },
+    /// A pressure on a body in space.
+    #[error("the pressure on \"{boundary}\" acts on a body in space")]
+    PressureDimension {
+        /// `body.boundary`.
+        boundary: String,
+    },
     /// A contact pair whose sides share facets.
     #[error("both sides of contact \"{contact}\" contain facets of \"{boundary}\"")]
     SelfContact {
@@ -81,6 +87,7 @@ impl ModelError {
             ModelError::MixedDimensions { .. } => "use meshes of one dimension in a model".into(),
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
             ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
+            ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => "name two boundaries without common facets as `secondary` and `primary`".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::InvertedCell { .. } => {

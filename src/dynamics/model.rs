@@ -36,6 +36,17 @@ pub struct Support {
     pub components: [bool; 3],
 }
 
+/// Nodes whose displacement in one direction follows a time function.
+#[derive(Clone)]
+pub struct Prescription {
+    /// The nodes of this boundary.
+    pub on: BodyBoundary,
+    /// The component (0, 1, 2: x, y, z).
+    pub component: usize,
+    /// Displacement over time `[length]`.
+    pub displacement: Amplitude,
+}
+
 /// What a load does; its size follows a time function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadKind {
@@ -43,6 +54,8 @@ pub enum LoadKind {
     Traction([f64; 3]),
     /// Dead force spread evenly over the boundary `[force]`, times the amplitude.
     Force([f64; 3]),
+    /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body. In the plane only.
+    Pressure(f64),
     /// Torque about the third axis `[force * length]`, the amplitude itself, as nodal forces without resultant.
     Torque,
 }
@@ -166,6 +179,8 @@ pub struct Model {
     pub bodies: Vec<BodyDefinition>,
     /// Supports.
     pub supports: Vec<Support>,
+    /// Prescribed displacements.
+    pub prescriptions: Vec<Prescription>,
     /// Acceleration of gravity `[length/time^2]`.
     pub gravity: [f64; 3],
     /// Loads.
@@ -207,10 +222,16 @@ impl Model {
             }
         }
         let surfaces = self.contacts.iter().flat_map(|contact| [&contact.secondary, &contact.primary]);
-        for on in self.supports.iter().map(|support| &support.on).chain(self.loads.iter().map(|load| &load.on)).chain(surfaces) {
+        let prescribed = self.prescriptions.iter().map(|prescription| &prescription.on);
+        for on in
+            self.supports.iter().map(|support| &support.on).chain(prescribed).chain(self.loads.iter().map(|load| &load.on)).chain(surfaces)
+        {
             if on.boundary.facets.is_empty() {
                 return Err(ModelError::EmptyBoundary { boundary: self.boundary_name(on) });
             }
+        }
+        if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Pressure(_)) && self.dimension() != 2) {
+            return Err(ModelError::PressureDimension { boundary: self.boundary_name(&load.on) });
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             if self.contacts[..index].iter().any(|other| other.name == contact.name) {

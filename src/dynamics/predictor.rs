@@ -65,6 +65,35 @@ where
     q_1
 }
 
+/// Puts the prescribed nodes where they will be, and moves the pieces that have such nodes along by their mean motion.
+pub(super) fn follow_prescribed<const D: usize>(system: &System<D>, q_0: &[f64], displacement: &[f64], predicted: &mut [f64]) {
+    if system.prescribed.is_empty() {
+        return;
+    }
+    let pieces = system.piece_is_free.len();
+    let (mut motion, mut count) = (vec![[0.0; D]; pieces], vec![[0usize; D]; pieces]);
+    let target = |k: usize| system.reference[system.prescribed[k].unknown] + displacement[k];
+    let mut is_prescribed = vec![false; q_0.len()];
+    for (k, prescribed) in system.prescribed.iter().enumerate() {
+        is_prescribed[prescribed.unknown] = true;
+        let (piece, i) = (system.pieces[prescribed.unknown / D] as usize, prescribed.unknown % D);
+        motion[piece][i] += target(k) - q_0[prescribed.unknown];
+        count[piece][i] += 1;
+    }
+    for unknown in (0..q_0.len()).filter(|&unknown| system.fixed[unknown] && !is_prescribed[unknown]) {
+        count[system.pieces[unknown / D] as usize][unknown % D] += 1;
+    }
+    for unknown in (0..q_0.len()).filter(|&unknown| !system.fixed[unknown]) {
+        let (piece, i) = (system.pieces[unknown / D] as usize, unknown % D);
+        if count[piece][i] > 0 {
+            predicted[unknown] += motion[piece][i] / count[piece][i] as f64;
+        }
+    }
+    for (k, prescribed) in system.prescribed.iter().enumerate() {
+        predicted[prescribed.unknown] = target(k);
+    }
+}
+
 fn vector<const D: usize>(values: &[f64], node: usize) -> nalgebra::Vector3<f64> {
     let mut vector = nalgebra::Vector3::zeros();
     vector.as_mut_slice()[..D].copy_from_slice(&values[node * D..(node + 1) * D]);

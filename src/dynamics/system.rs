@@ -14,7 +14,7 @@
 use std::time::Instant;
 
 use super::error::{ModelError, StepError};
-use super::model::{ContactMethod, Enforcement, LoadKind, Model, UpdateRule};
+use super::model::{BodyBoundary, ContactMethod, Enforcement, LoadKind, Model, UpdateRule};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, Workers, nodal_areas, torque_forces};
 use crate::contact::{ContactKernel, Evaluation, Mortar};
@@ -34,8 +34,17 @@ pub(super) struct Body<const D: usize> {
 pub(super) struct NodalLoad {
     kind: LoadKind,
     weights: Vec<(u32, f64)>,
+    /// Facets of a pressure with the places of their blocks, row by row.
+    facets: Vec<([u32; 2], [Block; 4])>,
     amplitude: super::amplitude::Amplitude,
     name: String,
+}
+
+/// A displacement component that follows a time function.
+pub(super) struct PrescribedUnknown {
+    pub(super) unknown: usize,
+    /// Index of the time function in [`System::prescriptions`].
+    function: usize,
 }
 
 /// A contact pair with its place among the multipliers and in the matrix.
@@ -68,6 +77,8 @@ pub(super) struct StepStart<'a> {
     pub(super) v_0: &'a [f64],
     /// Half of the forces that are not inertial at the start of the step; only the trapezoidal rule uses it.
     pub(super) half_force: &'a [f64],
+    /// Velocities at the end of the step of the prescribed unknowns, in their order.
+    pub(super) prescribed_v_1: &'a [f64],
     /// `Some(mu)`: no inertia but a damping `mu/2 M (q_1 - q_0)`; velocities are not used.
     pub(super) damping: Option<f64>,
 }
@@ -121,8 +132,11 @@ pub(super) struct System<const D: usize> {
     pub(super) loads: Vec<NodalLoad>,
     /// Node positions at rest.
     pub(super) reference: Vec<f64>,
-    /// Which displacement components are held.
+    /// Which displacement components are held or prescribed.
     pub(super) fixed: Vec<bool>,
+    /// Those that follow a time function.
+    pub(super) prescribed: Vec<PrescribedUnknown>,
+    prescriptions: Vec<(super::amplitude::Amplitude, String)>,
     pub(super) mass: NodeMatrix,
     /// Mass of every node (row sums).
     pub(super) nodal_mass: Vec<f64>,
@@ -174,6 +188,17 @@ where
                 }
             }
         }
+        let (mut prescribed, mut prescriptions) = (Vec::new(), Vec::new());
+        for prescription in &model.prescriptions {
+            for node in model.bodies[prescription.on.body].mesh.boundary_nodes(&prescription.on.boundary) {
+                let unknown = global(prescription.on.body, node) as usize * D + prescription.component;
+                fixed[unknown] = true;
+                // A later prescription of the same component replaces an earlier one.
+                prescribed.retain(|other: &PrescribedUnknown| other.unknown != unknown);
+                prescribed.push(PrescribedUnknown { unknown, function: prescriptions.len() });
+            }
+            prescriptions.push((prescription.displacement.clone(), model.boundary_name(&prescription.on)));
+        }
         let loads = model
             .loads
             .iter()
@@ -183,6 +208,13 @@ where
                     .into_iter()
                     .map(|(node, weight)| (global(load.on.body, node), weight))
                     .collect(),
+                facets: match load.kind {
+                    LoadKind::Pressure(_) => boundary_facets(model, &load.on, bodies[load.on.body].nodes.start)
+                        .into_iter()
+                        .map(|facet| (facet, [Block::default(); 4]))
+                        .collect(),
+                    _ => Vec::new(),
+                },
                 amplitude: load.amplitude.clone(),
                 name: model.boundary_name(&load.on),
             })
@@ -191,19 +223,7 @@ where
         let mut multipliers = 0;
         let mut pairs: Vec<Pair> = Vec::new();
         for contact in &model.contacts {
-            let surface = |on: &super::model::BodyBoundary| {
-                let mesh = &model.bodies[on.body].mesh;
-                let facets: Vec<[u32; 2]> = on
-                    .boundary
-                    .facets
-                    .iter()
-                    .map(|&facet| {
-                        let mut nodes = mesh.facet_nodes(facet).map(|node| global(on.body, node));
-                        std::array::from_fn(|_| nodes.next().expect("a facet in the plane has two nodes"))
-                    })
-                    .collect();
-                facets
-            };
+            let surface = |on: &BodyBoundary| boundary_facets(model, on, bodies[on.body].nodes.start);
             let kernel: Box<dyn ContactKernel> = match contact.method {
                 ContactMethod::Mortar => Box::new(Mortar::new(&surface(&contact.secondary), &surface(&contact.primary), &reference)),
             };
@@ -255,6 +275,8 @@ where
             pairs,
             loads,
             fixed,
+            prescribed,
+            prescriptions,
             mass,
             nodal_mass,
             weight,
@@ -296,6 +318,9 @@ where
         self.values = vec![0.0; pattern.values()];
         for body in &mut self.bodies {
             body.elements.place(pattern);
+        }
+        for (facet, blocks) in self.loads.iter_mut().flat_map(|load| &mut load.facets) {
+            *blocks = std::array::from_fn(|k| pattern.block(facet[k / 2], facet[k % 2]));
         }
         self.mass_values = vec![0.0; pattern.values()];
         for (row, column, value) in self.mass.entries() {
@@ -392,6 +417,17 @@ where
             }
             acted |= amplitude != 0.0;
             match load.kind {
+                LoadKind::Pressure(pressure) => {
+                    for ([a, b], _) in &load.facets {
+                        let (a, b) = (*a as usize * D, *b as usize * D);
+                        // Against the outward normal, which is the facet's direction turned to the right.
+                        let half = [-0.5 * amplitude * pressure * (q[b + 1] - q[a + 1]), 0.5 * amplitude * pressure * (q[b] - q[a])];
+                        for node in [a, b] {
+                            force[node] += half[0];
+                            force[node + 1] += half[1];
+                        }
+                    }
+                }
                 LoadKind::Torque => torque_forces::<D>(&load.weights, q, amplitude, force),
                 LoadKind::Traction(vector) => spread::<D>(&load.weights, vector, amplitude, force),
                 LoadKind::Force(vector) => {
@@ -401,6 +437,39 @@ where
             }
         }
         Ok(acted)
+    }
+
+    /// Displacements and velocities of the prescribed unknowns at a time.
+    pub(super) fn prescribed_motion(&self, time: f64) -> Result<(Vec<f64>, Vec<f64>), StepError> {
+        let mut functions = Vec::with_capacity(self.prescriptions.len());
+        for (function, boundary) in &self.prescriptions {
+            let failed = |source| StepError::Amplitude { boundary: boundary.clone(), time, source };
+            let (value, rate) = (function.value(time).map_err(failed)?, function.rate(time).map_err(failed)?);
+            if !value.is_finite() || !rate.is_finite() {
+                return Err(failed(format!("the time function returned {value} with rate {rate}").into()));
+            }
+            functions.push((value, rate));
+        }
+        Ok(self.prescribed.iter().map(|prescribed| functions[prescribed.function]).unzip())
+    }
+
+    /// Subtracts the derivative of the pressures' forces, which turn with their facets.
+    fn add_pressure_tangent(&mut self, time: f64, share: f64) -> Result<(), StepError> {
+        for load in &self.loads {
+            let LoadKind::Pressure(pressure) = load.kind else { continue };
+            let failed = |source| StepError::Amplitude { boundary: load.name.clone(), time, source };
+            let half = 0.5 * share * pressure * load.amplitude.value(time).map_err(failed)?;
+            for (_, blocks) in &load.facets {
+                for row in 0..2 {
+                    for (column, sign) in [(0, -1.0), (1, 1.0)] {
+                        let block = blocks[2 * row + column];
+                        self.values[block.at(0, 1)] += sign * half;
+                        self.values[block.at(1, 0)] -= sign * half;
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Residual and tangent of a step at `q_1` and `lambda`; values of constraint rows are written by [`Self::solve`].
@@ -426,9 +495,15 @@ where
         };
         let mut load = vec![0.0; unknowns];
         self.loads_into(&at, time, &mut load).map_err(AssemblyError::Load)?;
+        self.add_pressure_tangent(time, placement.share * placement.weight).map_err(AssemblyError::Load)?;
         // d: q_1 - q_0 for damping, q_1 - q_0 - dt v_0 for inertia.
         let push = if start.damping.is_some() { 0.0 } else { start.dt };
-        let motion: Vec<f64> = (0..unknowns).map(|k| q_1[k] - start.q_0[k] - push * start.v_0[k]).collect();
+        let mut motion: Vec<f64> = (0..unknowns).map(|k| q_1[k] - start.q_0[k] - push * start.v_0[k]).collect();
+        if start.damping.is_none() {
+            for (prescribed, v_1) in self.prescribed.iter().zip(start.prescribed_v_1) {
+                motion[prescribed.unknown] = 0.5 * start.dt * (v_1 - start.v_0[prescribed.unknown]);
+            }
+        }
         let mut residual = vec![0.0; unknowns];
         self.mass.multiply_into::<D>(&motion, &mut residual);
         let (mut scale, mut internal_work) = (0.0f64, 0.0);
@@ -667,6 +742,13 @@ pub(super) enum AssemblyError {
     Inverted { body: String, inverted: Inverted },
     Load(StepError),
     NotFinite,
+}
+
+/// Facets of a boundary in the plane, in node numbers of the model.
+fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
+    let mesh = &model.bodies[on.body].mesh;
+    let nodes = |facet| mesh.facet_nodes(facet).map(|node| node + first_node as u32).collect::<Vec<u32>>();
+    on.boundary.facets.iter().map(|&facet| nodes(facet)).map(|nodes| [nodes[0], nodes[1]]).collect()
 }
 
 /// Sum of nodal vectors.

@@ -7,10 +7,10 @@ use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::{Model, UpdateRule};
 use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
-use super::predictor::rigid_motion;
+use super::predictor::{self, rigid_motion};
 use super::report::{FailureCause, FailureReport, IterationReport};
 use super::simulation::{Options, SettleReport, State, Statistics, Steps};
-use super::system::{AssemblyError, Conditions, StepStart, System, moment, resultant};
+use super::system::{AssemblyError, Conditions, Forces, StepStart, System, moment, resultant};
 use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
 use crate::math::tolerances;
@@ -50,7 +50,7 @@ where
     pub(super) fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let system = System::<D>::new(model, options.threads)?;
         let velocities = initial_velocities(&system, model);
-        let mut row = LedgerRow { strain: 0.0, ..LedgerRow::default() };
+        let mut row = LedgerRow::default();
         let positions = system.reference.clone();
         row.kinetic = system.kinetic_energy(&velocities);
         row.potential = system.potential_energy(&positions);
@@ -81,7 +81,9 @@ where
     fn piece(&mut self, dt: f64) -> Result<State, Failure> {
         let state = self.state.clone();
         let (integrator, time) = (self.options.integrator, state.row.time);
-        let predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
+        let (displacement, prescribed_v_1) = self.system.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
+        let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
+        predictor::follow_prescribed(&self.system, &state.positions, &displacement, &mut predicted);
         // Reach of the search: a facet, and what both sides move in this step by the prediction or by their velocities.
         let travel = |nodes: &[u32]| {
             nodes.iter().fold(0.0f64, |largest, &node| {
@@ -102,8 +104,16 @@ where
             .collect();
         self.system.begin_step(&state.positions, &margins).map_err(Failure::Linear)?;
 
-        let start =
-            StepStart { integrator, time, dt, q_0: &state.positions, v_0: &state.velocities, half_force: &state.half_force, damping: None };
+        let start = StepStart {
+            integrator,
+            time,
+            dt,
+            q_0: &state.positions,
+            v_0: &state.velocities,
+            half_force: &state.half_force,
+            prescribed_v_1: &prescribed_v_1,
+            damping: None,
+        };
         let conditions = self.system.conditions(&state.positions, integrator);
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
@@ -196,6 +206,9 @@ where
         }
         let gaps: Vec<f64> = system.pairs.iter().flat_map(|pair| pair.evaluation.gap.iter().copied()).collect();
         let mut v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
+        for (prescribed, v) in system.prescribed.iter().zip(start.prescribed_v_1) {
+            v_1[prescribed.unknown] = *v;
+        }
         let half_force = if start.integrator == Integrator::Trapezoidal {
             // r = inertia + new half + old half, so the new half is what is left after the inertia.
             let rate: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / dt).collect();
@@ -231,6 +244,12 @@ where
             }
         }
         row.load_work = (0..unknowns).map(|k| load[k] * (q_1[k] - start.q_0[k])).sum();
+        let mut slip_moment = [0.0; 3];
+        if !system.prescribed.is_empty() {
+            let (work, moment) = self.prescribed_work(start, &forces, &q_1, &v_1);
+            row.load_work += work;
+            slip_moment = moment;
+        }
         let closing: f64 = system
             .pairs
             .iter()
@@ -256,7 +275,8 @@ where
             (0..3).map(|i| (new[i] - old[i] - dt * rate[i] - impulse[i]).abs()).fold(0.0, f64::max)
         };
         row.momentum_defect = unexplained(row.momentum, old.momentum, resultant::<D>(&external), resultant::<D>(impulse));
-        let (rate, impulse) = (moment::<D>(&middle, &external), moment::<D>(&q_1, impulse));
+        let (rate, mut impulse) = (moment::<D>(&middle, &external), moment::<D>(&q_1, impulse));
+        (0..3).for_each(|i| impulse[i] += slip_moment[i]);
         row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, rate, impulse);
 
         for pair in &system.pairs {
@@ -280,6 +300,25 @@ where
         }
     }
 
+    /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their velocities
+    /// are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
+    fn prescribed_work(&self, start: &StepStart, forces: &Forces, q_1: &[f64], v_1: &[f64]) -> (f64, [f64; 3]) {
+        let unknowns = q_1.len();
+        let change: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / start.dt).collect();
+        let mean: Vec<f64> = (0..unknowns).map(|k| 0.5 * (v_1[k] + start.v_0[k])).collect();
+        let (mut inertia, mut momentum, mut slip) = (vec![0.0; unknowns], vec![0.0; unknowns], vec![0.0; unknowns]);
+        self.system.mass.multiply_into::<D>(&change, &mut inertia);
+        self.system.mass.multiply_into::<D>(&mean, &mut momentum);
+        let mut work = 0.0;
+        for k in self.system.prescribed.iter().map(|prescribed| prescribed.unknown) {
+            let reaction = forces.without_contact[k] - forces.contact[k];
+            let moved = q_1[k] - start.q_0[k];
+            slip[k] = moved - start.dt * mean[k];
+            work += inertia[k] * start.dt * mean[k] + (reaction - inertia[k]) * moved;
+        }
+        (work, moment::<D>(&slip, &momentum))
+    }
+
     /// Half of the static forces at the current state: where the trapezoidal rule starts from.
     fn start_trapezoidal(&mut self) -> Result<(), StepError> {
         let state = self.state.clone();
@@ -291,6 +330,7 @@ where
             q_0: &state.positions,
             v_0: &zero,
             half_force: &zero,
+            prescribed_v_1: &[],
             damping: Some(0.0),
         };
         let margins: Vec<f64> = self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).collect();
@@ -389,7 +429,10 @@ where
     outcome
 }
 
-fn initial_velocities<const D: usize>(system: &System<D>, model: &Model) -> Vec<f64> {
+fn initial_velocities<const D: usize>(system: &System<D>, model: &Model) -> Vec<f64>
+where
+    Space<D>: Elements<D>,
+{
     let mut velocities = vec![0.0; system.reference.len()];
     for initial in &model.initial_velocities {
         let nodes = system.bodies[initial.body].nodes.clone();
@@ -413,6 +456,12 @@ fn initial_velocities<const D: usize>(system: &System<D>, model: &Model) -> Vec<
     }
     for (velocity, _) in velocities.iter_mut().zip(&system.fixed).filter(|(_, fixed)| **fixed) {
         *velocity = 0.0;
+    }
+    // A time function that fails does so again, with its error, in the first step.
+    if let Ok((_, rates)) = system.prescribed_motion(0.0) {
+        for (prescribed, rate) in system.prescribed.iter().zip(rates) {
+            velocities[prescribed.unknown] = rate;
+        }
     }
     velocities
 }
@@ -620,6 +669,9 @@ where
             if let Err(error) = self.system.begin_step(&positions, &margins) {
                 return Err(self.failed(&Failure::Linear(error), 0.0, 0));
             }
+            let (displacement, _) = self.system.prescribed_motion(self.state.row.time)?;
+            let mut predicted = positions.clone();
+            predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
             let start = StepStart {
                 integrator: Integrator::Trapezoidal,
                 time: self.state.row.time,
@@ -627,6 +679,7 @@ where
                 q_0: &positions,
                 v_0: &zero,
                 half_force: &zero,
+                prescribed_v_1: &[],
                 damping: Some(SETTLE_DAMPING * frequency_squared),
             };
             let floor = tolerances::FORCE_FLOOR * self.system.modulus * self.system.extent.powi(D as i32);
@@ -637,7 +690,7 @@ where
             let conditions = Conditions { gap_n: vec![0.0; count], targets: vec![0.0; count], members: vec![true; count], end_point: true };
             let task = Task {
                 start: &start,
-                predicted: &positions,
+                predicted: &predicted,
                 lambda: &self.state.lambda,
                 conditions: &conditions,
                 energy,

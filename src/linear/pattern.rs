@@ -21,7 +21,7 @@ pub struct Pattern {
 }
 
 /// Where a block of the matrix stands in the array of values: entry `(i, k)` at `start + k * stride + i`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Block {
     /// Place of entry `(0, 0)`.
     pub start: u32,
