@@ -117,8 +117,8 @@ impl UpdateRule {
 pub enum Enforcement {
     /// Lagrange multipliers: the update rule holds exactly.
     Multiplier,
-    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap, with `kappa = factor * youngs_modulus / h^2`: a small penetration, and exact energy by
-    /// the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is not used.
+    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap, with `kappa = factor * youngs_modulus / h^2`: a small penetration, and
+    /// exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is not used.
     Penalty {
         /// Stiffness over that of the secondary body's facets.
         factor: f64,

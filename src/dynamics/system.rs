@@ -577,8 +577,8 @@ where
         Ok((right, lambda))
     }
 
-    /// The smoothed velocity jump of the `velocity` rule: `w` with `(M + (dt/2)^2 K_m(q_1)) w = sum_A lambda_A grad Phi_A(q_1)`, and the impulse
-    /// of the supports that belongs to it. `K_m` is the material stiffness: its forces have neither resultant nor moment at `q_1`,
+    /// The smoothed velocity jump of the `velocity` rule: `w` with `(M + (dt/2)^2 K_m(q_1)) w = sum_A lambda_A grad Phi_A(q_1)`, and the
+    /// impulse of the supports that belongs to it. `K_m` is the material stiffness: its forces have neither resultant nor moment at `q_1`,
     /// so that `v_1 + s w` has the momenta of `v_1` for every `s`.
     pub(super) fn smoothed_jump(&mut self, q_1: &[f64], dt: f64, lambda: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let clock = Instant::now();
@@ -724,7 +724,8 @@ where
     }
 }
 
-/// Pressure of the penalty potential `kappa/2 min(Phi, 0)^2` over a step, `-(U_1 - U_0)/(Phi_1 - Phi_0)`, and its derivative with respect to `Phi_1`.
+/// Pressure of the penalty potential `kappa/2 min(Phi, 0)^2` over a step, `-(U_1 - U_0)/(Phi_1 - Phi_0)`, and its derivative with respect
+/// to `Phi_1`.
 fn penalty_pressure(kappa: f64, gap_n: f64, gap: f64) -> (f64, f64) {
     if gap_n <= 0.0 && gap <= 0.0 {
         (-0.5 * kappa * (gap_n + gap), -0.5 * kappa)

@@ -163,7 +163,8 @@ where
         Ok(())
     }
 
-    /// The velocity jump that returns the energy `sum lambda Phi(q_0)` which closing pairs of the `velocity` rule lost, and its support impulse.
+    /// The velocity jump that returns the energy `sum lambda Phi(q_0)` which closing pairs of the `velocity` rule lost, and its support
+    /// impulse.
     ///
     /// `v_1 + s w` with the root of `1/2 s^2 w.Mw + s v_1.Mw = lost`.
     fn velocity_jump(&mut self, dt: f64, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {

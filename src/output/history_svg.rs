@@ -1,8 +1,8 @@
 //! Histories as a picture: curves over time, above all the energies (Fig. 2 of Hesch & Betsch 2007).
 //!
-//! Drawn with `plotters` (small, text stays text, any look) rather than `kuva`, whose picture is no better and which takes 15 times as long to
-//! compile. Plotters rounds to whole units, so the drawing is made ten times as large as it is shown. A long history is thinned to the first,
-//! lowest, highest and last value per column of the picture, which looks the same. Values that are not finite leave a gap.
+//! Drawn with `plotters` (small, text stays text, any look) rather than `kuva`, whose picture is no better and which takes 15 times as long
+//! to compile. Plotters rounds to whole units, so the drawing is made ten times as large as it is shown. A long history is thinned to the
+//! first, lowest, highest and last value per column of the picture, which looks the same. Values that are not finite leave a gap.
 
 use std::error::Error;
 

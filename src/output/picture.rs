@@ -116,7 +116,8 @@ const INVISIBLE: f64 = 0.1;
 const ROOM_FOR_EDGES: f64 = 5.0;
 /// Cosine of the angle between facets from which their common edge is drawn as an edge of the body.
 const SHARP: f64 = 0.8;
-/// Direction to the lamp that shades bodies in space, and the light on a facet that it does not reach: weak enough to leave the colors readable.
+/// Direction to the lamp that shades bodies in space, and the light on a facet that it does not reach: weak enough to leave the colors
+/// readable.
 const LAMP: [f64; 3] = [0.2, -0.5, 0.84];
 const AMBIENT: f64 = 0.75;
 /// Outlines and text.
@@ -176,7 +177,8 @@ pub fn picture(bodies: &[BodyFields], options: &PictureOptions) -> String {
     let total = [width, top + height + margin];
     let _ = writeln!(
         out,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" fill=\"{INK}\">",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" \
+         font-family=\"sans-serif\" fill=\"{INK}\">",
         short(total[0]),
         short(total[1])
     );

@@ -31,7 +31,8 @@ pub struct FieldSeries {
 }
 
 impl FieldSeries {
-    /// Starts an empty series under the name of its list, such as `fields.pvd` (the ending may be left out). Frames that an older run of that name left are removed.
+    /// Starts an empty series under the name of its list, such as `fields.pvd` (the ending may be left out). Frames that an older run of
+    /// that name left are removed.
     ///
     /// # Errors
     /// A bad name, or the operating system refused.

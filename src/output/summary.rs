@@ -171,7 +171,8 @@ fn tetrahedron([a, b, c]: &[f64; 3], [d, e, f]: &[f64; 3], [g, h, i]: &[f64; 3])
 /// What the conservation laws were off by; `None` where there is nothing to compare.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drifts {
-    /// Largest change of the total energy since the loads ended, contact work included, over the largest `kinetic + strain + |potential|` since then.
+    /// Largest change of the total energy since the loads ended, contact work included, over the largest `kinetic + strain + |potential|`
+    /// since then.
     pub energy: Option<f64>,
     /// Largest change of the linear momentum since the loads ended, less what supports explain, over the largest of `|p|` and
     /// `sqrt(2 mass kinetic)`, which bounds `|p|` from above. Without [`Inertia`]: over the largest `|p|`.
