@@ -301,8 +301,8 @@ where
         }
     }
 
-    /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their velocities
-    /// are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
+    /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their
+    /// velocities are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
     fn prescribed_work(&self, start: &StepStart, forces: &Forces, q_1: &[f64], v_1: &[f64]) -> (f64, [f64; 3]) {
         let unknowns = q_1.len();
         let change: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / start.dt).collect();
