@@ -297,21 +297,8 @@ fn hulls_into(
     let mut sides = Vec::new();
     let mut normals_at: HashMap<(usize, [u32; 2]), Vec<[f64; 3]>> = HashMap::new();
     for (index, body) in bodies.iter().enumerate() {
-        let mut shared: HashMap<Vec<u32>, usize> = HashMap::new();
-        let facets = || {
-            body.mesh
-                .cells()
-                .flat_map(|cell| body.mesh.kind.facets().iter().map(|facet| facet.iter().map(|&n| cell[n]).collect::<Vec<_>>()))
-        };
-        let key = |facet: &Vec<u32>| {
-            let mut key = facet.clone();
-            key.sort_unstable();
-            key
-        };
-        for facet in facets() {
-            *shared.entry(key(&facet)).or_default() += 1;
-        }
-        for nodes in facets().filter(|facet| shared[&key(facet)] == 1) {
+        for facet in body.mesh.hull() {
+            let nodes: Vec<u32> = body.mesh.facet_nodes(facet).collect();
             let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| body.position(node as usize)).collect();
             let normal = normal(&corners);
             for (&a, &b) in nodes.iter().zip(nodes.iter().cycle().skip(1)) {

@@ -1,15 +1,13 @@
 //! Bodies and directories for the tests of this floor.
 
 use std::collections::HashMap;
-use std::f64::consts::TAU;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::RunFiles;
 use crate::dynamics::{BodyFields, LedgerRow};
-use crate::elements::CellKind;
-use crate::mesh::Mesh;
+use crate::mesh::{self, Mesh};
 
 /// A directory that goes with the test.
 pub(super) struct Scratch(PathBuf);
@@ -51,18 +49,7 @@ fn body(name: &str, mesh: Mesh, displacement: impl Fn([f64; 3]) -> [f64; 3], str
 
 /// A ring around the origin, `cells` radially and around, pressed in by `-0.02` and squeezed at two places.
 pub(super) fn ring(name: &str, [inner, outer]: [f64; 2], cells: [usize; 2]) -> BodyFields {
-    let [radial, around] = cells;
-    let mut mesh = Mesh { kind: CellKind::Quad4, points: vec![], connectivity: vec![], boundaries: vec![], parts: vec![] };
-    for i in 0..=radial {
-        let r = inner + (outer - inner) * i as f64 / radial as f64;
-        mesh.points.extend((0..around).map(|j| TAU * j as f64 / around as f64).map(|phi| [r * phi.cos(), r * phi.sin(), 0.0]));
-    }
-    for i in 0..radial {
-        for j in 0..around {
-            let next = (j + 1) % around;
-            mesh.connectivity.extend([(i, j), (i + 1, j), (i + 1, next), (i, next)].map(|(i, j)| (i * around + j) as u32));
-        }
-    }
+    let mesh = mesh::ring(inner, outer, cells, [0.0, 0.0], 0.0).expect("a ring of cells");
     let polar = |[x, y, _]: [f64; 3]| (x.hypot(y), y.atan2(x));
     body(
         name,
@@ -82,25 +69,7 @@ pub(super) fn ring(name: &str, [inner, outer]: [f64; 2], cells: [usize; 2]) -> B
 
 /// A block of hexahedra, twisted about its long axis.
 pub(super) fn block(cells: [usize; 3], size: [f64; 3]) -> BodyFields {
-    let mut mesh = Mesh { kind: CellKind::Hex8, points: vec![], connectivity: vec![], boundaries: vec![], parts: vec![] };
-    let [nx, ny, nz] = cells;
-    for k in 0..=nz {
-        for j in 0..=ny {
-            for i in 0..=nx {
-                mesh.points.push([0, 1, 2].map(|d| size[d] * [i, j, k][d] as f64 / cells[d] as f64));
-            }
-        }
-    }
-    let node = |i: usize, j: usize, k: usize| (i + (nx + 1) * (j + (ny + 1) * k)) as u32;
-    for k in 0..nz {
-        for j in 0..ny {
-            for i in 0..nx {
-                for k in [k, k + 1] {
-                    mesh.connectivity.extend([node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)]);
-                }
-            }
-        }
-    }
+    let mesh = mesh::block(size, cells, [0.0; 3]).expect("a block of cells");
     let [a, b, c] = size;
     body(
         "block",

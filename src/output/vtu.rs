@@ -17,7 +17,7 @@ use crate::elements::CellKind;
 /// Bytes that are compressed together. VTK's own default, and a multiple of every scalar's size as meshio needs it.
 const BLOCK: usize = 32768;
 
-/// Speed against size: levels above save a few percent and cost several times as much.
+/// Speed against size: level 6 makes files 8 % smaller in two to four times the time (bearing and a block of 144 000 cells).
 const LEVEL: Compression = Compression::fast();
 
 /// VTK's number of a cell type.
@@ -232,7 +232,8 @@ mod tests {
         assert!(
             text.contains("<!-- body 0: outer ring -->") && text.contains("Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">0.25<")
         );
-        assert_eq!(text.matches("--").count(), 4, "only the comments' own hyphens");
+        let head = text.split("<AppendedData").next().unwrap();
+        assert_eq!(head.matches("--").count(), 4, "only the comments' own hyphens");
     }
 
     #[test]
