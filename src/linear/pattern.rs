@@ -18,6 +18,8 @@ pub struct Pattern {
     columns: Vec<usize>,
     /// Length of a column of each vertex.
     lengths: Vec<usize>,
+    /// Anchor of each multiplier, `u32::MAX` elsewhere; empty without any.
+    anchors: Vec<u32>,
 }
 
 /// Where a block of the matrix stands in the array of values: entry `(i, k)` at `start + k * stride + i`.
@@ -100,7 +102,49 @@ impl Pattern {
             lengths[v] = length;
             columns[v + 1] = columns[v] + length * sizes[v] as usize;
         }
-        Pattern { first, starts: unique_starts, neighbors, offsets, columns, lengths }
+        Pattern { first, starts: unique_starts, neighbors, offsets, columns, lengths, anchors: Vec::new() }
+    }
+
+    /// The same pattern with an *anchor* for some multipliers: the node whose motion the multiplier opposes, so that eliminating the
+    /// node fills the multiplier's zero diagonal. No two multipliers should have one anchor. A multiplier without an anchor is eliminated
+    /// after all its neighbors.
+    pub fn with_anchors(mut self, anchors: impl IntoIterator<Item = (u32, u32)>) -> Self {
+        self.anchors = vec![u32::MAX; self.vertices()];
+        for (multiplier, node) in anchors {
+            self.anchors[multiplier as usize] = node;
+        }
+        self
+    }
+
+    /// Number of vertices.
+    pub fn vertices(&self) -> usize {
+        self.lengths.len()
+    }
+
+    /// Number of unknowns of a vertex.
+    pub fn size(&self, vertex: usize) -> usize {
+        self.first[vertex + 1] - self.first[vertex]
+    }
+
+    /// Whether a vertex is a multiplier: it carries one unknown.
+    pub fn is_multiplier(&self, vertex: usize) -> bool {
+        self.size(vertex) == 1
+    }
+
+    /// Anchor of a multiplier, if it has one.
+    pub fn anchor(&self, vertex: usize) -> Option<u32> {
+        self.anchors.get(vertex).copied().filter(|&anchor| anchor != u32::MAX)
+    }
+
+    /// The vertex that an unknown belongs to.
+    pub fn vertex_of(&self, unknown: usize) -> usize {
+        self.first.partition_point(|&first| first <= unknown) - 1
+    }
+
+    /// Per neighbor of a vertex, itself included: the place of the block that couples it, as row, with the vertex, as column.
+    pub(super) fn column_blocks(&self, vertex: usize) -> impl Iterator<Item = Block> + '_ {
+        let (start, stride) = (self.columns[vertex] as u32, self.lengths[vertex] as u32);
+        self.offsets[self.starts[vertex]..self.starts[vertex + 1]].iter().map(move |offset| Block { start: start + offset, stride })
     }
 
     /// Number of unknowns.
