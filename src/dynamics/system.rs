@@ -262,7 +262,7 @@ where
             })
             .fold(0.0, f64::max);
 
-        let pattern = pattern_of::<D>(nodes, multipliers, &bodies, &pairs);
+        let pattern = pattern_of(&fixed, multipliers, &bodies, &pairs);
         let mut mass = NodeMatrix::new(&pattern, nodes);
         for body in &bodies {
             body.elements.add_mass(&mut mass);
@@ -373,8 +373,8 @@ where
         self.times.search += clock.elapsed();
         if changed {
             let clock = Instant::now();
-            self.pattern = pattern_of::<D>(self.nodes(), self.multipliers, &self.bodies, &self.pairs);
-            self.factorization = Factorization::new(&self.pattern)?;
+            self.pattern = pattern_of(&self.fixed, self.multipliers, &self.bodies, &self.pairs);
+            self.factorization.renew(&self.pattern)?;
             self.place();
             self.times.factorization += clock.elapsed();
         }
@@ -784,7 +784,10 @@ fn spread<const D: usize>(weights: &[(u32, f64)], vector: [f64; 3], factor: f64,
     }
 }
 
-fn pattern_of<const D: usize>(nodes: usize, multipliers: usize, bodies: &[Body<D>], pairs: &[Pair]) -> Pattern {
+/// The couplings of all cells and candidate pairs. The anchor of a multiplier is its secondary node, if that one is free to move and no
+/// other multiplier's.
+fn pattern_of<const D: usize>(fixed: &[bool], multipliers: usize, bodies: &[Body<D>], pairs: &[Pair]) -> Pattern {
+    let nodes = fixed.len() / D;
     let mut sizes = vec![D as u8; nodes];
     sizes.resize(nodes + multipliers, 1);
     let mut patches: Vec<Vec<u32>> = Vec::new();
@@ -796,7 +799,16 @@ fn pattern_of<const D: usize>(nodes: usize, multipliers: usize, bodies: &[Body<D
         }
     }
     let cells = bodies.iter().flat_map(|body| body.elements.cliques().iter());
-    Pattern::new(&sizes, cells.chain(patches.iter()).map(|clique| &clique[..]))
+    let mut taken: Vec<bool> = fixed.chunks_exact(D).map(|components| components.contains(&true)).collect();
+    let mut anchors = Vec::with_capacity(multipliers);
+    for pair in pairs {
+        for (row, &node) in pair.rows.clone().zip(pair.kernel.secondary().nodes()) {
+            if !std::mem::replace(&mut taken[node as usize], true) {
+                anchors.push(((nodes + row) as u32, node));
+            }
+        }
+    }
+    Pattern::new(&sizes, cells.chain(patches.iter()).map(|clique| &clique[..])).with_anchors(anchors)
 }
 
 /// Connected pieces of nodes: a number for each node, and how many pieces there are.

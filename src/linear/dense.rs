@@ -1,8 +1,8 @@
 //! Dense elimination of one front: LU of its pivot block, the two triangular solves beside it, and the update of what remains.
 //!
 //! All blocks are column-major, their sides padded to multiples of four by zeros (the pivot block by the identity), so that every loop runs
-//! over whole tiles of 12, 8 or 4 rows by 4 columns. A tile is summed in registers from outer products of columns that stand in memory as they
-//! are: nothing is packed. Plain arrays that the compiler vectorises where [`crate::math::simd`] tells it which instructions exist.
+//! over whole tiles of 12, 8 or 4 rows by 4 columns. A tile is summed in registers from outer products of columns that stand in memory as
+//! they are: nothing is packed. Plain arrays that the compiler vectorises where [`crate::math::simd`] tells it which instructions exist.
 //!
 //! Pivots are sought inside the pivot block only (threshold pivoting, the diagonal preferred): the structure found beforehand stays valid.
 

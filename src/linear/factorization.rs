@@ -1,57 +1,68 @@
-//! LU factorisation of a matrix on a [`Pattern`], with equilibration, one iterative refinement and a checked residual.
+//! LU factorisation of a matrix on a [`Pattern`]: scaled, refined, its residual checked, with a second method where the first one fails.
 //!
-//! By faer's supernodal LU with partial pivoting (column ordering COLAMD). Rows and columns are scaled by powers of two so that multipliers
-//! (entries of order one) and displacements (entries of the stiffness) are of one size when pivots are compared.
+//! Every vertex has one scale, a power of two: a node's brings its diagonal block to entries of order one, a multiplier's its constraint.
+//! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
+//! inside a front only; where it had to replace one, or where the residual stays poor, the sparse LU with partial pivoting takes over.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor::PartialPivLuParams;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Spec};
-use thiserror::Error;
-
+use super::error::LinearError;
+use super::multifrontal::Multifrontal;
+use super::ordering::{anchored, dissection};
+use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
+use super::symbolic::Symbolic;
+use crate::math::tolerances;
 
-/// Why a linear system could not be solved.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum LinearError {
-    /// The factorisation met no usable pivot.
-    #[error("the matrix is singular")]
-    Singular,
-    /// The solution does not satisfy the system.
-    #[error("the linear solve left a relative residual of {residual:.1e}")]
-    Inaccurate {
-        /// Largest residual over the largest right-hand side.
-        residual: f64,
-    },
-    /// There is not enough memory.
-    #[error("the factorisation of {unknowns} unknowns does not fit into memory")]
-    OutOfMemory {
-        /// Number of unknowns.
-        unknowns: usize,
-    },
-}
+/// Growth of the work, since the order of elimination was made, above which a new order pays.
+const WORTH_A_NEW_ORDER: f64 = 1.3;
 
-/// The factorisation of a matrix on one pattern: made once, computed for many values.
+/// Refinements at most. One restores full accuracy unless the factors are useless.
+const REFINEMENTS: usize = 2;
+
+/// The factorisation of a matrix: the order of elimination kept as long as it is good, the structure as long as the pattern stays, the
+/// factors computed for many values.
 pub struct Factorization {
-    unknowns: usize,
-    starts: Vec<usize>,
-    rows: Vec<usize>,
-    symbolic: SymbolicLu<usize>,
-    numeric: NumericLu<usize, f64>,
-    memory: MemBuffer,
-    row_scale: Vec<f64>,
-    column_scale: Vec<f64>,
-    scaled: Vec<f64>,
+    /// Vertices in the order of the dissection, and the work of a factorisation when it was made.
+    order: Vec<u32>,
+    best: f64,
+    pattern: Pattern,
+    symbolic: Symbolic,
+    multifrontal: Multifrontal,
+    fallback: Option<Box<PartialPivoting>>,
+    /// Whether the fallback holds the factors of the last matrix, and is to be used.
+    fallen_back: bool,
+    /// Per vertex and per unknown.
+    vertex_scale: Vec<f64>,
+    scale: Vec<f64>,
     solution: Vec<f64>,
     residual: Vec<f64>,
+    null_vector: Option<Vec<f64>>,
 }
 
-/// The power of two next to `1/x`, 1 for zero: scaling by it is exact.
-fn reciprocal_power(x: f64) -> f64 {
-    if x > 0.0 && x.is_finite() { (-x.log2().round()).exp2() } else { 1.0 }
+/// The power of two next to `1/sqrt(x)`; 1 for zero.
+fn reciprocal_root(x: f64) -> f64 {
+    if x > 0.0 { (-0.5 * x.log2()).round().exp2() } else { 1.0 }
+}
+
+/// The power of two next to `1/x`; 1 for zero.
+fn reciprocal(x: f64) -> f64 {
+    if x > 0.0 { (-x.log2()).round().exp2() } else { 1.0 }
+}
+
+/// Largest absolute value; NaN if there is one.
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |largest: f64, x| if x.abs() <= largest { largest } else { x.abs() })
+}
+
+/// Whether no value is infinite or not a number, without a branch per value.
+fn all_finite(values: &[f64]) -> bool {
+    let (groups, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for group in groups {
+        for (sum, x) in sums.iter_mut().zip(group) {
+            *sum += 0.0 * x;
+        }
+    }
+    sums.iter().sum::<f64>() + rest.iter().map(|x| 0.0 * x).sum::<f64>() == 0.0
 }
 
 impl Factorization {
@@ -60,181 +71,213 @@ impl Factorization {
     /// # Errors
     /// [`LinearError::OutOfMemory`].
     pub fn new(pattern: &Pattern) -> Result<Self, LinearError> {
-        let unknowns = pattern.unknowns();
-        let out_of_memory = LinearError::OutOfMemory { unknowns };
-        let (starts, rows) = pattern.compressed_columns();
-        let structure = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
-        let parameters = LuSymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..Default::default() };
-        let symbolic = factorize_symbolic_lu(structure, parameters).map_err(|_| out_of_memory)?;
-        let scratch = symbolic
-            .factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::<PartialPivLuParams, f64>::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory)?;
-        Ok(Factorization {
-            unknowns,
-            scaled: vec![0.0; rows.len()],
-            starts,
-            rows,
-            symbolic,
-            numeric: NumericLu::new(),
-            memory,
-            row_scale: vec![1.0; unknowns],
-            column_scale: vec![1.0; unknowns],
-            solution: vec![0.0; unknowns],
-            residual: vec![0.0; unknowns],
-        })
+        let mut factorization = Factorization {
+            order: Vec::new(),
+            best: 0.0,
+            pattern: Pattern::new(&[], std::iter::empty()),
+            symbolic: Symbolic::default(),
+            multifrontal: Multifrontal::default(),
+            fallback: None,
+            fallen_back: false,
+            vertex_scale: Vec::new(),
+            scale: Vec::new(),
+            solution: Vec::new(),
+            residual: Vec::new(),
+            null_vector: None,
+        };
+        factorization.renew(pattern)?;
+        Ok(factorization)
+    }
+
+    /// Adapts to a changed pattern. The order of elimination is kept unless the vertices are others or the work has grown too much.
+    ///
+    /// # Errors
+    /// [`LinearError::OutOfMemory`].
+    pub fn renew(&mut self, pattern: &Pattern) -> Result<(), LinearError> {
+        self.pattern = pattern.clone();
+        self.fallback = None;
+        self.fallen_back = false;
+        if self.order.len() == pattern.vertices() {
+            self.symbolic = Symbolic::new(pattern, &anchored(pattern, &self.order));
+        }
+        if self.order.len() != pattern.vertices() || self.symbolic.operations > WORTH_A_NEW_ORDER * self.best {
+            self.order = dissection(pattern);
+            self.symbolic = Symbolic::new(pattern, &anchored(pattern, &self.order));
+            self.best = self.symbolic.operations;
+        }
+        self.vertex_scale.resize(pattern.vertices(), 1.0);
+        for buffer in [&mut self.scale, &mut self.solution, &mut self.residual] {
+            buffer.resize(pattern.unknowns(), 0.0);
+        }
+        self.multifrontal.reserve(&self.symbolic).map_err(|_| LinearError::OutOfMemory { unknowns: pattern.unknowns() })
+    }
+
+    /// Floating-point operations of one factorisation.
+    pub fn operations(&self) -> f64 {
+        self.symbolic.operations
+    }
+
+    /// Whether the last solution came from the slower method: pivots had to be replaced, or the residual was poor.
+    pub fn has_fallen_back(&self) -> bool {
+        self.fallen_back
     }
 
     /// Factors the matrix with these values.
     ///
     /// # Errors
-    /// [`LinearError::Singular`], also for values that are not finite.
+    /// [`LinearError::NotFinite`]; whether the matrix is singular is found in [`Self::solve`].
     pub fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        self.equilibrate(values)?;
-        let structure = SymbolicSparseColMatRef::new_checked(self.unknowns, self.unknowns, &self.starts, None, &self.rows);
-        let matrix = SparseColMatRef::new(structure, &self.scaled[..]);
-        let stack = MemStack::new(&mut self.memory);
-        match self.symbolic.factorize_numeric_lu(&mut self.numeric, matrix, Par::Seq, stack, Spec::<PartialPivLuParams, f64>::default()) {
-            Ok(_) => Ok(()),
-            Err(faer::sparse::linalg::LuError::SymbolicSingular { .. }) => Err(LinearError::Singular),
-            Err(_) => Err(LinearError::OutOfMemory { unknowns: self.unknowns }),
+        if !all_finite(values) {
+            return Err(LinearError::NotFinite);
         }
-    }
-
-    fn equilibrate(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        let mut largest = vec![0.0f64; self.unknowns];
-        for (&row, &value) in self.rows.iter().zip(values) {
-            largest[row] = largest[row].max(value.abs());
-        }
-        if largest.iter().any(|x| !x.is_finite()) || values.iter().any(|x| x.is_nan()) {
-            return Err(LinearError::Singular);
-        }
-        for (scale, &size) in self.row_scale.iter_mut().zip(&largest) {
-            *scale = reciprocal_power(size);
-        }
-        for column in 0..self.unknowns {
-            let range = self.starts[column]..self.starts[column + 1];
-            let size = range.clone().map(|k| (values[k] * self.row_scale[self.rows[k]]).abs()).fold(0.0, f64::max);
-            let scale = reciprocal_power(size);
-            self.column_scale[column] = scale;
-            for k in range {
-                self.scaled[k] = values[k] * self.row_scale[self.rows[k]] * scale;
-            }
-        }
+        self.equilibrate(values);
+        self.fallen_back = false;
+        self.null_vector = None;
+        self.multifrontal.factorize(&self.symbolic, values, &self.vertex_scale);
         Ok(())
     }
 
-    /// Solves with the last factorised values, which are given again for the refinement; `right` becomes the solution.
-    /// Returns the relative residual after one refinement.
+    fn equilibrate(&mut self, values: &[f64]) {
+        let pattern = &self.pattern;
+        let own_block = |v: usize| {
+            let block = pattern.block(v as u32, v as u32);
+            let size = pattern.size(v);
+            largest((0..size * size).map(|k| values[block.at(k % size, k / size)]))
+        };
+        for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
+            self.vertex_scale[v] = reciprocal_root(own_block(v));
+        }
+        for v in (0..pattern.vertices()).filter(|&v| pattern.is_multiplier(v)) {
+            let nodes = pattern.neighbors(v).iter().zip(pattern.column_blocks(v)).filter(|(u, _)| !pattern.is_multiplier(**u as usize));
+            let constraint = largest(nodes.flat_map(|(&u, block)| {
+                let scale = self.vertex_scale[u as usize];
+                (0..pattern.size(u as usize)).map(move |i| scale * values[block.at(i, 0)])
+            }));
+            self.vertex_scale[v] = if constraint > 0.0 { reciprocal(constraint) } else { reciprocal_root(own_block(v)) };
+        }
+        for v in 0..pattern.vertices() {
+            self.scale[pattern.first_unknown(v)..][..pattern.size(v)].fill(self.vertex_scale[v]);
+        }
+    }
+
+    /// Solves with the last factorised values, which are given again for the residual; `right` becomes the solution.
+    /// Returns the largest residual over the largest right-hand side, both scaled.
     ///
     /// # Errors
-    /// [`LinearError::Inaccurate`] when the residual stays above [`crate::math::tolerances::LINEAR_RESIDUAL`].
+    /// [`LinearError::Singular`], [`LinearError::NotFinite`], or [`LinearError::Inaccurate`] when the residual stays above
+    /// [`crate::math::tolerances::LINEAR_RESIDUAL`].
     pub fn solve(&mut self, values: &[f64], right: &mut [f64]) -> Result<f64, LinearError> {
-        self.solution.fill(0.0);
-        self.residual.copy_from_slice(right);
-        let size = right.iter().fold(0.0f64, |size, x| size.max(x.abs()));
-        let mut relative = if size > 0.0 { 1.0 } else { 0.0 };
-        for _ in 0..2 {
-            if relative == 0.0 {
-                break;
-            }
-            self.substitute();
-            for (x, d) in self.solution.iter_mut().zip(&self.residual) {
-                *x += d;
-            }
-            // residual = right - A solution
-            self.residual.copy_from_slice(right);
-            for column in 0..self.unknowns {
-                let x = self.solution[column];
-                for k in self.starts[column]..self.starts[column + 1] {
-                    self.residual[self.rows[k]] -= values[k] * x;
-                }
-            }
-            relative = self.residual.iter().fold(0.0f64, |size, x| if x.is_nan() { f64::NAN } else { size.max(x.abs()) }) / size;
+        let size = self.scaled_size(right);
+        if size == 0.0 {
+            return Ok(0.0);
         }
-        if relative.is_nan() || relative > crate::math::tolerances::LINEAR_RESIDUAL {
+        if !size.is_finite() {
+            return Err(LinearError::NotFinite);
+        }
+        let mut relative = f64::NAN;
+        if !self.fallen_back {
+            if !self.multifrontal.replaced().is_empty() {
+                self.refuse_singular(values)?;
+            } else {
+                relative = self.refined(values, right, size);
+            }
+        }
+        if relative.is_nan() || relative > tolerances::LINEAR_FALLBACK {
+            self.fall_back(values)?;
+            relative = self.refined(values, right, size);
+        }
+        if relative.is_nan() || relative > tolerances::LINEAR_RESIDUAL {
             return Err(LinearError::Inaccurate { residual: relative });
         }
         right.copy_from_slice(&self.solution);
         Ok(relative)
     }
 
-    /// Replaces `residual` by the inverse of the factorised matrix times it.
+    /// An estimate of the vector that the matrix maps to zero, one number per unknown, after [`LinearError::Singular`].
+    pub fn near_null_vector(&self) -> Option<&[f64]> {
+        self.null_vector.as_deref()
+    }
+
+    fn scaled_size(&self, vector: &[f64]) -> f64 {
+        largest(vector.iter().zip(&self.scale).map(|(x, scale)| x * scale))
+    }
+
+    /// Factors the last matrix by the other method.
+    fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        if !self.fallen_back {
+            if self.fallback.is_none() {
+                self.fallback = Some(Box::new(PartialPivoting::new(&self.pattern)?));
+            }
+            if let Some(fallback) = &mut self.fallback {
+                fallback.factorize(values, &self.scale)?;
+            }
+            self.fallen_back = true;
+        }
+        Ok(())
+    }
+
+    /// `x := A^-1 x` with the factors that are in use, without any check.
     fn substitute(&mut self) {
-        for (x, scale) in self.residual.iter_mut().zip(&self.row_scale) {
-            *x *= scale;
-        }
-        let factors = LuRef::new_unchecked(&self.symbolic, &self.numeric);
-        let vector = MatMut::from_column_major_slice_mut(&mut self.residual, self.unknowns, 1);
-        factors.solve_in_place_with_conj(Conj::No, vector, Par::Seq, MemStack::new(&mut self.memory));
-        for (x, scale) in self.residual.iter_mut().zip(&self.column_scale) {
-            *x *= scale;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A chain of two-component nodes with a multiplier at its end: saddle point, unsymmetric values.
-    fn chain(nodes: u32) -> (Pattern, Vec<f64>) {
-        let mut sizes = vec![2u8; nodes as usize];
-        sizes.push(1);
-        let cliques: Vec<[u32; 2]> = (0..nodes).map(|v| [v, v + 1]).collect();
-        let pattern = Pattern::new(&sizes, cliques.iter().map(|c| &c[..]));
-        let mut values = vec![0.0; pattern.values()];
-        for v in 0..nodes {
-            let own = pattern.block(v, v);
-            for i in 0..2 {
-                for k in 0..2 {
-                    values[own.at(i, k)] = if i == k { 2e5 } else { 1e3 * (i as f64 - 0.4) };
-                }
-            }
-            if v + 1 < nodes {
-                for (a, b) in [(v, v + 1), (v + 1, v)] {
-                    values[pattern.block(a, b).at(0, 0)] = -9e4;
-                    values[pattern.block(a, b).at(1, 1)] = -8e4;
-                }
-            }
-        }
-        for k in 0..2 {
-            values[pattern.block(nodes - 1, nodes).at(k, 0)] = -0.7;
-            values[pattern.block(nodes, nodes - 1).at(0, k)] = 0.6 + 0.1 * k as f64;
-        }
-        (pattern, values)
-    }
-
-    #[test]
-    fn saddle_point_with_entries_of_very_different_size_is_solved_to_round_off() {
-        let (pattern, values) = chain(50);
-        let exact: Vec<f64> = (0..pattern.unknowns()).map(|i| (i as f64 * 0.7).sin()).collect();
-        let (starts, rows) = pattern.compressed_columns();
-        let mut right = vec![0.0; pattern.unknowns()];
-        for column in 0..pattern.unknowns() {
-            for k in starts[column]..starts[column + 1] {
-                right[rows[k]] += values[k] * exact[column];
-            }
-        }
-        let mut factorization = Factorization::new(&pattern).unwrap();
-        factorization.factorize(&values).unwrap();
-        let relative = factorization.solve(&values, &mut right).unwrap();
-        assert!(relative < 1e-14, "residual {relative}");
-        for (x, e) in right.iter().zip(&exact) {
-            // The multiplier is seen through a stiffness of 1e5: it keeps 1e-16 * 1e5 / 0.7 of absolute accuracy.
-            assert!((x - e).abs() < 1e-9);
+        match &mut self.fallback {
+            Some(fallback) if self.fallen_back => fallback.solve(&self.scale, &mut self.residual),
+            _ => self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual),
         }
     }
 
-    #[test]
-    fn singular_and_not_finite_matrices_are_refused() {
-        let (pattern, mut values) = chain(5);
-        let mut factorization = Factorization::new(&pattern).unwrap();
-        let mut right = vec![1.0; pattern.unknowns()];
-        values[0] = f64::NAN;
-        assert_eq!(factorization.factorize(&values), Err(LinearError::Singular));
-        values.fill(0.0);
-        let outcome = factorization.factorize(&values).and_then(|()| factorization.solve(&values, &mut right));
-        assert!(outcome.is_err());
+    /// Solves into `solution`, refined until the scaled residual, which is returned, is at round-off.
+    fn refined(&mut self, values: &[f64], right: &[f64], size: f64) -> f64 {
+        self.solution.fill(0.0);
+        self.residual.copy_from_slice(right);
+        let mut relative = 1.0;
+        for _ in 0..=REFINEMENTS {
+            self.substitute();
+            for (x, d) in self.solution.iter_mut().zip(&self.residual) {
+                *x += d;
+            }
+            self.pattern.multiply_into(values, &self.solution, &mut self.residual);
+            for (r, b) in self.residual.iter_mut().zip(right) {
+                *r = b - *r;
+            }
+            relative = self.scaled_size(&self.residual) / size;
+            if relative.is_nan() || relative <= tolerances::LINEAR_REFINED {
+                break;
+            }
+        }
+        relative
+    }
+
+    /// Tells a matrix `A` that is singular from one that was only badly ordered, by the factors of `M`, which is `A` with replaced pivots.
+    ///
+    /// `M - A` is the product of the direction in which `A` lacks a pivot and a small row, so `z := M^-1 (M - A) z = z - M^-1 A z` is a
+    /// vector that `A` maps to zero, if there is one.
+    fn refuse_singular(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        // Any vector with a part in every direction.
+        for (k, (x, scale)) in self.residual.iter_mut().zip(&self.scale).enumerate() {
+            *x = (0.1 + (k as f64).sin().abs()) / scale;
+        }
+        self.solution.fill(0.0);
+        for _ in 0..3 {
+            self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual);
+            for (z, x) in self.solution.iter_mut().zip(&self.residual) {
+                *z -= x;
+            }
+            let size = largest(self.solution.iter().zip(&self.scale).map(|(z, scale)| z / scale));
+            if !size.is_finite() || size == 0.0 {
+                return Ok(());
+            }
+            for z in &mut self.solution {
+                *z /= size;
+            }
+            self.pattern.multiply_into(values, &self.solution, &mut self.residual);
+        }
+        if self.scaled_size(&self.residual) > tolerances::LINEAR_SINGULAR {
+            return Ok(());
+        }
+        let place = (0..self.solution.len()).max_by(|&i, &k| {
+            let size = |k: usize| (self.solution[k] / self.scale[k]).abs();
+            size(i).total_cmp(&size(k))
+        });
+        self.null_vector = Some(self.solution.clone());
+        Err(LinearError::Singular { vertex: place.map(|unknown| self.pattern.vertex_of(unknown) as u32) })
     }
 }

@@ -4,10 +4,19 @@
 //! pattern is symmetric, its values are not. Who assembles asks the [`Pattern`] once where each block stands and then adds to a flat
 //! array of values; who solves hands the values to a [`Factorization`]. What is behind the latter may change without notice above.
 
+mod dense;
+mod error;
 mod factorization;
+mod multifrontal;
 mod node_matrix;
+mod ordering;
+mod partial_pivoting;
 mod pattern;
+mod symbolic;
+#[cfg(test)]
+mod tests;
 
-pub use factorization::{Factorization, LinearError};
+pub use error::LinearError;
+pub use factorization::Factorization;
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern};

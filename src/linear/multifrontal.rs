@@ -1,12 +1,17 @@
 //! Numeric multifrontal LU: every front is assembled from the matrix and its children's updates and eliminated; substitution runs along the
 //! tree. Nothing is allocated once all buffers have their size.
 
+use std::collections::TryReserveError;
+
 use super::dense::{self, Blocks, WIDTH};
 use super::symbolic::{Front, Symbolic};
 use crate::math::simd::{Kernel, dispatch};
 
 /// Pivots below this, in a matrix scaled to entries of order one, are replaced by it.
 const TINY: f64 = 1e-10;
+
+/// Numbers in a cache line.
+const LINE: usize = 8;
 
 /// Numbers that begin at a cache line.
 #[derive(Debug, Default)]
@@ -18,12 +23,16 @@ struct AlignedBuffer {
 
 impl AlignedBuffer {
     /// Makes room for at least `length` numbers, whose values are lost.
-    fn resize(&mut self, length: usize) {
-        if self.storage.len() < length + 8 {
-            self.storage = vec![0.0; length + 8];
-            self.offset = self.storage.as_ptr().align_offset(64).min(8);
+    fn resize(&mut self, length: usize) -> Result<(), TryReserveError> {
+        if self.storage.len() < length + LINE {
+            let mut storage = Vec::new();
+            storage.try_reserve_exact(length + LINE)?;
+            storage.resize(length + LINE, 0.0);
+            self.offset = storage.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+            self.storage = storage;
         }
         self.length = length;
+        Ok(())
     }
 
     fn all(&self) -> &[f64] {
@@ -51,11 +60,18 @@ pub(super) struct Multifrontal {
 }
 
 impl Multifrontal {
-    /// Factors `diag(scale) A diag(scale)`, with one scale per vertex.
-    pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64]) {
-        self.factors.resize(symbolic.factors);
-        self.stack.resize(symbolic.stack);
+    /// Makes room for the factors of a structure.
+    pub(super) fn reserve(&mut self, symbolic: &Symbolic) -> Result<(), TryReserveError> {
+        self.factors.resize(symbolic.factors)?;
+        self.stack.resize(symbolic.stack)?;
+        self.at_front.resize(symbolic.largest)?;
         self.swaps.resize(symbolic.unknowns.len(), 0);
+        self.replaced.clear();
+        Ok(())
+    }
+
+    /// Factors `diag(scale) A diag(scale)`, with one scale per vertex; room was made before.
+    pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64]) {
         self.replaced.clear();
         dispatch(Elimination {
             symbolic,
@@ -74,11 +90,10 @@ impl Multifrontal {
         &self.replaced
     }
 
-    /// `x := S (S A S)^-1 S x` with `S = diag(scale)`, that is `A^-1 x`.
+    /// `x := A^-1 x`, with one scale per unknown.
     pub(super) fn solve(&mut self, symbolic: &Symbolic, scale: &[f64], x: &mut [f64]) {
         self.ordered.clear();
         self.ordered.extend(symbolic.unknowns.iter().map(|&unknown| scale[unknown as usize] * x[unknown as usize]));
-        self.at_front.resize(symbolic.largest);
         dispatch(Substitution {
             symbolic,
             factors: self.factors.all(),

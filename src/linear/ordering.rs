@@ -14,10 +14,9 @@ use super::pattern::Pattern;
 /// Parts of at most this many vertices are not dissected: measured on the bearing (its matrices factor a fifth faster than with 200).
 const SMALLEST_PART: u32 = 25;
 
-/// The vertices in order of elimination.
-pub(super) fn elimination_order(pattern: &Pattern) -> Vec<u32> {
-    let order = dissect(pattern).unwrap_or_else(|| (0..pattern.vertices() as u32).collect());
-    anchored(pattern, &order)
+/// The vertices in an order that keeps the factors sparse; multipliers may still come too early.
+pub(super) fn dissection(pattern: &Pattern) -> Vec<u32> {
+    dissect(pattern).unwrap_or_else(|| (0..pattern.vertices() as u32).collect())
 }
 
 /// Nested dissection; nothing when the graph is larger than the crate can number.
@@ -36,8 +35,8 @@ fn dissect(pattern: &Pattern) -> Option<Vec<u32>> {
     Some(order.into_iter().map(|v| v as u32).collect())
 }
 
-/// Moves every multiplier that comes too early behind its anchor, or behind all its neighbors when it has none.
-fn anchored(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
+/// The order of elimination: every multiplier that comes too early moves behind its anchor, or behind all its neighbors when it has none.
+pub(super) fn anchored(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
     let count = pattern.vertices();
     let mut place = vec![0u32; count];
     for (k, &v) in order.iter().enumerate() {

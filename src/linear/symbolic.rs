@@ -266,7 +266,9 @@ impl Symbolic {
                 let vertex = order[i as usize];
                 let column = local[i as usize];
                 let entries = entry_starts[vertex as usize];
-                for ((k, &neighbor), block) in pattern.neighbors(vertex as usize).iter().enumerate().zip(pattern.column_blocks(vertex as usize)) {
+                for ((k, &neighbor), block) in
+                    pattern.neighbors(vertex as usize).iter().enumerate().zip(pattern.column_blocks(vertex as usize))
+                {
                     let other = place_in_order[neighbor as usize];
                     let unknown = numbering.first[other as usize] as usize;
                     if unknown >= first + pivots {
@@ -404,7 +406,8 @@ impl Tree {
             starts.push(structure.len() as u32);
         }
         let roots = (0..count as u32).filter(|&k| parent[k as usize] == NONE).collect();
-        let mut tree = Tree { roots, first_kid, next_kid, head: (0..count as u32).collect(), next: vec![NONE; count], update, structure, starts };
+        let mut tree =
+            Tree { roots, first_kid, next_kid, head: (0..count as u32).collect(), next: vec![NONE; count], update, structure, starts };
         tree.merge(weights);
         tree
     }

@@ -42,6 +42,16 @@ pub const STEP_LIMIT: f64 = 0.1;
 /// Covered share below which a node has no row at all in this iteration (a zero row makes the matrix singular).
 pub const ZERO_ROW: f64 = 1e-6;
 
+/// Relative residual of the linear solve that needs no refinement: three decimal digits above round-off.
+pub const LINEAR_REFINED: f64 = 1e-13;
+
+/// Relative residual after refinement above which the system is solved again with pivots sought in whole columns: good factors leave
+/// 1e-14 to 1e-16, so this is a sign of growth in them.
+pub const LINEAR_FALLBACK: f64 = 1e-10;
+
+/// Image of a unit vector under a matrix with entries of order one that counts as zero: the round-off of a row's sum.
+pub const LINEAR_SINGULAR: f64 = 1e-14;
+
 /// Relative residual of the linear solve after refinement above which the solution is refused.
 pub const LINEAR_RESIDUAL: f64 = 1e-8;
 

@@ -1,0 +1,30 @@
+//! Why a linear system could not be solved.
+
+use thiserror::Error;
+
+/// Why a linear system could not be solved.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum LinearError {
+    /// The matrix maps a vector to zero, up to round-off; `Factorization::near_null_vector` estimates it.
+    #[error("the matrix is singular")]
+    Singular {
+        /// The vertex whose unknowns are largest in that vector, compared in units of its stiffness.
+        vertex: Option<u32>,
+    },
+    /// A value of the matrix or of the right-hand side is infinite or not a number.
+    #[error("the matrix or the right-hand side is not finite")]
+    NotFinite,
+    /// The solution does not satisfy the system.
+    #[error("the linear solve left a relative residual of {residual:.1e}")]
+    Inaccurate {
+        /// Largest residual over the largest right-hand side.
+        residual: f64,
+    },
+    /// There is not enough memory.
+    #[error("the factorisation of {unknowns} unknowns does not fit into memory")]
+    OutOfMemory {
+        /// Number of unknowns.
+        unknowns: usize,
+    },
+}

@@ -1,0 +1,360 @@
+//! The factorisation against dense LU, against sparse LU with partial pivoting, and against known solutions.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::factorization::Factorization;
+use super::multifrontal::Multifrontal;
+use super::ordering::{anchored, dissection};
+use super::partial_pivoting::PartialPivoting;
+use super::symbolic::Symbolic;
+use super::{LinearError, Pattern};
+
+/// Numbers between -1/2 and 1/2 (xorshift).
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+}
+
+/// A matrix of the kind that contact makes.
+struct System {
+    pattern: Pattern,
+    values: Vec<f64>,
+    nodes: usize,
+}
+
+/// Stiffness of a neighbor pair of nodes in `D` dimensions relative to 1e5, and how it is disturbed.
+fn add_cells<const D: usize>(pattern: &Pattern, values: &mut [f64], cells: &[Vec<u32>], disturbance: f64, noise: &mut Noise) {
+    for cell in cells {
+        let count = cell.len() as f64;
+        for &a in cell {
+            for &b in cell {
+                let block = pattern.block(a, b);
+                for i in 0..D {
+                    for k in 0..D {
+                        // A multiple of the graph's Laplacian with coupled components, plus a little mass.
+                        let value = match (a == b, i == k) {
+                            (true, true) => count - 1.0 + 0.2,
+                            (false, true) => -1.0,
+                            (true, false) => 0.3,
+                            (false, false) => -0.3 / (count - 1.0),
+                        };
+                        values[block.at(i, k)] += 1e5 * value * (1.0 + disturbance * noise.next());
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by a multiplier per node of the first one.
+fn tied<const D: usize>(along: usize, across: usize, shift: usize, disturbance: f64) -> System {
+    let mut noise = Noise(88_172_645_463_325_252);
+    let depth = if D == 3 { 2 } else { 1 };
+    let (long, wide) = (along + 1, across + 1);
+    let body = long * wide * depth;
+    let node = |body_index: usize, i: usize, j: usize, k: usize| (body_index * body + (k * wide + j) * long + i) as u32;
+    let mut cells: Vec<Vec<u32>> = Vec::new();
+    for b in 0..2 {
+        for j in 0..across {
+            for i in 0..along {
+                let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+                cells.push((0..depth).flat_map(|k| corners.map(|(i, j)| node(b, i, j, k))).collect());
+            }
+        }
+    }
+    let nodes = 2 * body;
+    let interface = long * depth;
+    let mut sizes = vec![D as u8; nodes];
+    sizes.resize(nodes + interface, 1);
+    let constraints: Vec<Vec<u32>> = (0..interface)
+        .map(|m| {
+            let (i, k) = (m % long, m / long);
+            let other = (i + shift).min(along);
+            let mut clique = vec![node(0, i, 0, k), node(0, (i + 1).min(along), 0, k), node(1, other, across, k)];
+            clique.push(node(1, other.saturating_sub(1), across, k));
+            clique.sort_unstable();
+            clique.dedup();
+            clique.push((nodes + m) as u32);
+            clique
+        })
+        .collect();
+    let pattern = Pattern::new(&sizes, cells.iter().chain(&constraints).map(|clique| &clique[..]))
+        .with_anchors((0..interface).map(|m| ((nodes + m) as u32, node(0, m % long, 0, m / long))));
+    let mut values = vec![0.0; pattern.values()];
+    add_cells::<D>(&pattern, &mut values, &cells, disturbance, &mut noise);
+    for constraint in &constraints {
+        let (multiplier, others) = constraint.split_last().unwrap();
+        for &other in others {
+            let weight = if (other as usize) < body { 0.6 } else { -0.5 };
+            for i in 0..D {
+                let entry = weight * (1.0 + 0.3 * i as f64);
+                values[pattern.block(*multiplier, other).at(0, i)] = entry * (1.0 + 0.02 * noise.next());
+                values[pattern.block(other, *multiplier).at(i, 0)] = -entry * (1.0 + 0.02 * noise.next());
+            }
+        }
+    }
+    System { pattern, values, nodes }
+}
+
+impl System {
+    fn dense(&self) -> DMatrix<f64> {
+        let (starts, rows) = self.pattern.compressed_columns();
+        let mut matrix = DMatrix::zeros(self.pattern.unknowns(), self.pattern.unknowns());
+        for column in 0..self.pattern.unknowns() {
+            for k in starts[column]..starts[column + 1] {
+                matrix[(rows[k], column)] = self.values[k];
+            }
+        }
+        matrix
+    }
+
+    /// A vector of the size of displacements and multipliers, and its image.
+    fn problem(&self) -> (Vec<f64>, Vec<f64>) {
+        let exact: Vec<f64> = (0..self.pattern.unknowns())
+            .map(|i| (i as f64 * 0.7).sin() * if i < self.pattern.first_unknown(self.nodes) { 1e-3 } else { 1e2 })
+            .collect();
+        let mut right = vec![0.0; exact.len()];
+        self.pattern.multiply_into(&self.values, &exact, &mut right);
+        (exact, right)
+    }
+
+    /// Replaces a row and its column by the identity.
+    fn hold(&mut self, unknown: usize, diagonal: f64) {
+        let (starts, rows) = self.pattern.compressed_columns();
+        for column in 0..self.pattern.unknowns() {
+            for k in starts[column]..starts[column + 1] {
+                if rows[k] == unknown || column == unknown {
+                    self.values[k] = if rows[k] == column { diagonal } else { 0.0 };
+                }
+            }
+        }
+    }
+
+    /// Largest error of the solution relative to the largest displacement and multiplier, and the residual.
+    fn error(&self, factorization: &mut Factorization) -> (f64, f64) {
+        let (exact, mut right) = self.problem();
+        factorization.factorize(&self.values).unwrap();
+        let residual = factorization.solve(&self.values, &mut right).unwrap();
+        let displacements = self.pattern.first_unknown(self.nodes);
+        let error = right.iter().zip(&exact).enumerate().map(|(i, (x, e))| (x - e).abs() / if i < displacements { 1e-3 } else { 1e2 });
+        (error.fold(0.0, f64::max), residual)
+    }
+}
+
+/// Solves without refinement, scaled as given, and returns the solution and how many pivots were replaced.
+fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
+    let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &dissection(&system.pattern)));
+    let scale = |vertex: usize| if vertex < system.nodes { 2f64.powi(-9) } else { 2f64.powi(9) };
+    let vertex_scale: Vec<f64> = (0..system.pattern.vertices()).map(scale).collect();
+    let unknown_scale: Vec<f64> = (0..system.pattern.unknowns()).map(|i| scale(system.pattern.vertex_of(i))).collect();
+    let mut factors = Multifrontal::default();
+    factors.reserve(&symbolic).unwrap();
+    factors.factorize(&symbolic, &system.values, &vertex_scale);
+    let mut x = right.to_vec();
+    factors.solve(&symbolic, &unknown_scale, &mut x);
+    (x, factors.replaced().len())
+}
+
+#[test]
+fn every_unknown_is_eliminated_once_and_every_multiplier_after_its_anchor() {
+    let system = tied::<2>(30, 4, 2, 0.01);
+    let order = anchored(&system.pattern, &dissection(&system.pattern));
+    let symbolic = Symbolic::new(&system.pattern, &order);
+    let mut unknowns = symbolic.unknowns.clone();
+    unknowns.sort_unstable();
+    assert!(unknowns.iter().enumerate().all(|(k, &unknown)| unknown as usize == k));
+    assert_eq!(unknowns.len(), system.pattern.unknowns());
+    let mut place = vec![0; unknowns.len()];
+    for (k, &unknown) in symbolic.unknowns.iter().enumerate() {
+        place[unknown as usize] = k;
+    }
+    for m in system.nodes..system.pattern.vertices() {
+        let anchor = system.pattern.anchor(m).unwrap() as usize;
+        assert!(place[system.pattern.first_unknown(m)] > place[system.pattern.first_unknown(anchor)]);
+    }
+    // Every entry of the matrix goes somewhere once.
+    let inside: usize = symbolic.inside.iter().map(|e| system.pattern.size(e.row as usize) * system.pattern.size(e.column as usize)).sum();
+    let beside: usize =
+        symbolic.beside.iter().map(|e| 2 * system.pattern.size(e.pivot as usize) * system.pattern.size(e.other as usize)).sum();
+    assert_eq!(inside + beside, system.pattern.values());
+}
+
+#[test]
+fn unsymmetric_saddle_points_are_solved_like_by_dense_lu() {
+    for (disturbance, along, across) in [(0.01, 12, 3), (0.3, 12, 3), (0.3, 1, 1), (0.0, 25, 6)] {
+        let system = tied::<2>(along, across, 1, disturbance);
+        let (_, right) = system.problem();
+        let (x, replaced) = multifrontal(&system, &right);
+        assert_eq!(replaced, 0);
+        let dense = system.dense().lu().solve(&DVector::from_column_slice(&right)).unwrap();
+        let displacements = system.pattern.first_unknown(system.nodes);
+        for (i, (x, e)) in x.iter().zip(dense.iter()).enumerate() {
+            // The condition number is below 1e4 in units of displacements and multipliers.
+            let size = if i < displacements { 1e-3 } else { 1e2 };
+            assert!((x - e).abs() < 1e-11 * size, "unknown {i}: {x} against {e}");
+        }
+    }
+}
+
+#[test]
+fn large_systems_agree_with_partial_pivoting_over_whole_columns() {
+    for disturbance in [0.01, 0.3] {
+        let system = tied::<2>(60, 12, 3, disturbance);
+        let (_, right) = system.problem();
+        let (x, replaced) = multifrontal(&system, &right);
+        assert_eq!(replaced, 0);
+        let mut other = PartialPivoting::new(&system.pattern).unwrap();
+        let scale: Vec<f64> =
+            (0..right.len()).map(|i| if system.pattern.vertex_of(i) < system.nodes { 2f64.powi(-9) } else { 2f64.powi(9) }).collect();
+        other.factorize(&system.values, &scale).unwrap();
+        let mut y = right.clone();
+        other.solve(&scale, &mut y);
+        let displacements = system.pattern.first_unknown(system.nodes);
+        for (i, (x, y)) in x.iter().zip(&y).enumerate() {
+            assert!((x - y).abs() < 1e-10 * if i < displacements { 1e-3 } else { 1e2 }, "unknown {i}: {x} against {y}");
+        }
+    }
+}
+
+#[test]
+fn residual_is_at_round_off_for_plane_and_solid_blocks() {
+    for system in [tied::<2>(40, 8, 1, 0.3), tied::<3>(12, 5, 1, 0.3)] {
+        let mut factorization = Factorization::new(&system.pattern).unwrap();
+        let (error, residual) = system.error(&mut factorization);
+        assert!(residual < 1e-13 && error < 1e-10, "residual {residual}, error {error}");
+        assert!(!factorization.has_fallen_back());
+    }
+}
+
+#[test]
+fn held_unknowns_and_inactive_multipliers_are_rows_of_the_identity() {
+    let mut system = tied::<2>(20, 4, 1, 0.05);
+    let multipliers = system.pattern.first_unknown(system.nodes);
+    for i in 0..20 {
+        system.hold(10 * i, 1e5);
+    }
+    for m in (0..21).step_by(3) {
+        system.hold(multipliers + m, 1.0);
+    }
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    let (error, residual) = system.error(&mut factorization);
+    assert!(residual < 1e-13 && error < 1e-10, "residual {residual}, error {error}");
+    assert!(!factorization.has_fallen_back());
+}
+
+#[test]
+fn a_multiplier_whose_anchor_is_held_is_solved_all_the_same() {
+    let mut system = tied::<2>(20, 4, 1, 0.05);
+    for m in [3, 9] {
+        let anchor = system.pattern.anchor(system.nodes + m).unwrap() as usize;
+        for i in 0..2 {
+            system.hold(system.pattern.first_unknown(anchor) + i, 1e5);
+        }
+    }
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    let (error, residual) = system.error(&mut factorization);
+    assert!(residual < 1e-13 && error < 1e-10, "residual {residual}, error {error}");
+    // Without anchors the multipliers come last and need no second method.
+    system.pattern = system.pattern.clone().with_anchors([]);
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    let (error, residual) = system.error(&mut factorization);
+    assert!(residual < 1e-13 && error < 1e-10, "residual {residual}, error {error}");
+    assert!(!factorization.has_fallen_back());
+}
+
+#[test]
+fn singular_matrices_are_refused_with_the_vertex_and_the_vector() {
+    // A node that nothing holds.
+    let mut system = tied::<2>(10, 3, 1, 0.05);
+    let unknown = system.pattern.first_unknown(17);
+    system.hold(unknown, 0.0);
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    factorization.factorize(&system.values).unwrap();
+    let mut right = vec![1.0; system.pattern.unknowns()];
+    assert_eq!(factorization.solve(&system.values, &mut right), Err(LinearError::Singular { vertex: Some(17) }));
+    let null = factorization.near_null_vector().unwrap();
+    assert!(null.iter().enumerate().all(|(i, x)| i == unknown || x.abs() < 1e-13 * null[unknown].abs()));
+
+    // A constraint that is stated twice.
+    let mut system = tied::<2>(10, 3, 1, 0.05);
+    let (a, b) = (system.nodes as u32 + 4, system.nodes as u32 + 5);
+    for other in 0..system.nodes as u32 {
+        let coupled = |m: u32| system.pattern.neighbors(m as usize).contains(&other);
+        for i in 0..if coupled(b) { 2 } else { 0 } {
+            let copied = if coupled(a) { system.values[system.pattern.block(a, other).at(0, i)] } else { 0.0 };
+            system.values[system.pattern.block(b, other).at(0, i)] = copied;
+        }
+        for i in 0..if coupled(a) && !coupled(b) { 2 } else { 0 } {
+            system.values[system.pattern.block(a, other).at(0, i)] = 0.0;
+        }
+    }
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    factorization.factorize(&system.values).unwrap();
+    let mut right = vec![1.0; system.pattern.unknowns()];
+    assert!(matches!(factorization.solve(&system.values, &mut right), Err(LinearError::Singular { .. })));
+}
+
+#[test]
+fn matrices_that_are_not_finite_and_zero_matrices_are_refused() {
+    let mut system = tied::<2>(4, 2, 1, 0.05);
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    let mut right = vec![1.0; system.pattern.unknowns()];
+    for place in [0, system.values.len() - 1] {
+        let kept = std::mem::replace(&mut system.values[place], f64::NAN);
+        assert_eq!(factorization.factorize(&system.values), Err(LinearError::NotFinite));
+        system.values[place] = kept;
+    }
+    factorization.factorize(&system.values).unwrap();
+    right[3] = f64::INFINITY;
+    assert_eq!(factorization.solve(&system.values, &mut right), Err(LinearError::NotFinite));
+    system.values.fill(0.0);
+    right.fill(1.0);
+    factorization.factorize(&system.values).unwrap();
+    assert!(matches!(factorization.solve(&system.values, &mut right), Err(LinearError::Singular { .. })));
+}
+
+#[test]
+fn a_changed_pattern_keeps_the_order_until_the_work_has_grown() {
+    let mut factorization = Factorization::new(&tied::<2>(40, 6, 0, 0.05).pattern).unwrap();
+    for shift in 1..20 {
+        let system = tied::<2>(40, 6, shift, 0.05);
+        factorization.renew(&system.pattern).unwrap();
+        let (error, residual) = system.error(&mut factorization);
+        assert!(residual < 1e-13 && error < 1e-9, "shift {shift}: residual {residual}, error {error}");
+        assert!(!factorization.has_fallen_back());
+        let fresh = Factorization::new(&system.pattern).unwrap();
+        // 1.3 of the work at the last new order, which was itself fresh; fresh orders differ by the luck of the dissection.
+        assert!(factorization.operations() < 1.8 * fresh.operations(), "shift {shift}");
+    }
+    // Another number of vertices.
+    let system = tied::<2>(10, 3, 0, 0.05);
+    factorization.renew(&system.pattern).unwrap();
+    assert!(system.error(&mut factorization).1 < 1e-13);
+}
+
+#[test]
+fn results_are_the_same_bits_every_time() {
+    let (a, b) = (tied::<2>(30, 8, 1, 0.05), tied::<2>(30, 8, 1, 0.3));
+    let (_, right) = a.problem();
+    let mut factorization = Factorization::new(&a.pattern).unwrap();
+    let mut solve = |system: &System| {
+        let mut x = right.clone();
+        factorization.factorize(&system.values).unwrap();
+        factorization.solve(&system.values, &mut x).unwrap();
+        x
+    };
+    let first = solve(&a);
+    solve(&b);
+    assert_eq!(solve(&a), first);
+    let mut fresh = Factorization::new(&a.pattern).unwrap();
+    fresh.factorize(&a.values).unwrap();
+    let mut x = right.clone();
+    fresh.solve(&a.values, &mut x).unwrap();
+    assert_eq!(x, first);
+}
