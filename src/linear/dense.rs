@@ -12,6 +12,9 @@ pub(super) const WIDTH: usize = 4;
 /// A diagonal entry is the pivot unless it is smaller than this times the largest entry below it.
 const THRESHOLD: f64 = 0.01;
 
+/// What replaces a pivot that is no pivot: the root of the round-off, which weighs the change of the matrix against growth in the factors.
+pub(super) const REPLACEMENT: f64 = 1e-8;
+
 /// The next multiple of [`WIDTH`].
 pub(super) const fn padded(x: usize) -> usize {
     x.next_multiple_of(WIDTH)
@@ -216,8 +219,8 @@ impl Blocks<'_> {
                 }
                 let (done, rest) = self.diagonal.split_at_mut((k + 1) * p);
                 let column = &mut done[k * p..];
-                if column[k].abs().is_nan() || column[k].abs() < tiny {
-                    column[k] = if column[k] < 0.0 { -tiny } else { tiny };
+                if column[k].is_nan() || column[k].abs() < tiny {
+                    column[k] = REPLACEMENT.copysign(column[k]);
                     replaced(k);
                 }
                 let reciprocal = 1.0 / column[k];

@@ -7,7 +7,7 @@ use super::dense::{self, Blocks, WIDTH};
 use super::symbolic::{Front, Symbolic};
 use crate::math::simd::{Kernel, dispatch};
 
-/// Pivots below this, in a matrix scaled to entries of order one, are replaced by it.
+/// Pivots below this, in a matrix scaled to entries of order one, are replaced by [`dense::REPLACEMENT`].
 const TINY: f64 = 1e-10;
 
 /// Numbers in a cache line.
