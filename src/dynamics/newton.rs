@@ -35,6 +35,8 @@ pub(super) struct Iteration {
     pub(super) worst: usize,
     /// Force by which residuals are judged in this iteration.
     pub(super) target: f64,
+    /// Round-off of the forces: a residual below it cannot be trusted to fall.
+    pub(super) floor: f64,
     /// Largest violation of the contact conditions over what is tolerated, and its constraint.
     pub(super) violation: f64,
     pub(super) worst_row: usize,
@@ -135,7 +137,7 @@ where
         let converged_force = record.residual <= record.target;
         let small = task.tolerance * task.energy.max(forces.internal_work.abs());
         // Round-off: the energy no longer falls although everything else has converged.
-        let stalled = moved <= 100.0 * small && moved > 0.5 * last_energy;
+        let stalled = (moved <= 100.0 * small || record.residual <= record.floor) && moved > 0.5 * last_energy;
         if converged_force && record.violation <= 1.0 && (moved <= small || stalled) {
             // With a penalty every covered node is in the system: in contact are those that press.
             let mut active = starting_set(system, conditions, &lambda, &contacts.dropped);
@@ -241,8 +243,11 @@ where
         }
         work += r * (q_1[k] - task.start.q_0[k]);
     }
-    let floor = tolerances::FORCE_FLOOR * system.modulus * system.extent.powi(D as i32 - 1);
-    record.target = (tolerances::NEWTON_FORCE * forces.scale).max(floor);
+    // Positions carry round-off in proportion to their size; stiffness and inertia turn it into force.
+    let reach = q_1.iter().fold(system.extent, |reach, q| reach.max(q.abs()));
+    let stiffness = system.modulus * system.extent.powi(D as i32 - 2) + task.start.inertia() * system.largest_nodal_mass;
+    record.floor = tolerances::FORCE_FLOOR * stiffness * reach;
+    record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
     let mut contact_work = 0.0;
     for pair in &system.pairs {
         for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {

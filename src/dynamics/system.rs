@@ -83,6 +83,13 @@ pub(super) struct StepStart<'a> {
     pub(super) damping: Option<f64>,
 }
 
+impl StepStart<'_> {
+    /// Factor of the mass in the tangent.
+    pub(super) fn inertia(&self) -> f64 {
+        self.damping.map_or(2.0 / (self.dt * self.dt), |mu| 0.5 * mu)
+    }
+}
+
 /// The contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that presses or is zero.
 pub(super) struct Conditions {
     /// Weighted gaps at the start of the step.
@@ -140,6 +147,7 @@ pub(super) struct System<const D: usize> {
     pub(super) mass: NodeMatrix,
     /// Mass of every node (row sums).
     pub(super) nodal_mass: Vec<f64>,
+    pub(super) largest_nodal_mass: f64,
     /// Force of gravity.
     pub(super) weight: Vec<f64>,
     /// Largest Young's modulus and largest extent, for the round-off floor of forces.
@@ -278,6 +286,7 @@ where
             prescribed,
             prescriptions,
             mass,
+            largest_nodal_mass: nodal_mass.iter().copied().fold(0.0, f64::max),
             nodal_mass,
             weight,
             modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
@@ -477,7 +486,7 @@ where
         let unknowns = q_1.len();
         let placement = start.integrator.placement();
         let clock = Instant::now();
-        let inertia = start.damping.map_or(2.0 / (start.dt * start.dt), |mu| 0.5 * mu);
+        let inertia = start.inertia();
         for (value, mass) in self.values.iter_mut().zip(&self.mass_values) {
             *value = inertia * mass;
         }
