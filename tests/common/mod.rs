@@ -1,0 +1,111 @@
+//! What the tests of the kernels share: short ways to a model, a run that keeps its ledger, reproducible random numbers.
+
+// Each test program uses its part of it.
+#![allow(dead_code)]
+
+use std::rc::Rc;
+
+use conserva::dynamics::{
+    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, LedgerRow, Load, LoadKind, Model, Options, Simulation,
+    Support, TimeFunction, UpdateRule,
+};
+use conserva::integrators::Integrator;
+use conserva::materials::{CATALOGUE, Material};
+use conserva::mesh::Mesh;
+
+/// A material of the catalogue by name: Young's modulus, Poisson's ratio, density.
+pub fn material(name: &str, values: [f64; 3]) -> Material {
+    let row = CATALOGUE.iter().find(|row| row.name == name).expect("the catalogue has it");
+    Material::new(row, &values)
+}
+
+/// A model that is put together line by line.
+#[derive(Default)]
+pub struct Builder {
+    /// The model so far.
+    pub model: Model,
+}
+
+impl Builder {
+    /// Adds a body; returns its number.
+    pub fn body(&mut self, name: &str, mesh: Mesh, material: &Material) -> usize {
+        self.model.bodies.push(BodyDefinition { name: name.into(), mesh: Rc::new(mesh), material: material.clone() });
+        self.model.bodies.len() - 1
+    }
+
+    /// A boundary of a body.
+    pub fn boundary(&self, body: usize, name: &str) -> BodyBoundary {
+        BodyBoundary { body, boundary: self.model.bodies[body].mesh.boundary(name).expect("the mesh has it").clone() }
+    }
+
+    /// Holds components of a boundary.
+    pub fn fix(&mut self, body: usize, name: &str, components: [bool; 3]) {
+        let on = self.boundary(body, name);
+        self.model.supports.push(Support { on, components });
+    }
+
+    /// Loads a boundary.
+    pub fn load(&mut self, body: usize, name: &str, kind: LoadKind, amplitude: impl TimeFunction + 'static) {
+        let on = self.boundary(body, name);
+        self.model.loads.push(Load { kind, on, amplitude: Rc::new(amplitude) });
+    }
+
+    /// Mortar contact with the rule `gap`.
+    pub fn contact(&mut self, secondary: (usize, &str), primary: (usize, &str)) {
+        let (secondary, primary) = (self.boundary(secondary.0, secondary.1), self.boundary(primary.0, primary.1));
+        let (name, method, update) = ("contact".into(), ContactMethod::Mortar, UpdateRule::Gap);
+        self.model.contacts.push(ContactDefinition { name, secondary, primary, method, update, equality: false });
+    }
+
+    /// Throws a body.
+    pub fn throw(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
+        self.model.initial_velocities.push(InitialVelocity { body, linear, angular });
+    }
+
+    /// The simulation of the model.
+    pub fn simulate(&self, integrator: Integrator, dt: f64) -> Simulation {
+        Simulation::new(&self.model, Options::new(integrator, dt)).expect("the model is sound")
+    }
+}
+
+/// Runs to a time; the ledger of every accepted step, after that of the state it began with.
+pub fn run(sim: &mut Simulation, until: f64) -> Vec<LedgerRow> {
+    let mut rows = vec![sim.row().clone()];
+    while sim.time() < until - 1e-9 * sim.options().dt {
+        sim.step(Some(until), &mut |row| rows.push(row.clone())).unwrap_or_else(|error| panic!("{error}"));
+    }
+    rows
+}
+
+/// Largest value that a quantity takes in the steps of a run (the first row, the initial state, left out).
+pub fn worst(rows: &[LedgerRow], quantity: impl Fn(&LedgerRow) -> f64) -> f64 {
+    rows[1..].iter().map(|row| quantity(row).abs()).fold(0.0, |largest, x| if x.is_nan() { x } else { largest.max(x) })
+}
+
+/// Largest difference of a vector's components from those of the initial state.
+pub fn drift(rows: &[LedgerRow], vector: impl Fn(&LedgerRow) -> [f64; 3]) -> f64 {
+    let first = vector(&rows[0]);
+    rows.iter().map(|row| difference(&vector(row), &first)).fold(0.0, f64::max)
+}
+
+/// Largest difference of two vectors' components.
+pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |largest, x| if x.is_nan() { x } else { largest.max(x) })
+}
+
+/// Reproducible random numbers (Knuth's linear congruence, the upper bits).
+pub struct Random(pub u64);
+
+impl Random {
+    /// Between -1 and 1.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Between two numbers.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * 0.5 * (self.next() + 1.0)
+    }
+}

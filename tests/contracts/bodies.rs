@@ -1,0 +1,238 @@
+//! What the element loop promises for every cell kind, material and integrator, on random states of a distorted mesh:
+//! exact tangent; directionality and orthogonality of the discrete gradient to round-off; indifference to rigid motions.
+
+use conserva::bodies::{ElementLoop, Elements, Space, Workers};
+use conserva::elements::CellKind;
+use conserva::integrators::Integrator;
+use conserva::linear::Pattern;
+use conserva::materials::{CATALOGUE, Material};
+use conserva::mesh::{Mesh, block, rectangle};
+
+use crate::common::{Random, difference};
+
+const MODULUS: f64 = 1000.0;
+
+/// Cells of about unit size, ten or so (more than one batch, the last one not full), with every node moved at random.
+fn distorted(kind: CellKind) -> Mesh {
+    let mesh = match kind {
+        CellKind::Quad4 => rectangle([5.0, 2.0], [5, 2], [0.3, -0.2]),
+        CellKind::Hex8 => block([3.0, 3.0, 1.0], [3, 3, 1], [0.3, -0.2, 0.1]),
+    };
+    let mut mesh = mesh.expect("the mesh is sound");
+    let mut random = Random(3);
+    for point in &mut mesh.points {
+        for x in &mut point[..kind.dimension()] {
+            *x += 0.15 * random.next();
+        }
+    }
+    mesh
+}
+
+struct Loop<const D: usize> {
+    elements: Box<dyn ElementLoop<D>>,
+    pattern: Pattern,
+    nodes: usize,
+    reference: Vec<f64>,
+}
+
+impl<const D: usize> Loop<D>
+where
+    Space<D>: Elements<D>,
+{
+    fn new(mesh: &Mesh, material: &Material) -> Self {
+        let mut elements = Space::<D>::elements(mesh, material, 0).expect("no cell is inside out");
+        let nodes = mesh.points.len();
+        let pattern = Pattern::new(&vec![D as u8; nodes], elements.cliques().iter().map(|clique| &clique[..]));
+        elements.place(&pattern);
+        Loop { elements, pattern, nodes, reference: mesh.points.iter().flat_map(|point| point[..D].to_vec()).collect() }
+    }
+
+    fn random_state(&self, size: f64, random: &mut Random) -> Vec<f64> {
+        self.reference.iter().map(|x| x + size * random.next()).collect()
+    }
+
+    /// Force and values of the tangent of a step.
+    fn assemble(&self, integrator: Integrator, q_1: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut force, mut values) = (vec![0.0; q_1.len()], vec![0.0; self.pattern.values()]);
+        self.elements.assemble(integrator, q_1, &mut force, &mut values, &Workers::new(1)).expect("no cell turns inside out");
+        (force, values)
+    }
+
+    /// The column of the tangent that belongs to an unknown.
+    fn column(&self, values: &[f64], unknown: usize) -> Vec<f64> {
+        let mut column = vec![0.0; D * self.nodes];
+        for &other in self.pattern.neighbors(unknown / D) {
+            let place = self.pattern.block(other, (unknown / D) as u32);
+            for i in 0..D {
+                column[other as usize * D + i] = values[place.at(i, unknown % D)];
+            }
+        }
+        column
+    }
+}
+
+/// Calls a contract for every cell kind, material and integrator.
+macro_rules! for_all {
+    ($contract:ident) => {
+        for row in CATALOGUE {
+            let values: Vec<f64> = row
+                .parameters
+                .iter()
+                .map(|p| match p.name {
+                    "youngs_modulus" => MODULUS,
+                    "poisson_ratio" => 0.3,
+                    _ => 1.0,
+                })
+                .collect();
+            let material = Material::new(row, &values);
+            for &kind in CellKind::ALL {
+                let mesh = distorted(kind);
+                for &integrator in Integrator::ALL {
+                    let name = format!("{} {} {}", kind.name(), row.name, integrator.name());
+                    match kind.dimension() {
+                        2 => $contract::<2>(Loop::new(&mesh, &material), integrator, &name),
+                        _ => $contract::<3>(Loop::new(&mesh, &material), integrator, &name),
+                    }
+                }
+            }
+        }
+    };
+}
+
+fn tangent<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+where
+    Space<D>: Elements<D>,
+{
+    let mut random = Random(5);
+    for step in [0.02, 0.2] {
+        let q_0 = cells.random_state(0.05, &mut random);
+        let q_1: Vec<f64> = q_0.iter().map(|q| q + step * random.next() * 0.5).collect();
+        cells.elements.begin_step(&q_0);
+        let (_, values) = cells.assemble(integrator, &q_1);
+        let h = 1e-5;
+        for unknown in (0..q_1.len()).step_by(3) {
+            let (mut up, mut down) = (q_1.clone(), q_1.clone());
+            up[unknown] += h;
+            down[unknown] -= h;
+            let (above, below) = (cells.assemble(integrator, &up).0, cells.assemble(integrator, &down).0);
+            let differences: Vec<f64> = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * h)).collect();
+            let error = difference(&differences, &cells.column(&values, unknown)) / MODULUS;
+            // Truncation h^2 times third derivatives (some hundred moduli where the step is small, by the quotient of the discrete gradient), round-off eps/h.
+            assert!(error < 1e-6, "{name}: column {unknown} is off by {error:.1e} at step {step}");
+        }
+    }
+}
+
+#[test]
+fn tangent_is_the_derivative_of_the_force() {
+    for_all!(tangent);
+}
+
+/// Sums of the nodal forces and of their moments about the origin.
+fn resultants<const D: usize>(q: &[f64], force: &[f64]) -> ([f64; 3], [f64; 3]) {
+    let vector = |x: &[f64]| nalgebra::Vector3::from_fn(|i, _| if i < D { x[i] } else { 0.0 });
+    let (mut sum, mut moment) = (nalgebra::Vector3::zeros(), nalgebra::Vector3::zeros());
+    for (q, f) in q.chunks_exact(D).zip(force.chunks_exact(D)) {
+        sum += vector(f);
+        moment += vector(q).cross(&vector(f));
+    }
+    (sum.into(), moment.into())
+}
+
+fn conservation<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+where
+    Space<D>: Elements<D>,
+{
+    let mut random = Random(7);
+    for step in [1e-9, 1e-6, 1e-3, 0.2] {
+        let q_0 = cells.random_state(0.1, &mut random);
+        let q_1: Vec<f64> = q_0.iter().map(|q| q + step * random.next() * 0.5).collect();
+        let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
+        cells.elements.begin_step(&q_0);
+        let (force, _) = cells.assemble(integrator, &q_1);
+        let size: f64 = force.iter().map(|f| f.abs()).sum();
+        // Rigid motions of the configuration in which the force acts do no work; 5 is the extent of the mesh.
+        let arms = if integrator == Integrator::Trapezoidal { &q_1 } else { &middle };
+        let (sum, moment) = resultants::<D>(arms, &force);
+        assert!(difference(&sum, &[0.0; 3]) < 1e-15 * size, "{name}: the force has the resultant {sum:?} of {size}");
+        assert!(difference(&moment, &[0.0; 3]) < 5e-15 * size, "{name}: the force has the moment {moment:?} of {size}");
+
+        let work: f64 = force.iter().zip(q_0.iter().zip(&q_1)).map(|(f, (a, b))| f * (b - a)).sum();
+        let gained = cells.elements.strain_energy(&q_1) - cells.elements.strain_energy(&q_0);
+        let defect = (work - gained).abs();
+        // Round-off of the energies that are subtracted, and of the increments `q_1 - q_0` that the force multiplies.
+        let round_off = 1e-15 * (cells.elements.strain_energy(&q_0) * 10.0 + 10.0 * size);
+        match integrator {
+            Integrator::EnergyMomentum => assert!(defect < round_off, "{name}: {defect:.1e} of {round_off:.1e} at step {step}"),
+            // The others are not directional: the defect of a large step is far above round-off.
+            Integrator::Midpoint | Integrator::Trapezoidal => {
+                assert!(step < 0.2 || defect > 1e6 * round_off, "{name}: only {defect:.1e} at step {step}");
+            }
+        }
+    }
+}
+
+#[test]
+fn discrete_gradient_is_directional_and_orthogonal_to_rigid_motions() {
+    for_all!(conservation);
+}
+
+/// At equal states every integrator's force is the gradient of the strain energy (half of it for the trapezoidal rule).
+fn consistency<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+where
+    Space<D>: Elements<D>,
+{
+    let q = cells.random_state(0.1, &mut Random(9));
+    cells.elements.begin_step(&q);
+    let (force, _) = cells.assemble(integrator, &q);
+    let h = 1e-4;
+    for unknown in (0..q.len()).step_by(3) {
+        let (mut up, mut down) = (q.clone(), q.clone());
+        up[unknown] += h;
+        down[unknown] -= h;
+        let slope = (cells.elements.strain_energy(&up) - cells.elements.strain_energy(&down)) / (2.0 * h);
+        let error = (force[unknown] - integrator.placement().weight * slope).abs() / MODULUS;
+        // Truncation h^2 times third derivatives of order ten, round-off 1e-16 of an energy of order 0.1 moduli over h.
+        assert!(error < 1e-6, "{name}: force {unknown} is off by {error:.1e}");
+    }
+}
+
+#[test]
+fn force_at_equal_states_is_the_gradient_of_the_energy() {
+    for_all!(consistency);
+}
+
+/// A rotation and translation of both states leaves the energy and turns the force.
+fn objectivity<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+where
+    Space<D>: Elements<D>,
+{
+    let axis = if D == 2 { [0.0, 0.0, 2.3] } else { [1.1, -0.7, 1.9] };
+    let rotation = nalgebra::Rotation3::new(nalgebra::Vector3::from(axis));
+    let turn = |x: &[f64], shift: f64| -> Vec<f64> {
+        x.chunks_exact(D)
+            .flat_map(|x| {
+                let turned = rotation * nalgebra::Vector3::from_fn(|i, _| if i < D { x[i] } else { 0.0 });
+                turned.iter().take(D).map(|x| x + shift).collect::<Vec<f64>>()
+            })
+            .collect()
+    };
+    let mut random = Random(11);
+    let (q_0, q_1) = (cells.random_state(0.1, &mut random), cells.random_state(0.1, &mut random));
+    cells.elements.begin_step(&q_0);
+    let (force, _) = cells.assemble(integrator, &q_1);
+    cells.elements.begin_step(&turn(&q_0, 7.0));
+    let (turned, _) = cells.assemble(integrator, &turn(&q_1, 7.0));
+    let size = force.iter().fold(0.0f64, |size, f| size.max(f.abs()));
+    // Round-off: displacements of order ten, strains of order 0.1.
+    assert!(difference(&turn(&force, 0.0), &turned) < 1e-12 * size, "{name}: the force turns with the body");
+    let (energy, same) = (cells.elements.strain_energy(&q_1), cells.elements.strain_energy(&turn(&q_1, 7.0)));
+    assert!((energy - same).abs() < 1e-12 * energy, "{name}: the energy stays: {energy} {same}");
+    // A body that is only turned stores nothing: strains of round-off, 1e-15, squared.
+    assert!(cells.elements.strain_energy(&turn(&cells.reference, 7.0)) < 1e-26 * MODULUS, "{name}");
+}
+
+#[test]
+fn rigid_motions_leave_energy_and_turn_forces() {
+    for_all!(objectivity);
+}

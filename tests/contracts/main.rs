@@ -1,0 +1,8 @@
+//! Contracts: properties that every row of a catalogue must have, run over all rows, so that a new row is tested without a new test.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bodies;
+mod elements;
+mod simulations;

@@ -1,0 +1,138 @@
+//! A bar: static stretch, and its lowest axial and bending frequency.
+//!
+//! Closed forms. Static: Saint Venant-Kirchhoff in plane strain, free to narrow, `a E/(1 - nu^2) (a^2 - 1)/2 = t` for the stretch `a`.
+//! Axial: `omega = pi/2 c/L`; the discrete bar (linear elements, consistent mass, a sine is its exact mode) has
+//! `omega_h^2 = (6 c^2/h^2)(1 - cos kh)/(2 + cos kh)` (Hughes, The Finite Element Method, 2000, section 7.4). Bending: Euler-Bernoulli cantilever,
+//! `omega = 1.8751041^2 sqrt(E I/(rho A L^4))`. In time every scheme here turns a frequency omega into `tan(w dt/2) = omega dt/2`.
+
+use std::f64::consts::FRAC_PI_2;
+
+use conserva::dynamics::{Constant, LoadKind, Simulation};
+use conserva::integrators::Integrator;
+use conserva::mesh::rectangle;
+
+use crate::common::{Builder, material};
+
+#[test]
+fn dead_traction_stretches_by_the_root_of_the_cubic() {
+    for (traction, poisson) in [(1.0, 0.3), (200.0, 0.3), (-100.0, 0.3), (500.0, 0.0)] {
+        let mut builder = Builder::default();
+        let mesh = rectangle([4.0, 1.0], [4, 2], [0.0; 2]).expect("the mesh is sound");
+        let bar = builder.body("bar", mesh, &material("saint_venant_kirchhoff", [1000.0, poisson, 1.0]));
+        builder.fix(bar, "left", [true, false, false]);
+        builder.fix(bar, "bottom", [false, true, false]);
+        builder.load(bar, "right", LoadKind::Traction([1.0, 0.0, 0.0]), Constant(traction));
+        let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.01);
+        let settled = sim.settle().unwrap_or_else(|error| panic!("{error}"));
+
+        let modulus = 1000.0 / (1.0 - poisson * poisson);
+        let mut a = 1.0f64;
+        for _ in 0..50 {
+            a -= (0.5 * modulus * a * (a * a - 1.0) - traction) / (0.5 * modulus * (3.0 * a * a - 1.0));
+        }
+        let across = (1.0 - poisson / (1.0 - poisson) * (a * a - 1.0)).sqrt();
+        let fields = &sim.fields()[0];
+        for (x, u) in fields.mesh.points.iter().zip(&fields.displacement) {
+            // Damped steps end when the last one dissipates less than 1e-14 of the energy: displacements to about 1e-10.
+            assert!((u[0] - (a - 1.0) * x[0]).abs() < 1e-9 && (u[1] - (across - 1.0) * x[1]).abs() < 1e-9, "{traction}: {x:?} {u:?}");
+        }
+        // W = E' E_11^2 / 2 over the area 4, and the Cauchy stress t / across.
+        let strain = 0.5 * (a * a - 1.0);
+        let energy = 4.0 * 0.5 * modulus * strain * strain;
+        assert!((settled.strain / energy - 1.0).abs() < 1e-9, "{traction}: {} {energy}", settled.strain);
+        for stress in &fields.stress {
+            assert!((stress[0] - traction / across).abs() < 1e-8 * traction.abs() && stress[1].abs() < 1e-8 * traction.abs(), "{stress:?}");
+        }
+    }
+}
+
+/// Frequency of a simulation that vibrates in one mode: `s_(n-1) + s_(n+1) = 2 cos(w dt) s_n` by least squares, freed from the error in time.
+fn frequency(sim: &mut Simulation, steps: usize, measure: impl Fn(&[f64]) -> f64) -> f64 {
+    let dt = sim.options().dt;
+    let mut samples = vec![measure(&sim.state().positions)];
+    for _ in 0..steps {
+        sim.step(None, &mut |_| ()).unwrap_or_else(|error| panic!("{error}"));
+        samples.push(measure(&sim.state().positions));
+    }
+    let (mut product, mut square) = (0.0, 0.0);
+    for s in samples.windows(3) {
+        product += s[1] * (s[0] + s[2]);
+        square += s[1] * s[1];
+    }
+    let angle = (0.5 * product / square).acos();
+    2.0 / dt * (0.5 * angle).tan()
+}
+
+/// Lowest axial frequency of a bar of length 1 with wave speed 10, in `cells` cells.
+fn axial(cells: usize, integrator: Integrator) -> f64 {
+    let mut builder = Builder::default();
+    let mesh = rectangle([1.0, 0.2], [cells, 1], [0.0; 2]).expect("the mesh is sound");
+    let points = mesh.points.clone();
+    let bar = builder.body("bar", mesh, &material("saint_venant_kirchhoff", [100.0, 0.0, 1.0]));
+    builder.fix(bar, "left", [true, false, false]);
+    let period = 4.0 / 10.0;
+    let mut sim = builder.simulate(integrator, period / 40.0);
+    let mut state = sim.state();
+    for (v, x) in state.velocities.chunks_exact_mut(2).zip(&points) {
+        v[0] = 1e-5 * (FRAC_PI_2 * x[0]).sin();
+    }
+    sim.restore(&state);
+    frequency(&mut sim, 60, |q| q[2 * cells] - 1.0)
+}
+
+#[test]
+fn axial_frequency_is_the_discrete_one_and_converges_to_the_exact_one() {
+    let (c, exact) = (10.0, FRAC_PI_2 * 10.0);
+    for &integrator in Integrator::ALL {
+        let errors = [4, 8, 16].map(|cells| {
+            let h = 1.0 / cells as f64;
+            let cosine = (FRAC_PI_2 * h).cos();
+            let discrete = c / h * (6.0 * (1.0 - cosine) / (2.0 + cosine)).sqrt();
+            let measured = axial(cells, integrator);
+            // Strains of 1e-6 are not quite linear: harmonics of that size, relative to the motion. The step from 4 to 8 cells is 5e-3.
+            assert!((measured / discrete - 1.0).abs() < 1e-6, "{} cells {cells}: {measured} {discrete}", integrator.name());
+            measured / exact - 1.0
+        });
+        println!("{}: axial frequency errors {errors:.6?}", integrator.name());
+        let rate = (errors[1] / errors[2]).log2();
+        // The next term is (kh)^2/40 of the first: one percent.
+        assert!((rate - 2.0).abs() < 0.02, "{errors:?}");
+    }
+}
+
+/// Lowest bending frequency of a cantilever of length 1, height 0.1, in `cells` cells along its length, over Euler and Bernoulli's.
+fn bending(cells: usize) -> f64 {
+    const ROOT: f64 = 1.875104068711961;
+    let mut builder = Builder::default();
+    let height = 0.1;
+    let mesh = rectangle([1.0, height], [cells, 1], [0.0; 2]).expect("the mesh is sound");
+    let points = mesh.points.clone();
+    let bar = builder.body("bar", mesh, &material("saint_venant_kirchhoff", [1e4, 0.0, 1.0]));
+    builder.fix(bar, "left", [true; 3]);
+    let expected = ROOT * ROOT * (1e4 * height * height / 12.0f64).sqrt();
+    let mut sim = builder.simulate(Integrator::EnergyMomentum, std::f64::consts::TAU / expected / 40.0);
+    let shape = |x: f64| {
+        let ratio = (ROOT.cosh() + ROOT.cos()) / (ROOT.sinh() + ROOT.sin());
+        let z = ROOT * x;
+        z.cosh() - z.cos() - ratio * (z.sinh() - z.sin())
+    };
+    let mut state = sim.state();
+    for (v, x) in state.velocities.chunks_exact_mut(2).zip(&points) {
+        v[1] = 1e-4 * shape(x[0]);
+    }
+    sim.restore(&state);
+    let measured = frequency(&mut sim, 60, |q| q.chunks_exact(2).zip(&points).map(|(q, x)| (q[1] - x[1]) * shape(x[0])).sum());
+    measured / expected
+}
+
+#[test]
+fn bending_frequency_converges_to_the_cantilever() {
+    let ratios = [20, 40, 80].map(bending);
+    let rate = ((ratios[0] - ratios[1]) / (ratios[1] - ratios[2])).log2();
+    let limit = ratios[2] + (ratios[2] - ratios[1]) / 3.0;
+    println!("bending: ratios {ratios:.5?}, rate {rate:.3}, limit {limit:.5}");
+    // The parasitic shear of the bilinear cell stiffens by (cell length / height)^2 / 2: order two.
+    assert!((rate - 2.0).abs() < 0.1, "{ratios:?}");
+    // What Euler and Bernoulli leave out, shear and rotary inertia, lowers the frequency by about half a percent at this height.
+    assert!(limit > 0.99 && limit < 1.0, "{limit}");
+}
