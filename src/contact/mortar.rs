@@ -10,7 +10,7 @@
 use super::ContactKernel;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
 use super::patches::{Evaluation, Patches};
-use super::search::Candidates;
+use super::search::{Candidates, near};
 use super::surface::Surface;
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
 use crate::math::tolerances::INVARIANT_INCREMENT;
@@ -30,6 +30,9 @@ pub struct Mortar {
     primary: Surface,
     candidates: Candidates,
     patches: Patches,
+    /// Candidates that are within reach in this step. The list keeps pairs that have moved apart; where bodies turn, such facets may come to face
+    /// each other from the far sides of their bodies, as if the bodies had passed through each other.
+    near: Vec<bool>,
     weights: Vec<f64>,
     facet_size: f64,
     start: Vec<Start>,
@@ -51,13 +54,14 @@ impl Mortar {
         let weights = secondary.weights(reference);
         let facet_size = secondary.shortest_facet(reference);
         let candidates = Candidates::new(SPARE * facet_size);
-        Mortar { secondary, primary, candidates, patches: Patches::new(2), weights, facet_size, start: Vec::new() }
+        Mortar { secondary, primary, candidates, patches: Patches::new(2), near: Vec::new(), weights, facet_size, start: Vec::new() }
     }
 
     /// Searches candidates with this margin `[length]` beyond what a step needs, in place of two shortest secondary facets.
     pub fn with_spare(mut self, spare: f64) -> Self {
         self.candidates = Candidates::new(spare);
         self.patches.clear();
+        self.near.clear();
         self
     }
 
@@ -77,7 +81,7 @@ impl Mortar {
     /// Sums `contribution(pi, overlap)` of all overlapping pairs at `q` into their secondary nodes.
     fn sum(&self, q: &[f64], contribution: impl Fn(&Invariants, &Overlap) -> PerNode<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; self.secondary.nodes().len()];
-        for p in 0..self.patches.len() {
+        for p in (0..self.patches.len()).filter(|&p| self.near[p]) {
             let pi = invariants(&self.offsets(p, q));
             if let Some(overlap) = Overlap::new(&pi) {
                 for (&row, part) in self.patches.rows(p).iter().zip(contribution(&pi, &overlap)) {
@@ -158,6 +162,7 @@ impl ContactKernel for Mortar {
                 self.patches.push(&[x_1, x_2, y_1, y_2], &self.secondary.local_facets()[secondary as usize]);
             }
         }
+        self.near = near(self.candidates.pairs(), &self.secondary, &self.primary, q, margin);
         changed
     }
 
@@ -183,6 +188,10 @@ impl ContactKernel for Mortar {
         let conserving = integrator == Integrator::EnergyMomentum;
         out.prepare(&self.patches, self.secondary.nodes().len());
         for (p, start) in self.start.iter().enumerate() {
+            if !self.near[p] {
+                out.clear_patch(&self.patches, p);
+                continue;
+            }
             let end_z = self.offsets(p, q_1);
             let end_pi = invariants(&end_z);
             let middle_z: Offsets = std::array::from_fn(|i| 0.5 * (start.offsets[i] + end_z[i]));
@@ -647,5 +656,21 @@ mod tests {
                 assert!((product(row, &moved) - (out.gap[node] - gap_0[node])).abs() < 1e-17, "angle {angle:e}, node {node}");
             }
         }
+    }
+
+    #[test]
+    fn facets_that_have_moved_apart_do_not_meet_through_their_bodies() {
+        // Face to face at a distance of 0.1, the bodies above and below; then the lower one far above, as two disks half a turn later.
+        let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
+        let mut mortar = Mortar::new(&[[0, 1]], &[[2, 3]], &q_0);
+        assert!(mortar.update_candidates(&q_0, 0.5));
+        assert!((mortar.gap(&q_0)[0] - 0.05).abs() < 1e-15);
+        let q_1 = [0.0, 0.0, 1.0, 0.0, 1.0, 5.0, 0.0, 5.0];
+        assert!(!mortar.update_candidates(&q_1, 0.5), "the list is kept");
+        mortar.begin_step(&q_1);
+        assert_eq!(mortar.gap(&q_1), [0.0; 2]);
+        assert_eq!(mortar.coverage(&q_1), [0.0; 2]);
+        let out = evaluated(&mortar, Integrator::EnergyMomentum, &q_1, &[1.0; 2]);
+        assert!(!out.live[0] && out.gap == [0.0; 2]);
     }
 }

@@ -68,6 +68,15 @@ impl Candidates {
     }
 }
 
+/// Which of these pairs have boxes within `margin` of each other at `q`.
+pub(super) fn near(pairs: &[[u32; 2]], secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<bool> {
+    let apart = |(low_a, high_a): ([f64; 2], [f64; 2]), (low_b, high_b): ([f64; 2], [f64; 2])| {
+        (0..2).map(|i| (low_a[i] - high_b[i]).max(low_b[i] - high_a[i])).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let boxes = |&[s, p]: &[u32; 2]| (facet_box(secondary.facets()[s as usize], q), facet_box(primary.facets()[p as usize], q));
+    pairs.iter().map(boxes).map(|(a, b)| apart(a, b) <= margin).collect()
+}
+
 /// Positions of a surface's nodes.
 fn positions(surface: &Surface, q: &[f64]) -> Vec<[f64; 2]> {
     surface.nodes().iter().map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
