@@ -6,8 +6,8 @@
 use std::rc::Rc;
 
 use conserva::dynamics::{
-    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, LedgerRow, Load, LoadKind, Model, Options, Simulation,
-    Support, TimeFunction, UpdateRule,
+    BodyBoundary, BodyDefinition, ContactDefinition, InitialVelocity, LedgerRow, Load, LoadKind, Model, Options, Simulation, Support,
+    TimeFunction,
 };
 use conserva::integrators::Integrator;
 use conserva::materials::{CATALOGUE, Material};
@@ -53,8 +53,7 @@ impl Builder {
     /// Mortar contact with the rule `gap`.
     pub fn contact(&mut self, secondary: (usize, &str), primary: (usize, &str)) {
         let (secondary, primary) = (self.boundary(secondary.0, secondary.1), self.boundary(primary.0, primary.1));
-        let (name, method, update) = ("contact".into(), ContactMethod::Mortar, UpdateRule::Gap);
-        self.model.contacts.push(ContactDefinition { name, secondary, primary, method, update, equality: false });
+        self.model.contacts.push(ContactDefinition::new("contact", secondary, primary));
     }
 
     /// Throws a body.
