@@ -9,10 +9,14 @@
 //!
 //! and differs in where (`Placement`) and with what `g`, `T` (the scheme's own file). A material or a contact method supplies values,
 //! gradients and Hessians of `f`; it never asks which scheme runs.
+//!
+//! Functions of the positions of a patch without such invariants have a discrete gradient of their own ([`Projection`]).
 
 mod energy_momentum;
+mod projected;
 
 pub use energy_momentum::discrete_gradient;
+pub use projected::{PatchFunction, Projection};
 
 /// A configuration of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -30,6 +30,10 @@ pub const STRAIN_QUOTIENT: f64 = 5e-3;
 /// round-off.
 pub const INVARIANT_INCREMENT: f64 = 1e-5;
 
+/// Increment of a patch without its rigid part, relative to the patch, below which the correction of the projected discrete gradient is
+/// dropped: its numerator is round-off (1e-16) there, which would give a force of 1e-9 of the contact force, as much as Newton notices.
+pub const PROJECTED_INCREMENT: f64 = 1e-7;
+
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
 pub const FACING: f64 = 1e-6;
 
