@@ -9,27 +9,36 @@
 //! A method is a [`ContactKernel`]: functions of *patches* of a few nodes. What decides which constraint holds and what solves for the
 //! multipliers stands one floor higher.
 
+mod chain;
+mod checks;
 mod mortar;
+mod node_to_segment;
 mod pair;
 mod patches;
+mod rigid;
 mod search;
 mod surface;
+mod tie;
 
+pub use checks::{Finding, NamedSurface, check_surfaces};
 pub use mortar::Mortar;
+pub use node_to_segment::NodeToSegment;
 pub use patches::{Evaluation, Patches};
+pub use rigid::{Obstacle, RigidContact};
 pub use search::Candidates;
 pub use surface::Surface;
+pub use tie::Tie;
 
 use crate::integrators::Integrator;
 
 /// A contact method on one pair of surfaces, as the solver of a step sees it.
 ///
-/// Constraint `A` belongs to the secondary node `secondary().nodes()[A]`; it is the sum over the patches that list row `A`. A patch couples
-/// a run-time number of nodes. The list of patches is fixed within a step and usually over many steps, so that a matrix pattern
+/// Constraint `A` belongs to the secondary node `secondary().nodes()[A]` (with several rows for each node: those of node `A` follow each
+/// other); it is the sum over the patches that list row `A`. A patch couples a run-time number of nodes. The list of patches is fixed within a step and usually over many steps, so that a matrix pattern
 /// made from it lasts. All position vectors are those of the whole model, node after node.
 ///
-/// Order of calls: [`update_candidates`](Self::update_candidates) and [`begin_step`](Self::begin_step) at the start of every step (of
-/// a halved one as well), then [`evaluate`](Self::evaluate) once for each Newton iteration.
+/// Order of calls: [`move_obstacle`](Self::move_obstacle), [`update_candidates`](Self::update_candidates) and
+/// [`begin_step`](Self::begin_step) at the start of every step (of a halved one as well), then [`evaluate`](Self::evaluate) once for each Newton iteration.
 pub trait ContactKernel: Send + Sync {
     /// Space dimension: number of coordinates of a node.
     fn dimension(&self) -> usize;
@@ -37,8 +46,13 @@ pub trait ContactKernel: Send + Sync {
     /// The side with the multipliers; its node order is that of the constraints.
     fn secondary(&self) -> &Surface;
 
-    /// The other side.
+    /// The other side; empty for a rigid obstacle.
     fn primary(&self) -> &Surface;
+
+    /// Constraint rows of each secondary node.
+    fn rows_per_node(&self) -> usize {
+        1
+    }
 
     /// Node weights `w_A` in the reference configuration: half the adjacent facets' measure `[length]` (3D: their share of the area).
     fn weights(&self) -> &[f64];
@@ -53,13 +67,27 @@ pub trait ContactKernel: Send + Sync {
     /// The patches of the present candidates.
     fn patches(&self) -> &Patches;
 
+    /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
+    fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}
+
     /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
     fn begin_step(&mut self, q_0: &[f64]);
 
-    /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per secondary node.
+    /// Constraint functions at the start of the step.
+    fn start_gap(&self) -> Vec<f64>;
+
+    /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
 
-    /// Constraint functions `Phi_A(q)` of the present candidates, one per secondary node (mortar: weighted gap `[length^2]`).
+    /// Adds the nodal forces that a rigid obstacle exerts in a step that ends at `q_1`, with the multipliers of the steps before and of
+    /// this one, and returns the work that its motion does `[energy]`: between two surfaces nothing, their forces cancel.
+    ///
+    /// It belongs to the ledger as work of loads: the step's contact forces do `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))` and this work.
+    fn obstacle_force_into(&self, _integrator: Integrator, _q_1: &[f64], _lambda_0: &[f64], _lambda: &[f64], _force: &mut [f64]) -> f64 {
+        0.0
+    }
+
+    /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar: weighted gap `[length^2]`).
     fn gap(&self, q: &[f64]) -> Vec<f64>;
 
     /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.

@@ -10,7 +10,7 @@
 use super::ContactKernel;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
 use super::patches::{Evaluation, Patches};
-use super::search::{Candidates, near};
+use super::search::{Candidates, near, within_the_body};
 use super::surface::Surface;
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
 use crate::math::tolerances::INVARIANT_INCREMENT;
@@ -49,17 +49,23 @@ struct Start {
 
 impl Mortar {
     /// Contact of two surfaces given by their facets (node numbers of the model, the body on the left), sized in the reference positions.
+    ///
+    /// Facets on both sides make a surface touch itself: each pair of them is taken once (the facet named first is the secondary one), and
+    /// facets that are neighbors or have the body between them never.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
         let weights = secondary.weights(reference);
         let facet_size = secondary.shortest_facet(reference);
-        let candidates = Candidates::new(SPARE * facet_size);
+        let mut candidates = Candidates::new(SPARE * facet_size).without(within_the_body(&secondary, &primary, reference));
+        if let Some([own, other]) = secondary.ranks(&primary) {
+            candidates = candidates.once(own, other);
+        }
         Mortar { secondary, primary, candidates, patches: Patches::new(2), near: Vec::new(), weights, facet_size, start: Vec::new() }
     }
 
     /// Searches candidates with this margin `[length]` beyond what a step needs, in place of two shortest secondary facets.
     pub fn with_spare(mut self, spare: f64) -> Self {
-        self.candidates = Candidates::new(spare);
+        self.candidates = self.candidates.with_spare(spare);
         self.patches.clear();
         self.near.clear();
         self
@@ -168,6 +174,16 @@ impl ContactKernel for Mortar {
 
     fn patches(&self) -> &Patches {
         &self.patches
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.secondary.nodes().len()];
+        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.near[*p]) {
+            for (&row, value) in self.patches.rows(p).iter().zip(start.value) {
+                gaps[row as usize] += value;
+            }
+        }
+        gaps
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

@@ -7,7 +7,8 @@
 //! throughout. The result depends on the positions alone, not on the number of threads.
 //!
 //! Pairs that share a node (one surface touching itself) are left out. Pairs that look the same way are not: how far they may turn within
-//! the step is not known here, and the pair functions tell them apart at the cost of a comparison.
+//! the step is not known here, and the pair functions tell them apart at the cost of a comparison. For a surface that touches itself
+//! [`within_the_body`] lists what can never be a contact, and [`Candidates::once`] keeps each pair of facets only one way round.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -22,7 +23,15 @@ pub struct Candidates {
     margin: f64,
     secondary_at_search: Vec<[f64; 2]>,
     primary_at_search: Vec<[f64; 2]>,
+    /// Pairs that are never listed, ascending.
+    excluded: Vec<[u32; 2]>,
+    /// Ranks of secondary and primary facets: pairs in which the first has the higher rank are not listed.
+    ranks: Option<[Vec<u32>; 2]>,
 }
+
+/// Reach through a body, in shortest secondary facets, within which facets that look away from each other cannot touch: beyond the margin
+/// of any search in a step that can converge.
+const BODY_REACH: f64 = 8.0;
 
 /// The list is made anew when its margin exceeds what is needed, with the spare, by this factor: after one fast step it would stay long.
 const EXCESSIVE: f64 = 4.0;
@@ -30,7 +39,44 @@ const EXCESSIVE: f64 = 4.0;
 impl Candidates {
     /// An empty list that will be made with `spare` `[length]` beyond the margin that is needed.
     pub fn new(spare: f64) -> Self {
-        Candidates { pairs: Vec::new(), spare, margin: f64::NEG_INFINITY, secondary_at_search: Vec::new(), primary_at_search: Vec::new() }
+        Candidates {
+            pairs: Vec::new(),
+            spare,
+            margin: f64::NEG_INFINITY,
+            secondary_at_search: Vec::new(),
+            primary_at_search: Vec::new(),
+            excluded: Vec::new(),
+            ranks: None,
+        }
+    }
+
+    /// An empty list again, that will be made with another spare margin.
+    pub fn with_spare(self, spare: f64) -> Self {
+        Candidates { spare, pairs: Vec::new(), margin: f64::NEG_INFINITY, ..self }
+    }
+
+    /// Never lists these pairs (ascending).
+    pub fn without(mut self, pairs: Vec<[u32; 2]>) -> Self {
+        self.excluded = pairs;
+        self
+    }
+
+    /// Lists a pair only when the rank of its secondary facet is not above that of its primary facet.
+    pub fn once(mut self, secondary_ranks: Vec<u32>, primary_ranks: Vec<u32>) -> Self {
+        self.ranks = Some([secondary_ranks, primary_ranks]);
+        self
+    }
+
+    /// All pairs within `margin` that may be listed, ascending.
+    fn admitted_pairs(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
+        let mut pairs = near_pairs(secondary, primary, q, margin);
+        if let Some([own, other]) = &self.ranks {
+            pairs.retain(|pair| own[pair[0] as usize] <= other[pair[1] as usize]);
+        }
+        if !self.excluded.is_empty() {
+            pairs.retain(|pair| self.excluded.binary_search(pair).is_err());
+        }
+        pairs
     }
 
     /// The pairs (secondary facet, primary facet), ascending.
@@ -53,12 +99,12 @@ impl Candidates {
             if motion + margin <= self.margin {
                 return false;
             }
-            let needed = near_pairs(secondary, primary, q, margin);
+            let needed = self.admitted_pairs(secondary, primary, q, margin);
             if is_subset(&needed, &self.pairs) {
                 return false;
             }
         }
-        let pairs = near_pairs(secondary, primary, q, wanted);
+        let pairs = self.admitted_pairs(secondary, primary, q, wanted);
         self.margin = wanted;
         self.secondary_at_search = secondary_now;
         self.primary_at_search = primary_now;
@@ -105,6 +151,16 @@ fn facet_box([a, b]: [u32; 2], q: &[f64]) -> ([f64; 2], [f64; 2]) {
 
 /// All pairs without a common node whose boxes lie within `margin` of each other, ascending.
 fn near_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
+    let mut pairs = all_pairs(secondary, primary, q, margin);
+    pairs.retain(|&[own, other]| {
+        let (own, other) = (secondary.facets()[own as usize], primary.facets()[other as usize]);
+        !other.contains(&own[0]) && !other.contains(&own[1])
+    });
+    pairs
+}
+
+/// All pairs whose boxes lie within `margin` of each other, ascending.
+fn all_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
     let boxes = primary.facets().iter().zip(0u32..).map(|(&facet, number)| {
         let (low, high) = facet_box(facet, q);
         GeomWithData::new(Rectangle::from_corners(low, high), number)
@@ -114,15 +170,45 @@ fn near_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) ->
     for (&facet, number) in secondary.facets().iter().zip(0u32..) {
         let (low, high) = facet_box(facet, q);
         let grown = AABB::from_corners(low.map(|x| x - margin), high.map(|x| x + margin));
-        for found in tree.locate_in_envelope_intersecting(grown) {
-            let other = primary.facets()[found.data as usize];
-            if !other.contains(&facet[0]) && !other.contains(&facet[1]) {
-                pairs.push([number, found.data]);
-            }
-        }
+        let first = pairs.len();
+        pairs.extend(tree.locate_in_envelope_intersecting(grown).map(|found| [number, found.data]));
+        pairs[first..].sort_unstable();
     }
-    pairs.sort_unstable();
     pairs
+}
+
+/// Pairs (secondary facet, primary facet) of surfaces with common nodes that can never be a contact, ascending: facets that share a node or
+/// are joined by one facet, and facets near each other in the reference positions that have the body between them.
+pub fn within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]) -> Vec<[u32; 2]> {
+    if !secondary.nodes().iter().any(|&node| primary.index(node).is_some()) {
+        return Vec::new();
+    }
+    let neighbors = |surface: &Surface, node: u32| -> Vec<u32> {
+        let adjacent = surface.index(node).map_or(&[][..], |index| surface.adjacent_facets(index));
+        adjacent.iter().flat_map(|&facet| surface.facets()[facet as usize]).collect()
+    };
+    let mut pairs = all_pairs(secondary, primary, reference, BODY_REACH * secondary.shortest_facet(reference));
+    pairs.retain(|&[own, other]| {
+        let (own, other) = (secondary.facets()[own as usize], primary.facets()[other as usize]);
+        let joined =
+            own.iter().any(|&node| neighbors(secondary, node).iter().chain(&neighbors(primary, node)).any(|near| other.contains(near)));
+        joined || body_between(own, other, reference)
+    });
+    pairs
+}
+
+/// Whether two facets look away from each other: each lies behind the other.
+fn body_between(own: [u32; 2], other: [u32; 2], q: &[f64]) -> bool {
+    let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
+    // Middle and outward normal of a facet, both doubled or scaled: only signs are used.
+    let seen = |[a, b]: [u32; 2]| {
+        let (a, b) = (at(a), at(b));
+        ([a[0] + b[0], a[1] + b[1]], [b[1] - a[1], a[0] - b[0]])
+    };
+    let ((from, own_normal), (to, other_normal)) = (seen(own), seen(other));
+    let across = [to[0] - from[0], to[1] - from[1]];
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    dot(own_normal, across) < 0.0 && dot(other_normal, across) > 0.0 && dot(own_normal, other_normal) < 0.0
 }
 
 /// Whether every entry of `part` is in `whole`; both ascending.

@@ -54,6 +54,20 @@ impl Surface {
         &self.adjacent[self.adjacent_start[index] as usize..self.adjacent_start[index + 1] as usize]
     }
 
+    /// For surfaces with common facets: ranks of this surface's facets and of the other's such that of the two ways round in which a pair of
+    /// common facets can be taken, one has the lower rank first. `None` without common facets.
+    pub fn ranks(&self, other: &Surface) -> Option<[Vec<u32>; 2]> {
+        let mut order: Vec<([u32; 2], u32)> = self.facets.iter().copied().zip(1u32..).collect();
+        order.sort_unstable();
+        let rank = |facet: &[u32; 2]| order.binary_search_by(|(own, _)| own.cmp(facet)).ok().map(|index| order[index].1);
+        let others: Vec<u32> = other.facets.iter().map(|facet| rank(facet).unwrap_or(u32::MAX)).collect();
+        let mut own = vec![0; self.facets.len()];
+        for &rank in others.iter().filter(|&&rank| rank != u32::MAX) {
+            own[rank as usize - 1] = rank;
+        }
+        others.iter().any(|&rank| rank != u32::MAX).then_some([own, others])
+    }
+
     /// Whether every node lies between two facets.
     pub fn is_closed(&self) -> bool {
         (0..self.nodes.len()).all(|index| self.adjacent_facets(index).len() == 2)

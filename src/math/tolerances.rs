@@ -37,6 +37,10 @@ pub const PROJECTED_INCREMENT: f64 = 1e-7;
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
 pub const FACING: f64 = 1e-6;
 
+/// Cosine of the angle between the normals of a secondary node and a primary facet above which they look the same way and cannot touch:
+/// facets in contact look opposite ways, -1, and the sharpest corner comes to 0.
+pub const SAME_WAY: f64 = 0.5;
+
 /// Covered share of a secondary node's weight function below which the node sits out the step (a sliver of overlap gives a singular row).
 pub const SLIVER: f64 = 0.02;
 

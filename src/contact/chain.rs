@@ -1,0 +1,234 @@
+//! The gap of a point to a chain of straight facets as one continuous function of all their positions.
+//!
+//! The closest point of the chain (clamped coordinate) decides which facet measures: its normal distance `g = n.(x - y_1)`, with the
+//! outward normal `n` on the right of the facet (the body is on the left). Where the closest point is a vertex, the body near it is the
+//! intersection of two half planes at a convex corner and their union at a concave one, so the gap is the larger or the smaller of the two
+//! normal distances. No distance to a vertex, hence no square root of it: the function is linear through zero. It is continuous wherever
+//! the closest point is, and where it jumps between facets that look at the same side.
+//!
+//! Beyond the end of a chain there is nothing to touch: the gap is that of the end facet's continuation where that is open, else zero, and
+//! not covered.
+
+/// Positions and connections of the facets, as a function of the point's patch: nodes `(x, y_1, y_2, ...)`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Chain {
+    facets: Vec<[u32; 2]>,
+    /// Facet that ends where this one starts, and facet that starts where this one ends; `NONE` at an end of the chain.
+    neighbors: Vec<[u32; 2]>,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Which facet measures the gap, and whether the point has an opposite at all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measure {
+    /// Index of the facet in the chain.
+    pub facet: u32,
+    /// Normal distance to that facet `[length]`.
+    pub gap: f64,
+    /// Whether the closest point is not an end of the chain.
+    pub covered: bool,
+}
+
+impl Chain {
+    /// The chain of these facets, in indices of the patch's nodes (the point is node 0).
+    pub fn new(facets: Vec<[u32; 2]>) -> Self {
+        let find = |side: usize, node: u32| {
+            let found = facets.iter().position(|facet| facet[side] == node);
+            found.map_or(NONE, |index| index as u32)
+        };
+        let neighbors = facets.iter().map(|&[from, to]| [find(1, from), find(0, to)]).collect();
+        Chain { facets, neighbors }
+    }
+
+    /// The facets.
+    pub fn facets(&self) -> &[[u32; 2]] {
+        &self.facets
+    }
+
+    /// What measures the gap at the positions `z` of the patch; facets that are not `admitted` cannot be the closest. `None` where the
+    /// function vanishes identically.
+    pub fn measure(&self, z: &[f64], admitted: &[bool]) -> Option<Measure> {
+        let mut closest = (f64::INFINITY, 0, 0.0);
+        for (index, _) in self.facets.iter().enumerate().filter(|(index, _)| admitted[*index]) {
+            let (t, d) = self.offsets(index, z);
+            let square = t[0] * t[0] + t[1] * t[1];
+            let s = if square > 0.0 { ((t[0] * d[0] + t[1] * d[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+            let distance = (d[0] - s * t[0]).powi(2) + (d[1] - s * t[1]).powi(2);
+            if distance < closest.0 {
+                closest = (distance, index, s);
+            }
+        }
+        let (distance, index, s) = closest;
+        if !distance.is_finite() {
+            return None;
+        }
+        let own = Measure { facet: index as u32, gap: self.gap(index, z), covered: true };
+        if s > 0.0 && s < 1.0 {
+            return Some(own);
+        }
+        let side = usize::from(s >= 1.0);
+        let neighbor = self.neighbors[index][side];
+        if neighbor == NONE {
+            return (own.gap > 0.0).then_some(Measure { covered: false, ..own });
+        }
+        let other = Measure { facet: neighbor, gap: self.gap(neighbor as usize, z), covered: true };
+        let (own_t, other_t) = (self.offsets(index, z).0, self.offsets(neighbor as usize, z).0);
+        let turn = own_t[0] * other_t[1] - own_t[1] * other_t[0];
+        let convex = if side == 1 { turn > 0.0 } else { turn < 0.0 };
+        Some(if (other.gap > own.gap) == convex { other } else { own })
+    }
+
+    /// Vector along a facet, and from its first node to the point.
+    fn offsets(&self, facet: usize, z: &[f64]) -> ([f64; 2], [f64; 2]) {
+        let [a, b] = self.facets[facet].map(|node| 2 * node as usize);
+        ([z[b] - z[a], z[b + 1] - z[a + 1]], [z[0] - z[a], z[1] - z[a + 1]])
+    }
+
+    /// Normal distance of the point from a facet.
+    fn gap(&self, facet: usize, z: &[f64]) -> f64 {
+        let (t, d) = self.offsets(facet, z);
+        (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1])
+    }
+
+    /// Adds `weight` times the gradient of a facet's normal distance to `out`.
+    pub fn add_gradient(&self, facet: u32, z: &[f64], weight: f64, out: &mut [f64]) {
+        let Frame { nodes, normal, s, .. } = self.frame(facet, z);
+        for (node, share) in nodes.into_iter().zip([1.0, s - 1.0, -s]) {
+            out[2 * node] += weight * share * normal[0];
+            out[2 * node + 1] += weight * share * normal[1];
+        }
+    }
+
+    /// Adds `weight` times the Hessian of a facet's normal distance to `out`, row by row over the patch.
+    pub fn add_hessian(&self, facet: u32, z: &[f64], weight: f64, out: &mut [f64]) {
+        let Frame { nodes, normal, along, length, s, gap } = self.frame(facet, z);
+        let unknowns = z.len();
+        // d2g = -(t^ n' (d (x) t) + n t^' (t (x) d))/l + (s (n t^' + t^ n') - g n n'/l) (t (x) t)/l, d = x - y_1, t = y_2 - y_1.
+        let (of_d, of_t) = ([1.0, -1.0, 0.0], [0.0, -1.0, 1.0]);
+        let factor = weight / length;
+        for (a, &row) in nodes.iter().enumerate() {
+            for (b, &column) in nodes.iter().enumerate() {
+                let (d_t, t_d, t_t) = (of_d[a] * of_t[b], of_t[a] * of_d[b], of_t[a] * of_t[b]);
+                for i in 0..2 {
+                    for k in 0..2 {
+                        let h = (s * t_t - d_t) * along[i] * normal[k] + (s * t_t - t_d) * normal[i] * along[k]
+                            - t_t * gap / length * normal[i] * normal[k];
+                        out[(2 * row + i) * unknowns + 2 * column + k] += factor * h;
+                    }
+                }
+            }
+        }
+    }
+
+    fn frame(&self, facet: u32, z: &[f64]) -> Frame {
+        let (t, d) = self.offsets(facet as usize, z);
+        let length = t[0].hypot(t[1]);
+        let along = [t[0] / length, t[1] / length];
+        let [a, b] = self.facets[facet as usize].map(|node| node as usize);
+        Frame {
+            nodes: [0, a, b],
+            normal: [along[1], -along[0]],
+            along,
+            length,
+            s: (along[0] * d[0] + along[1] * d[1]) / length,
+            gap: along[1] * d[0] - along[0] * d[1],
+        }
+    }
+}
+
+/// A facet as seen from the point.
+struct Frame {
+    nodes: [usize; 3],
+    normal: [f64; 2],
+    along: [f64; 2],
+    length: f64,
+    /// Coordinate of the point's projection, 0 to 1 on the facet.
+    s: f64,
+    gap: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+
+    /// Two facets of unit length that meet at the origin: the body below them, the first along x, the second turned by `angle` to the left.
+    fn corner(angle: f64, x: [f64; 2]) -> (Chain, [f64; 8]) {
+        // Traversed from right to left: the body, on the left, is below.
+        (Chain::new(vec![[1, 2], [2, 3]]), [x[0], x[1], 1.0, 0.0, 0.0, 0.0, -angle.cos(), -angle.sin()])
+    }
+
+    fn gap(angle: f64, x: [f64; 2]) -> f64 {
+        let (chain, z) = corner(angle, x);
+        chain.measure(&z, &[true; 2]).unwrap().gap
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 1000, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn the_gap_is_continuous_around_convex_and_concave_corners(
+            angle in -1.2..1.2f64, radius in 0.01..0.4f64, around in 0.0..std::f64::consts::TAU,
+        ) {
+            // Along a circle about the corner: a change of angle of 1e-7 moves the point by 1e-7 radius, whatever facet measures.
+            let at = |phi: f64| gap(angle, [radius * phi.cos(), radius * phi.sin()]);
+            prop_assert!((at(around + 1e-7) - at(around)).abs() < 1.1e-7 * radius);
+        }
+
+        #[test]
+        fn derivatives_agree_with_differences(noise in prop::array::uniform6(-0.2..0.2f64)) {
+            let base = [0.5, 0.1, 1.0, 0.0, 0.0, 0.0];
+            let z: [f64; 6] = std::array::from_fn(|i| base[i] + noise[i]);
+            let chain = Chain::new(vec![[1, 2]]);
+            let gradient = |z: &[f64; 6]| {
+                let mut g = [0.0; 6];
+                chain.add_gradient(0, z, 2.0, &mut g);
+                g
+            };
+            let mut hessian = [0.0; 36];
+            chain.add_hessian(0, &z, 2.0, &mut hessian);
+            let step = 1e-3;
+            for k in 0..6 {
+                let at = |shift: f64| {
+                    let mut moved = z;
+                    moved[k] += shift * step;
+                    (2.0 * chain.gap(0, &moved), gradient(&moved))
+                };
+                let (a, b, c, d) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
+                // Fourth-order differences of a function whose fifth derivatives are below 1e3.
+                let expected = (a.0 - 8.0 * b.0 + 8.0 * c.0 - d.0) / (12.0 * step);
+                prop_assert!((gradient(&z)[k] - expected).abs() < 1e-9);
+                for i in 0..6 {
+                    let expected = (a.1[i] - 8.0 * b.1[i] + 8.0 * c.1[i] - d.1[i]) / (12.0 * step);
+                    prop_assert!((hessian[6 * i + k] - expected).abs() < 1e-8, "{i} {k} {} {expected}", hessian[6 * i + k]);
+                }
+            }
+        }
+    }
+
+    /// Closed form: a right angle, points on the bisector outside and inside.
+    #[test]
+    fn at_a_corner_the_body_is_an_intersection_or_a_union() {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        // Convex: body x > 0, y < 0. Outside on the bisector, both normal distances are 0.1; left of it that of the left face counts.
+        assert!((gap(quarter, [-0.1, 0.1]) - 0.1).abs() < 1e-16);
+        assert!((gap(quarter, [-0.1, 0.02]) - 0.1).abs() < 1e-16);
+        assert!((gap(quarter, [0.2, -0.1]) + 0.1).abs() < 1e-16);
+        // Concave: body y < 0 or x < 0.
+        assert!((gap(-quarter, [0.1, 0.3]) - 0.1).abs() < 1e-16);
+        assert!((gap(-quarter, [-0.1, -0.3]) + 0.3).abs() < 1e-16);
+    }
+
+    #[test]
+    fn beyond_an_end_nothing_is_covered() {
+        let (chain, z) = corner(0.0, [1.1, 0.2]);
+        let beyond = chain.measure(&z, &[true; 2]).unwrap();
+        assert!(!beyond.covered && (beyond.gap - 0.2).abs() < 1e-16);
+        assert_eq!(chain.measure(&corner(0.0, [1.1, -0.2]).1, &[true; 2]), None);
+        assert!(chain.measure(&corner(0.0, [0.9, -0.2]).1, &[true; 2]).unwrap().covered);
+        assert_eq!(chain.measure(&z, &[false; 2]), None);
+    }
+}

@@ -1,0 +1,270 @@
+//! What is suspicious about two surfaces before anything is computed: findings with names, numbers and cures.
+//!
+//! A finding is no error: each describes a pair that can be simulated, but hardly what was meant.
+
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::surface::Surface;
+
+/// Ratio of mean facet lengths, secondary over primary, above which the secondary surface is called too coarse.
+const COARSE: f64 = 3.0;
+
+/// A surface with the name that messages give it.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedSurface<'a> {
+    /// `body.boundary`.
+    pub name: &'a str,
+    /// Its facets.
+    pub surface: &'a Surface,
+}
+
+/// Something suspicious about a contact pair.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// Facets that meet in a node run in opposite directions: one of them has its normal reversed.
+    ReversedNormals {
+        /// Name of the surface.
+        surface: String,
+        /// Number of nodes at which directions clash.
+        nodes: usize,
+        /// The first of them (number in the model).
+        first: u32,
+    },
+    /// A facet is listed twice.
+    DuplicateFacets {
+        /// Name of the surface.
+        surface: String,
+        /// Number of facets that repeat an earlier one.
+        count: usize,
+        /// Nodes of the first of them (numbers in the model).
+        nodes: [u32; 2],
+    },
+    /// No secondary facet has a primary facet in front of it that looks back.
+    FacingAway {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+        /// Mean cosine of the angle between the normals of nearest facets: -1 face to face, 1 looking the same way.
+        cosine: f64,
+        /// Mean distance to the nearest primary facet along the secondary normal, negative behind `[length]`.
+        distance: f64,
+    },
+    /// The secondary surface is much coarser than the primary one.
+    CoarseSecondary {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+        /// Mean facet length of the secondary surface `[length]`.
+        secondary_size: f64,
+        /// Mean facet length of the primary surface `[length]`.
+        primary_size: f64,
+    },
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Finding::ReversedNormals { surface, nodes, first } => {
+                write!(out, "facets of \"{surface}\" that meet run in opposite directions at {nodes} of its nodes, the first is node {first}")
+            }
+            Finding::DuplicateFacets { surface, count, nodes: [a, b] } => {
+                write!(out, "\"{surface}\" lists {count} facets more than once, the first is that of nodes {a} and {b}")
+            }
+            Finding::FacingAway { secondary, primary, cosine, distance } => write!(
+                out,
+                "no facet of \"{secondary}\" faces \"{primary}\": the nearest facets' normals have a mean cosine of {cosine:.2} (-1 is face to \
+                 face) and lie {distance:.3e} ahead"
+            ),
+            Finding::CoarseSecondary { secondary, primary, secondary_size, primary_size } => write!(
+                out,
+                "facets of the secondary surface \"{secondary}\" are {:.1} times as long as those of \"{primary}\" ({secondary_size:.3e} \
+                 against {primary_size:.3e})",
+                secondary_size / primary_size
+            ),
+        }
+    }
+}
+
+impl Finding {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        match self {
+            Finding::ReversedNormals { .. } => "number the nodes of all cells counter-clockwise, so that the body is on each facet's left".into(),
+            Finding::DuplicateFacets { .. } => "name each facet once, also where boundaries are joined".into(),
+            Finding::FacingAway { .. } => "name the boundaries that can touch: each on the side of the other body".into(),
+            Finding::CoarseSecondary { secondary, primary, .. } => {
+                format!("make \"{primary}\" the secondary surface, or refine \"{secondary}\": the finer side carries the multipliers")
+            }
+        }
+    }
+}
+
+/// Everything suspicious about a contact pair with nodes at `q`, in a fixed order. A surface on both sides touches itself: it is only
+/// checked by itself.
+pub fn check_surfaces(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Vec<Finding> {
+    let with_itself = secondary.surface == primary.surface;
+    let mut findings = Vec::new();
+    for side in if with_itself { vec![secondary] } else { vec![secondary, primary] } {
+        findings.extend(reversed_normals(side));
+        findings.extend(duplicate_facets(side));
+    }
+    if !with_itself {
+        findings.extend(facing_away(secondary, primary, q));
+        findings.extend(coarse_secondary(secondary, primary, q));
+    }
+    findings
+}
+
+fn reversed_normals(side: NamedSurface) -> Option<Finding> {
+    let surface = side.surface;
+    let clashes = |index: usize| {
+        let adjacent = surface.adjacent_facets(index);
+        let starting = adjacent.iter().filter(|&&facet| surface.local_facets()[facet as usize][0] as usize == index).count();
+        // A node that a facet lists twice (same nodes, both ways) is a matter of duplicates.
+        adjacent.len() == 2 && starting != 1 && distinct_facets(surface, adjacent)
+    };
+    let clashing: Vec<usize> = (0..surface.nodes().len()).filter(|&index| clashes(index)).collect();
+    let first = surface.nodes()[*clashing.first()?];
+    Some(Finding::ReversedNormals { surface: side.name.into(), nodes: clashing.len(), first })
+}
+
+fn distinct_facets(surface: &Surface, adjacent: &[u32]) -> bool {
+    let sorted = |facet: u32| {
+        let [a, b] = surface.facets()[facet as usize];
+        [a.min(b), a.max(b)]
+    };
+    sorted(adjacent[0]) != sorted(adjacent[1])
+}
+
+fn duplicate_facets(side: NamedSurface) -> Option<Finding> {
+    let mut facets: Vec<[u32; 2]> = side.surface.facets().iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
+    facets.sort_unstable();
+    let repeated: Vec<[u32; 2]> = facets.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+    Some(Finding::DuplicateFacets { surface: side.name.into(), count: repeated.len(), nodes: *repeated.first()? })
+}
+
+/// Middle, unit outward normal and length of each facet.
+fn frames(surface: &Surface, q: &[f64]) -> Vec<([f64; 2], [f64; 2], f64)> {
+    let frame = |&[a, b]: &[u32; 2]| {
+        let (a, b) = (2 * a as usize, 2 * b as usize);
+        let t = [q[b] - q[a], q[b + 1] - q[a + 1]];
+        let length = t[0].hypot(t[1]);
+        ([0.5 * (q[a] + q[b]), 0.5 * (q[a + 1] + q[b + 1])], [t[1] / length, -t[0] / length], length)
+    };
+    surface.facets().iter().map(frame).collect()
+}
+
+fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Option<Finding> {
+    let (own, others) = (frames(secondary.surface, q), frames(primary.surface, q));
+    let tree = RTree::bulk_load(others.iter().enumerate().map(|(index, (middle, ..))| GeomWithData::new(*middle, index)).collect());
+    let (mut cosines, mut distances) = (0.0, 0.0);
+    for (middle, normal, length) in &own {
+        let (nearest, other_normal, other_length) = others[tree.nearest_neighbor(*middle)?.data];
+        let cosine = normal[0] * other_normal[0] + normal[1] * other_normal[1];
+        let ahead = normal[0] * (nearest[0] - middle[0]) + normal[1] * (nearest[1] - middle[1]);
+        // An overlap by less than a facet is a press fit.
+        if cosine < 0.0 && ahead > -length.max(other_length) {
+            return None;
+        }
+        cosines += cosine;
+        distances += ahead;
+    }
+    let count = own.len() as f64;
+    Some(Finding::FacingAway {
+        secondary: secondary.name.into(),
+        primary: primary.name.into(),
+        cosine: cosines / count,
+        distance: distances / count,
+    })
+}
+
+fn coarse_secondary(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Option<Finding> {
+    let size = |surface: &Surface| {
+        let count = surface.facets().len();
+        (0..count).map(|facet| surface.facet_length(facet, q)).sum::<f64>() / count as f64
+    };
+    let (secondary_size, primary_size) = (size(secondary.surface), size(primary.surface));
+    (secondary_size > COARSE * primary_size).then(|| Finding::CoarseSecondary {
+        secondary: secondary.name.into(),
+        primary: primary.name.into(),
+        secondary_size,
+        primary_size,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nodes along x at a height: `count` facets of length 1 from 0, the body below when `forward` is false.
+    fn strip(first: u32, count: u32, height: f64, q: &mut Vec<f64>) -> Vec<[u32; 2]> {
+        q.extend((0..=count).flat_map(|i| [f64::from(i), height]));
+        (first..first + count).map(|node| [node + 1, node]).collect()
+    }
+
+    fn check(secondary: &[[u32; 2]], primary: &[[u32; 2]], q: &[f64]) -> Vec<Finding> {
+        let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
+        check_surfaces(
+            NamedSurface { name: "upper.bottom", surface: &secondary },
+            NamedSurface { name: "lower.top", surface: &primary },
+            q,
+        )
+    }
+
+    fn reversed(facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
+        facets.iter().map(|&[a, b]| [b, a]).collect()
+    }
+
+    #[test]
+    fn surfaces_that_face_each_other_have_no_findings() {
+        let mut q = Vec::new();
+        let lower = strip(0, 4, 0.0, &mut q);
+        for height in [0.2, -0.1] {
+            let mut q = q.clone();
+            let upper = reversed(&strip(5, 4, height, &mut q));
+            assert_eq!(check(&upper, &lower, &q), []);
+        }
+    }
+
+    #[test]
+    fn surfaces_on_the_wrong_sides_are_found() {
+        let mut q = Vec::new();
+        let lower = strip(0, 4, 0.0, &mut q);
+        let top = strip(5, 4, 3.0, &mut q);
+        let found = check(&top, &lower, &q);
+        let same_way = Finding::FacingAway { secondary: "upper.bottom".into(), primary: "lower.top".into(), cosine: 1.0, distance: -3.0 };
+        assert_eq!(found, [same_way]);
+        // Looking at each other's back.
+        let found = check(&top, &reversed(&lower), &q);
+        assert!(matches!(found[..], [Finding::FacingAway { cosine: -1.0, distance: -3.0, .. }]), "{found:?}");
+        assert!(found[0].to_string().starts_with("no facet of \"upper.bottom\" faces \"lower.top\""));
+    }
+
+    #[test]
+    fn a_reversed_and_a_doubled_facet_are_found() {
+        let mut q = Vec::new();
+        let mut lower = strip(0, 4, 0.0, &mut q);
+        let upper = reversed(&strip(5, 4, 0.2, &mut q));
+        lower[1] = [1, 2];
+        let found = check(&upper, &lower, &q);
+        assert_eq!(found, [Finding::ReversedNormals { surface: "lower.top".into(), nodes: 2, first: 1 }]);
+        lower[1] = [2, 1];
+        lower.push([3, 2]);
+        assert_eq!(check(&upper, &lower, &q), [Finding::DuplicateFacets { surface: "lower.top".into(), count: 1, nodes: [2, 3] }]);
+    }
+
+    #[test]
+    fn a_coarse_secondary_surface_is_found() {
+        let mut q = Vec::new();
+        let lower = strip(0, 16, 0.0, &mut q);
+        q.extend([0.0, 0.1, 16.0, 0.1]);
+        let found = check(&[[17, 18]], &lower, &q);
+        let [Finding::CoarseSecondary { secondary_size, primary_size, .. }] = found[..] else { panic!("{found:?}") };
+        assert_eq!((secondary_size, primary_size), (16.0, 1.0));
+        assert!(found[0].cure().contains("make \"lower.top\" the secondary surface"));
+    }
+}

@@ -1,0 +1,376 @@
+//! Contact of a surface with a rigid obstacle: half plane, disk, ring, polyline; one multiplier per secondary node.
+//!
+//! A node's gap is its signed distance to the obstacle, exact for disk and ring; `Phi_A = w_A g(x_A - u(t))` with the obstacle's translation
+//! `u`. With `r_k = x_k - u_k` the discrete gradient satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
+//!
+//! ```text
+//! half plane   n                                      the force on a plane has one direction: momentum along it is kept
+//! disk, ring   +-(r_0 + r_1)/(|r_0| + |r_1|)          through the invariant r.r: parallel to r_mid, angular momentum about the center is kept
+//! polyline     n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
+//! ```
+//!
+//! (Gonzalez, CMAME 190, 2000). So the contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves,
+//! `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger books as work of a load. An obstacle does not turn.
+
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Line};
+
+use super::ContactKernel;
+use super::chain::Chain;
+use super::patches::{Evaluation, Patches};
+use super::surface::Surface;
+use crate::integrators::Integrator;
+use crate::math::tolerances::PROJECTED_INCREMENT;
+
+/// Shape of a rigid obstacle at its undisplaced place.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Obstacle {
+    /// All points `x` with `normal.(x - point) <= 0`.
+    HalfPlane {
+        /// A point of the border `[length]`.
+        point: [f64; 2],
+        /// Outward normal, of any length but zero.
+        normal: [f64; 2],
+    },
+    /// A disk; bodies are outside.
+    Disk {
+        /// Center `[length]`.
+        center: [f64; 2],
+        /// Radius `[length]`.
+        radius: f64,
+    },
+    /// Everything outside of a circle; bodies are inside.
+    Ring {
+        /// Center `[length]`.
+        center: [f64; 2],
+        /// Inner radius `[length]`.
+        radius: f64,
+    },
+    /// Straight facets through the points, with the obstacle on the left; closed when the last point is the first.
+    Polyline {
+        /// Points in the order of traversal `[length]`, two at least.
+        points: Vec<[f64; 2]>,
+    },
+}
+
+/// Distance, its gradient with respect to the point, and whether the point has an opposite.
+#[derive(Clone, Copy, Debug)]
+struct Distance {
+    gap: f64,
+    normal: [f64; 2],
+    covered: bool,
+}
+
+/// A discrete gradient and its derivative with respect to the end point.
+#[derive(Clone, Copy, Debug)]
+struct StepGradient {
+    bar: [f64; 2],
+    tangent: [[f64; 2]; 2],
+}
+
+/// Contact of a surface with a rigid obstacle.
+#[derive(Clone, Debug)]
+pub struct RigidContact {
+    secondary: Surface,
+    primary: Surface,
+    shape: Shape,
+    patches: Patches,
+    weights: Vec<f64>,
+    facet_size: f64,
+    translations: [[f64; 2]; 3],
+    start: Vec<[f64; 2]>,
+}
+
+/// An obstacle made ready for evaluation.
+#[derive(Clone, Debug)]
+enum Shape {
+    HalfPlane {
+        point: [f64; 2],
+        normal: [f64; 2],
+    },
+    /// `sign` is +1 outside, -1 inside the circle.
+    Circle {
+        center: [f64; 2],
+        radius: f64,
+        sign: f64,
+    },
+    Polyline {
+        tree: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
+        /// For each facet: itself and its neighbors, and their points after a place for the node.
+        corners: Vec<(Chain, Vec<f64>)>,
+    },
+}
+
+impl Shape {
+    fn new(obstacle: &Obstacle) -> Self {
+        match obstacle {
+            Obstacle::HalfPlane { point, normal } => {
+                let length = normal[0].hypot(normal[1]);
+                Shape::HalfPlane { point: *point, normal: normal.map(|n| n / length) }
+            }
+            Obstacle::Disk { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: 1.0 },
+            Obstacle::Ring { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: -1.0 },
+            Obstacle::Polyline { points } => {
+                let count = points.len().saturating_sub(1);
+                let closed = count > 2 && points[0] == points[count];
+                let lines = (0..count).map(|k| GeomWithData::new(Line::new(points[k], points[k + 1]), k));
+                let neighborhood = |k: usize| {
+                    let before = if k > 0 { Some(points[k - 1]) } else { closed.then(|| points[count - 1]) };
+                    let after = if k + 1 < count { Some(points[k + 2]) } else { closed.then(|| points[1]) };
+                    let chain: Vec<[f64; 2]> = before.into_iter().chain([points[k], points[k + 1]]).chain(after).collect();
+                    let facets = (1..chain.len() as u32).map(|i| [i, i + 1]).collect();
+                    (Chain::new(facets), [[0.0; 2]].iter().chain(&chain).flatten().copied().collect())
+                };
+                Shape::Polyline { tree: RTree::bulk_load(lines.collect()), corners: (0..count).map(neighborhood).collect() }
+            }
+        }
+    }
+
+    /// Distance of a point in the obstacle's frame; `None` where the function vanishes identically.
+    fn distance(&self, x: [f64; 2]) -> Option<Distance> {
+        match self {
+            Shape::HalfPlane { point, normal } => {
+                let gap = normal[0] * (x[0] - point[0]) + normal[1] * (x[1] - point[1]);
+                Some(Distance { gap, normal: *normal, covered: true })
+            }
+            Shape::Circle { center, radius, sign } => {
+                let r = [x[0] - center[0], x[1] - center[1]];
+                let length = r[0].hypot(r[1]);
+                let normal = if length > 0.0 { r.map(|r| sign * r / length) } else { [0.0; 2] };
+                Some(Distance { gap: sign * (length - radius), normal, covered: true })
+            }
+            Shape::Polyline { tree, corners } => {
+                let (chain, points) = &corners[tree.nearest_neighbor(x)?.data];
+                let mut z = [0.0; 10];
+                z[..points.len()].copy_from_slice(points);
+                z[..2].copy_from_slice(&x);
+                let z = &z[..points.len()];
+                let measure = chain.measure(z, &[true; 3])?;
+                let mut gradient = [0.0; 10];
+                chain.add_gradient(measure.facet, z, 1.0, &mut gradient[..z.len()]);
+                Some(Distance { gap: measure.gap, normal: [gradient[0], gradient[1]], covered: measure.covered })
+            }
+        }
+    }
+
+    /// Second derivative of the distance at a point.
+    fn curvature(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
+        match self {
+            Shape::Circle { center, sign, .. } => {
+                let r = [x[0] - center[0], x[1] - center[1]];
+                let length = r[0].hypot(r[1]);
+                if length > 0.0 {
+                    let n = r.map(|r| r / length);
+                    return [[n[1] * n[1], -n[0] * n[1]], [-n[0] * n[1], n[0] * n[0]]].map(|row| row.map(|h| sign * h / length));
+                }
+                [[0.0; 2]; 2]
+            }
+            _ => [[0.0; 2]; 2],
+        }
+    }
+
+    /// Discrete gradient between two points in the obstacle's frame; increments below `PROJECTED_INCREMENT * size` have no correction.
+    fn step_gradient(&self, x_0: [f64; 2], x_1: [f64; 2], size: f64) -> StepGradient {
+        match self {
+            Shape::HalfPlane { normal, .. } => StepGradient { bar: *normal, tangent: [[0.0; 2]; 2] },
+            Shape::Circle { center, sign, .. } => {
+                let (r_0, r_1) = ([x_0[0] - center[0], x_0[1] - center[1]], [x_1[0] - center[0], x_1[1] - center[1]]);
+                let end = r_1[0].hypot(r_1[1]);
+                let lengths = r_0[0].hypot(r_0[1]) + end;
+                if end == 0.0 {
+                    return StepGradient { bar: [0.0; 2], tangent: [[0.0; 2]; 2] };
+                }
+                let bar: [f64; 2] = std::array::from_fn(|i| sign * (r_0[i] + r_1[i]) / lengths);
+                let tangent = std::array::from_fn(|i| {
+                    std::array::from_fn(|k| (if i == k { *sign } else { 0.0 } - bar[i] * r_1[k] / end) / lengths)
+                });
+                StepGradient { bar, tangent }
+            }
+            Shape::Polyline { .. } => {
+                let at = |x: [f64; 2]| self.distance(x).unwrap_or(Distance { gap: 0.0, normal: [0.0; 2], covered: false });
+                let (start, end) = (at(x_0), at(x_1));
+                let middle = at([0.5 * (x_0[0] + x_1[0]), 0.5 * (x_0[1] + x_1[1])]);
+                let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
+                let square = d[0] * d[0] + d[1] * d[1];
+                let mut gradient = StepGradient { bar: middle.normal, tangent: [[0.0; 2]; 2] };
+                if square > (PROJECTED_INCREMENT * size).powi(2) {
+                    let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
+                    let e = remainder / square;
+                    for i in 0..2 {
+                        gradient.bar[i] += e * d[i];
+                        for k in 0..2 {
+                            gradient.tangent[i][k] = d[i] * (end.normal[k] - middle.normal[k] - 2.0 * e * d[k]) / square;
+                        }
+                        gradient.tangent[i][i] += e;
+                    }
+                }
+                gradient
+            }
+        }
+    }
+}
+
+impl RigidContact {
+    /// Contact of a surface (facets in node numbers of the model, the body on the left) with an obstacle, sized in the reference positions.
+    pub fn new(secondary: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64]) -> Self {
+        let secondary = Surface::new(secondary);
+        let weights = secondary.weights(reference);
+        let facet_size = secondary.shortest_facet(reference);
+        RigidContact {
+            secondary,
+            primary: Surface::new(&[]),
+            shape: Shape::new(obstacle),
+            patches: Patches::new(2),
+            weights,
+            facet_size,
+            translations: [[0.0; 2]; 3],
+            start: Vec::new(),
+        }
+    }
+
+    /// Position of the node of that row in the frame of the obstacle when it is displaced by `translation`.
+    fn position(&self, row: usize, q: &[f64], translation: [f64; 2]) -> [f64; 2] {
+        let node = 2 * self.secondary.nodes()[row] as usize;
+        [q[node] - translation[0], q[node + 1] - translation[1]]
+    }
+
+    /// Force gradient of a step and its tangent for the node of that row, without its weight.
+    fn step_gradient(&self, integrator: Integrator, row: usize, q_1: &[f64]) -> StepGradient {
+        let [start, middle, end] = self.translations;
+        match integrator {
+            Integrator::EnergyMomentum => {
+                let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
+                self.shape.step_gradient(x_0, self.position(row, q_1, end), self.facet_size)
+            }
+            Integrator::Midpoint => {
+                let x_1 = self.position(row, q_1, [0.0; 2]);
+                self.plain(std::array::from_fn(|i| 0.5 * (self.start[row][i] + x_1[i]) - middle[i]), 0.5, 1.0)
+            }
+            Integrator::Trapezoidal => self.plain(self.position(row, q_1, end), 1.0, 0.5),
+        }
+    }
+
+    /// Plain gradient at a point, `share` its derivative with respect to the end point, with a weight.
+    fn plain(&self, x: [f64; 2], share: f64, weight: f64) -> StepGradient {
+        StepGradient {
+            bar: self.shape.distance(x).map_or([0.0; 2], |distance| distance.normal.map(|n| weight * n)),
+            tangent: self.shape.curvature(x).map(|row| row.map(|h| weight * share * h)),
+        }
+    }
+
+    /// Weighted distances when the obstacle is displaced by `translation`.
+    fn gaps(&self, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
+        let gap = |row: usize| {
+            let x = position(row);
+            let distance = self.shape.distance([x[0] - translation[0], x[1] - translation[1]]);
+            self.weights[row] * distance.map_or(0.0, |distance| distance.gap)
+        };
+        (0..self.weights.len()).map(gap).collect()
+    }
+}
+
+impl ContactKernel for RigidContact {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn secondary(&self) -> &Surface {
+        &self.secondary
+    }
+
+    fn primary(&self) -> &Surface {
+        &self.primary
+    }
+
+    fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    fn facet_size(&self) -> f64 {
+        self.facet_size
+    }
+
+    fn update_candidates(&mut self, _q: &[f64], _margin: f64) -> bool {
+        let first = self.patches.is_empty();
+        if first {
+            for (row, &node) in (0u32..).zip(self.secondary.nodes()) {
+                self.patches.push(&[node], &[row]);
+            }
+        }
+        first
+    }
+
+    fn patches(&self) -> &Patches {
+        &self.patches
+    }
+
+    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
+        self.translations = *translations;
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        self.start = (0..self.patches.len()).map(|row| self.position(row, q_0, [0.0; 2])).collect();
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        self.gaps(self.translations[0], |row| self.start[row])
+    }
+
+    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        assert_eq!(self.start.len(), self.patches.len(), "begin_step follows a change of the candidates");
+        out.prepare(&self.patches, self.secondary.nodes().len());
+        for row in 0..self.patches.len() {
+            let weight = self.weights[row];
+            let (end, step) =
+                (self.shape.distance(self.position(row, q_1, self.translations[2])), self.step_gradient(integrator, row, q_1));
+            out.live[row] = true;
+            let normal = end.map_or([0.0; 2], |end| end.normal);
+            for i in 0..2 {
+                out.gradient_end[2 * row + i] = weight * normal[i];
+                out.gradient_bar[2 * row + i] = weight * step.bar[i];
+                for k in 0..2 {
+                    out.tangent[4 * row + 2 * i + k] = lambda[row] * weight * step.tangent[i][k];
+                }
+            }
+            if let Some(Distance { gap, covered, .. }) = end {
+                out.gap[row] = weight * gap;
+                out.coverage[row] = f64::from(u8::from(covered));
+            }
+        }
+    }
+
+    fn obstacle_force_into(&self, integrator: Integrator, q_1: &[f64], lambda_0: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+        let [start, _, end] = self.translations;
+        let mut work = 0.0;
+        for row in 0..self.patches.len() {
+            let node = 2 * self.secondary.nodes()[row] as usize;
+            let step = self.step_gradient(integrator, row, q_1);
+            let before = if integrator == Integrator::Trapezoidal {
+                self.plain([self.start[row][0] - start[0], self.start[row][1] - start[1]], 1.0, 0.5).bar
+            } else {
+                [0.0; 2]
+            };
+            for i in 0..2 {
+                let f = self.weights[row] * (lambda[row] * step.bar[i] + lambda_0[row] * before[i]);
+                force[node + i] += f;
+                work += f * (end[i] - start[i]);
+            }
+        }
+        work
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        if self.patches.is_empty() {
+            return vec![0.0; self.weights.len()];
+        }
+        self.gaps(self.translations[2], |row| self.position(row, q, [0.0; 2]))
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        let covered = |row: usize| {
+            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
+            f64::from(u8::from(!self.patches.is_empty() && distance.is_some_and(|distance| distance.covered)))
+        };
+        (0..self.weights.len()).map(covered).collect()
+    }
+}
