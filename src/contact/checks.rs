@@ -69,7 +69,10 @@ impl std::fmt::Display for Finding {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Finding::ReversedNormals { surface, nodes, first } => {
-                write!(out, "facets of \"{surface}\" that meet run in opposite directions at {nodes} of its nodes, the first is node {first}")
+                write!(
+                    out,
+                    "facets of \"{surface}\" that meet run in opposite directions at {nodes} of its nodes, the first is node {first}"
+                )
             }
             Finding::DuplicateFacets { surface, count, nodes: [a, b] } => {
                 write!(out, "\"{surface}\" lists {count} facets more than once, the first is that of nodes {a} and {b}")
@@ -93,7 +96,9 @@ impl Finding {
     /// How to mend it, one sentence.
     pub fn cure(&self) -> String {
         match self {
-            Finding::ReversedNormals { .. } => "number the nodes of all cells counter-clockwise, so that the body is on each facet's left".into(),
+            Finding::ReversedNormals { .. } => {
+                "number the nodes of all cells counter-clockwise, so that the body is on each facet's left".into()
+            }
             Finding::DuplicateFacets { .. } => "name each facet once, also where boundaries are joined".into(),
             Finding::FacingAway { .. } => "name the boundaries that can touch: each on the side of the other body".into(),
             Finding::CoarseSecondary { secondary, primary, .. } => {
@@ -208,11 +213,7 @@ mod tests {
 
     fn check(secondary: &[[u32; 2]], primary: &[[u32; 2]], q: &[f64]) -> Vec<Finding> {
         let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
-        check_surfaces(
-            NamedSurface { name: "upper.bottom", surface: &secondary },
-            NamedSurface { name: "lower.top", surface: &primary },
-            q,
-        )
+        check_surfaces(NamedSurface { name: "upper.bottom", surface: &secondary }, NamedSurface { name: "lower.top", surface: &primary }, q)
     }
 
     fn reversed(facets: &[[u32; 2]]) -> Vec<[u32; 2]> {

@@ -11,6 +11,8 @@
 
 mod chain;
 mod checks;
+#[cfg(test)]
+mod fixtures;
 mod mortar;
 mod node_to_segment;
 mod pair;

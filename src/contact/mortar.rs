@@ -310,6 +310,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
+    use super::super::fixtures::{Rings, dense_rows, difference, evaluated, product, rings, turned, unbalance};
     use super::*;
 
     /// Positions of a lone pair `(x_1, x_2, y_1, y_2)`.
@@ -334,43 +335,6 @@ mod tests {
         mortar.update_candidates(q_0, 100.0);
         mortar.begin_step(q_0);
         mortar
-    }
-
-    fn evaluated(mortar: &Mortar, integrator: Integrator, q_1: &[f64], lambda: &[f64]) -> Evaluation {
-        let mut out = Evaluation::default();
-        mortar.evaluate(integrator, q_1, lambda, &mut out);
-        out
-    }
-
-    fn difference(b: &[f64], a: &[f64]) -> Vec<f64> {
-        b.iter().zip(a).map(|(b, a)| b - a).collect()
-    }
-
-    fn product(a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
-    }
-
-    /// `Gbar` as one dense row per secondary node.
-    fn dense_rows(mortar: &Mortar, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
-        let mut rows = vec![vec![0.0; unknowns]; mortar.secondary().nodes().len()];
-        for p in 0..mortar.patches().len() {
-            let block = &blocks[mortar.patches().gradient_range(p)];
-            for (&row, part) in mortar.patches().rows(p).iter().zip(block.chunks_exact(8)) {
-                for (i, value) in part.iter().enumerate() {
-                    rows[row as usize][2 * mortar.patches().nodes(p)[i / 2] as usize + i % 2] += value;
-                }
-            }
-        }
-        rows
-    }
-
-    /// Largest resultant force and moment (about the origin, with arms `q`) of the rows.
-    fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
-        rows.iter().fold(0.0, |largest: f64, row| {
-            let force = |axis: usize| row.iter().skip(axis).step_by(2).sum::<f64>();
-            let moment: f64 = row.chunks_exact(2).zip(q.chunks_exact(2)).map(|(f, x)| x[0] * f[1] - x[1] * f[0]).sum();
-            largest.max(force(0).abs()).max(force(1).abs()).max(moment.abs())
-        })
     }
 
     /// Whether the pair is so near a limit of overlap, or so steep, that differences say nothing.
@@ -471,42 +435,6 @@ mod tests {
         }
     }
 
-    /// Two polygons, one inside the other; positions of the inner one's nodes first.
-    struct Rings {
-        inner: Vec<[u32; 2]>,
-        outer: Vec<[u32; 2]>,
-        q: Vec<f64>,
-    }
-
-    fn rings(inner: u32, outer: u32, clearance: f64) -> Rings {
-        let circle = |count: u32, radius: f64| {
-            (0..count).flat_map(move |i| {
-                let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
-                [radius * angle.cos(), radius * angle.sin()]
-            })
-        };
-        Rings {
-            inner: (0..inner).map(|i| [i, (i + 1) % inner]).collect(),
-            outer: (0..outer).map(|i| [inner + (i + 1) % outer, inner + i]).collect(),
-            q: circle(inner, 1.0).chain(circle(outer, 1.0 + clearance)).collect(),
-        }
-    }
-
-    /// `q` with its first `count` nodes turned about the origin, and all nodes shaken a little.
-    fn turned(q: &[f64], count: usize, angle: f64, shake: f64) -> Vec<f64> {
-        let (sin, cos) = angle.sin_cos();
-        let mut result = q.to_vec();
-        for (node, x) in result.chunks_exact_mut(2).enumerate() {
-            if node < count {
-                (x[0], x[1]) = (cos * x[0] - sin * x[1], sin * x[0] + cos * x[1]);
-            }
-            // Any bounded numbers without a pattern.
-            x[0] += shake * (12.9898 * node as f64).sin();
-            x[1] += shake * (78.233 * node as f64).cos();
-        }
-        result
-    }
-
     #[test]
     fn rings_that_slide_by_several_facets_keep_energy_and_momenta() {
         for (clearance, secondary_inside) in [(-0.002, true), (0.01, true), (0.01, false)] {
@@ -560,6 +488,52 @@ mod tests {
             assert!((gap - distance * hats[node]).abs() < 1e-15, "gap of {node}: {gap}");
             assert!((share - hats[node] / weights[node]).abs() < 1e-15, "share of {node}: {share}");
         }
+    }
+
+    /// A hose that is pressed flat touches itself inside: facets opposite each other, each pair once, nothing through the wall.
+    #[test]
+    fn a_surface_that_touches_itself_has_each_pair_once() {
+        // The boundary of a U: outer side down, along, up; inner side back. Numbered counter-clockwise, the body on the left.
+        let corners: &[[f64; 2]] = &[[0.0, 0.0], [6.0, 0.0], [6.0, 1.0], [1.0, 1.0], [1.0, 1.5], [6.0, 1.5], [6.0, 2.5], [0.0, 2.5]];
+        let mut q: Vec<f64> = Vec::new();
+        for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            let count = ((to[0] - from[0]).abs() + (to[1] - from[1]).abs()) / 0.5;
+            for k in 0..count as usize {
+                let s = k as f64 / count;
+                q.extend([from[0] + s * (to[0] - from[0]), from[1] + s * (to[1] - from[1])]);
+            }
+        }
+        let count = q.len() as u32 / 2;
+        let loop_of: Vec<[u32; 2]> = (0..count).map(|i| [i, (i + 1) % count]).collect();
+        let mut mortar = Mortar::new(&loop_of, &loop_of, &q);
+        mortar.update_candidates(&q, 1.5);
+        let pairs = mortar.pairs();
+        assert!(pairs.iter().all(|[own, other]| own < other));
+        // Gap of the two inner faces, 1/2: covered from one side, and every covered node sees exactly that distance.
+        let (gap, coverage) = (mortar.gap(&q), mortar.coverage(&q));
+        let covered: Vec<usize> = (0..count as usize).filter(|&node| coverage[node] > 0.0).collect();
+        assert!(covered.iter().all(|&node| q[2 * node + 1] == 1.0 && q[2 * node] >= 1.0), "{covered:?}");
+        let length: f64 = covered.iter().map(|&node| coverage[node] * mortar.weights()[node]).sum();
+        let area: f64 = covered.iter().map(|&node| gap[node]).sum();
+        // The facets next to the notch's end are neighbors of its short side, which does not hide them from each other.
+        assert!((area / length - 0.5).abs() < 1e-14 && length > 3.9, "{area} {length}");
+    }
+
+    /// Several primary surfaces are one surface of all their facets.
+    #[test]
+    fn two_primary_pieces_act_as_one_surface() {
+        let q = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 1.0, -0.25, 0.0, -0.25, 2.0, -0.5, 1.0, -0.5];
+        let (left, right) = ([[3, 4]], [[5, 6]]);
+        let gap = |primary: &[[u32; 2]]| {
+            let mut mortar = Mortar::new(&[[0, 1], [1, 2]], primary, &q);
+            mortar.update_candidates(&q, 1.0);
+            mortar.gap(&q)
+        };
+        let both = gap(&[left, right].concat());
+        for (node, (left, right)) in gap(&left).into_iter().zip(gap(&right)).enumerate() {
+            assert!((both[node] - left - right).abs() < 1e-16);
+        }
+        assert!((both[1] - (0.5 * 0.25 + 0.5 * 0.5)).abs() < 1e-16);
     }
 
     /// A node without overlap has zero rows and is not covered.

@@ -181,9 +181,8 @@ impl Shape {
                     return StepGradient { bar: [0.0; 2], tangent: [[0.0; 2]; 2] };
                 }
                 let bar: [f64; 2] = std::array::from_fn(|i| sign * (r_0[i] + r_1[i]) / lengths);
-                let tangent = std::array::from_fn(|i| {
-                    std::array::from_fn(|k| (if i == k { *sign } else { 0.0 } - bar[i] * r_1[k] / end) / lengths)
-                });
+                let tangent =
+                    std::array::from_fn(|i| std::array::from_fn(|k| (if i == k { *sign } else { 0.0 } - bar[i] * r_1[k] / end) / lengths));
                 StepGradient { bar, tangent }
             }
             Shape::Polyline { .. } => {
@@ -372,5 +371,158 @@ impl ContactKernel for RigidContact {
             f64::from(u8::from(!self.patches.is_empty() && distance.is_some_and(|distance| distance.covered)))
         };
         (0..self.weights.len()).map(covered).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::super::fixtures::{difference, evaluated, product};
+    use super::*;
+
+    fn obstacles() -> Vec<Obstacle> {
+        vec![
+            Obstacle::HalfPlane { point: [0.2, 0.1], normal: [1.0, 2.0] },
+            Obstacle::Disk { center: [0.1, -0.2], radius: 0.7 },
+            Obstacle::Ring { center: [-0.1, 0.1], radius: 1.3 },
+            // A triangle with a notch: convex and concave corners.
+            Obstacle::Polyline { points: vec![[-1.0, -1.0], [1.0, -0.8], [0.2, 0.1], [0.1, 1.0], [-1.0, -1.0]] },
+        ]
+    }
+
+    /// One facet of nodes 0 and 1, so that weights are half its length, and a moving obstacle.
+    fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
+        let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
+        kernel.move_obstacle(translations);
+        assert!(kernel.update_candidates(q_0, 1.0) && !kernel.update_candidates(q_0, 2.0));
+        kernel.begin_step(q_0);
+        kernel
+    }
+
+    fn step() -> impl Strategy<Value = ([f64; 4], [f64; 4], [[f64; 2]; 3])> {
+        let size = prop::sample::select(vec![1e-3, 0.1, 1.0]);
+        (
+            prop::array::uniform4(-1.5..1.5f64),
+            prop::array::uniform4(-1.0..1.0f64),
+            prop::array::uniform3(prop::array::uniform2(-0.3..0.3f64)),
+            size,
+        )
+            .prop_map(|(q_0, motion, translations, size)| (q_0, std::array::from_fn(|i| q_0[i] + size * motion[i]), translations))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 1000, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        /// Work of the forces = multipliers times change of the gaps + work of the obstacle's motion.
+        #[test]
+        fn work_is_what_the_gaps_and_the_motion_say((q_0, q_1, translations) in step()) {
+            for obstacle in obstacles() {
+                let kernel = contact(&obstacle, &q_0, &translations);
+                let lambda = [1.5, -0.5];
+                let out = evaluated(&kernel, Integrator::EnergyMomentum, &q_1, &lambda);
+                prop_assert_eq!(&out.gap, &kernel.gap(&q_1));
+                let mut force = vec![0.0; 4];
+                let by_motion = kernel.obstacle_force_into(Integrator::EnergyMomentum, &q_1, &[9.0; 2], &lambda, &mut force);
+                let start = kernel.start_gap();
+                let by_gaps: f64 = (0..2).map(|k| lambda[k] * (out.gap[k] - start[k])).sum();
+                let work = product(&force, &difference(&q_1, &q_0));
+                let size: f64 = 1.0 + force.iter().map(|f| f.abs()).sum::<f64>();
+                prop_assert!((work - by_gaps - by_motion).abs() < 1e-14 * size, "{obstacle:?}: {work} {by_gaps} {by_motion}");
+                for (k, row) in force.chunks_exact(2).enumerate() {
+                    for i in 0..2 {
+                        prop_assert!((row[i] - lambda[k] * out.gradient_bar[2 * k + i]).abs() < 1e-15 * size);
+                    }
+                }
+            }
+        }
+
+        /// The forces of a disk and a ring at rest have no moment about the center, those of a plane no component along it.
+        #[test]
+        fn symmetries_of_the_obstacle_are_kept((q_0, q_1, _) in step()) {
+            let obstacles = obstacles();
+            let force = |obstacle: &Obstacle| {
+                let mut force = vec![0.0; 4];
+                contact(obstacle, &q_0, &[[0.0; 2]; 3]).obstacle_force_into(Integrator::EnergyMomentum, &q_1, &[0.0; 2], &[1.0; 2], &mut force);
+                force
+            };
+            for obstacle in &obstacles[1..3] {
+                let (Obstacle::Disk { center, .. } | Obstacle::Ring { center, .. }) = obstacle else { unreachable!() };
+                for (k, f) in force(obstacle).chunks_exact(2).enumerate() {
+                    let arm = [0.5 * (q_0[2 * k] + q_1[2 * k]) - center[0], 0.5 * (q_0[2 * k + 1] + q_1[2 * k + 1]) - center[1]];
+                    prop_assert!((arm[0] * f[1] - arm[1] * f[0]).abs() < 1e-15);
+                }
+            }
+            prop_assert!(force(&obstacles[0]).chunks_exact(2).all(|f| (2.0 * f[0] - f[1]).abs() < 1e-15));
+        }
+
+        #[test]
+        fn tangents_agree_with_differences((q_0, q_1, translations) in step()) {
+            let step = 1e-5;
+            for obstacle in obstacles() {
+                let kernel = contact(&obstacle, &q_0, &translations);
+                let lambda = [1.5, -0.5];
+                // Corners of the polyline and the center of a circle are kinks; so small a motion has steep quotients.
+                let near_kink = |x: [f64; 2]| match (&kernel.shape, kernel.shape.distance(x)) {
+                    (Shape::Circle { center, .. }, _) => (x[0] - center[0]).hypot(x[1] - center[1]) < 0.2,
+                    (Shape::Polyline { .. }, Some(distance)) => [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3]].iter().any(|d| {
+                        kernel.shape.distance([x[0] + d[0], x[1] + d[1]]).is_none_or(|other| other.normal != distance.normal)
+                    }),
+                    _ => false,
+                };
+                for &integrator in Integrator::ALL {
+                    let out = evaluated(&kernel, integrator, &q_1, &lambda);
+                    for row in 0..2 {
+                        let [start, middle, end] = translations;
+                        let x_0 = [q_0[2 * row] - start[0], q_0[2 * row + 1] - start[1]];
+                        let x_1 = [q_1[2 * row] - end[0], q_1[2 * row + 1] - end[1]];
+                        let halfway = [0, 1].map(|i| 0.5 * (q_0[2 * row + i] + q_1[2 * row + i]) - middle[i]);
+                        let mean = [0, 1].map(|i| 0.5 * (x_0[i] + x_1[i]));
+                        let tiny = (x_1[0] - x_0[0]).hypot(x_1[1] - x_0[1]) < 0.05;
+                        if tiny || [x_0, x_1, mean, halfway].into_iter().any(near_kink) {
+                            continue;
+                        }
+                        for k in 0..2 {
+                            let at = |shift: f64| {
+                                let mut moved = q_1;
+                                moved[2 * row + k] += shift;
+                                evaluated(&kernel, integrator, &moved, &lambda).gradient_bar[2 * row..2 * row + 2].to_vec()
+                            };
+                            let (high, low) = (at(step), at(-step));
+                            for i in 0..2 {
+                                let expected = lambda[row] * (high[i] - low[i]) / (2.0 * step);
+                                let ours = out.tangent[4 * row + 2 * i + k];
+                                // Second order in 1e-5 with third derivatives below 1e4 (distances 0.05 at least); round-off 1e-16/1e-5.
+                                prop_assert!((ours - expected).abs() < 1e-5, "{obstacle:?} {}: {ours} {expected}", integrator.name());
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Closed forms of the signed distances.
+    #[test]
+    fn distances() {
+        let gaps = |obstacle: Obstacle, x: [f64; 2]| {
+            // A facet of length 2: weights 1.
+            let q = [x[0], x[1], x[0] + 2.0, x[1]];
+            contact(&obstacle, &q, &[[0.0; 2], [0.0; 2], [0.25, 0.0]]).gap(&q)[0]
+        };
+        assert_eq!(gaps(Obstacle::HalfPlane { point: [0.0, 1.0], normal: [0.0, 3.0] }, [7.0, 1.5]), 0.5);
+        assert_eq!(gaps(Obstacle::Disk { center: [0.0, 0.0], radius: 3.0 }, [3.25, 4.0]), 2.0);
+        assert_eq!(gaps(Obstacle::Ring { center: [0.0, 0.0], radius: 3.0 }, [3.25, 4.0]), -2.0);
+        // Translated by 1/4: the wall x = 0 is at 1/4.
+        let wall = vec![[0.0, -5.0], [0.0, 5.0]];
+        assert_eq!(gaps(Obstacle::Polyline { points: wall }, [1.0, 0.0]), 0.75);
+    }
+
+    #[test]
+    fn beyond_the_ends_of_an_open_polyline_nothing_is_covered() {
+        let q = [-0.5, 0.1, 0.5, 0.1];
+        let kernel = contact(&Obstacle::Polyline { points: vec![[2.0, 0.0], [0.0, 0.0]] }, &q, &[[0.0; 2]; 3]);
+        assert_eq!(kernel.coverage(&q), [0.0, 1.0]);
     }
 }

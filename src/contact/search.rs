@@ -294,6 +294,35 @@ mod tests {
         assert!(candidates.update(&secondary, &primary, &q, 0.5));
     }
 
+    /// What it must show: 1e5 facets against 1e5 in under 100 ms, and no more than linear-logarithmic growth.
+    #[test]
+    #[ignore = "a measurement: run it alone, on a machine at rest"]
+    fn a_hundred_thousand_facets_on_each_side_take_less_than_a_tenth_of_a_second() {
+        let time = |count: u32| {
+            let circle = |radius: f64| {
+                (0..count).flat_map(move |i| {
+                    let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+                    [radius * angle.cos(), radius * angle.sin()]
+                })
+            };
+            let q: Vec<f64> = circle(1.0).chain(circle(1.0 + 1.0 / f64::from(count))).collect();
+            let inner: Vec<[u32; 2]> = (0..count).map(|i| [i, (i + 1) % count]).collect();
+            let outer: Vec<[u32; 2]> = (0..count).map(|i| [count + (i + 1) % count, count + i]).collect();
+            let (secondary, primary) = (Surface::new(&inner), Surface::new(&outer));
+            let margin = 6.0 / f64::from(count);
+            let best = (0..5).map(|_| {
+                let clock = std::time::Instant::now();
+                let pairs = near_pairs(&secondary, &primary, &q, margin);
+                assert!(pairs.len() >= count as usize);
+                clock.elapsed().as_secs_f64()
+            });
+            best.fold(f64::INFINITY, f64::min)
+        };
+        let (small, large) = (time(12_500), time(100_000));
+        // Eight times as many: 8 log(1e5)/log(12500) = 9.8, and caches that no longer hold everything.
+        assert!(large < 0.1 && large / small < 16.0, "{:.1} ms, {:.1} ms", 1e3 * small, 1e3 * large);
+    }
+
     #[test]
     fn positions_that_are_not_numbers_change_nothing() {
         let (secondary, primary) = (Surface::new(&chain(0, 1)), Surface::new(&chain(2, 1)));

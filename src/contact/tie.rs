@@ -219,3 +219,88 @@ impl ContactKernel for Tie {
         self.coverage.clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{Rings, dense_rows, difference, evaluated, product, rings, turned, unbalance};
+    use super::*;
+
+    fn largest(values: &[f64]) -> f64 {
+        values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
+    }
+
+    /// Two polygons of 40 and 48 corners on one circle, tied: they differ by the rise of their chords.
+    fn tied_rings() -> (Tie, Vec<f64>) {
+        let Rings { inner, outer, q } = rings(40, 48, 0.0);
+        let mut tie = Tie::new(&inner, &outer, &q, 0.05);
+        assert!(tie.update_candidates(&q, 0.0) && !tie.update_candidates(&q, 0.0));
+        tie.begin_step(&q);
+        (tie, q)
+    }
+
+    #[test]
+    fn polygons_through_one_circle_are_tied_all_around_and_fit_at_rest() {
+        let (tie, q) = tied_rings();
+        assert!(tie.untied().is_empty());
+        // Round-off of integrals about 0.16 times positions about 1.
+        assert!(largest(&tie.gap(&q)) < 1e-16 && tie.coverage.iter().all(|share| (share - 1.0).abs() < 1e-13));
+    }
+
+    /// A rigid motion of everything changes nothing; a uniform stretch of everything neither: the offsets turn and stretch with the facets.
+    #[test]
+    fn similarities_keep_the_constraints() {
+        let (tie, q) = tied_rings();
+        for factor in [1.0, 1.3] {
+            let mut moved = turned(&q, usize::MAX, 0.7, 0.0);
+            moved.iter_mut().for_each(|x| *x = factor * *x + 5.0);
+            assert!(largest(&tie.gap(&moved)) < 1e-15);
+        }
+        // Turning one body alone by 0.1 opens a gap of weight times distance.
+        let gaps = tie.gap(&turned(&q, 40, 0.1, 0.0));
+        let expected = tie.weights[0] * 2.0 * 0.05f64.sin();
+        for gap in gaps.chunks_exact(2) {
+            assert!((gap[0].hypot(gap[1]) / expected - 1.0).abs() < 5e-3, "{gap:?} {expected}");
+        }
+    }
+
+    /// The moment of the forces is multiplier times gap, so it vanishes where the constraints hold; the resultant always.
+    #[test]
+    fn forces_have_no_resultant_and_no_moment_where_the_constraints_hold() {
+        let (tie, q) = tied_rings();
+        let turned_both = turned(&q, usize::MAX, 0.4, 0.0);
+        let out = evaluated(&tie, Integrator::EnergyMomentum, &turned_both, &[1.0; 80]);
+        assert!(unbalance(&dense_rows(&tie, &out.gradient_bar, q.len()), &turned_both) < 1e-15);
+        let torn = turned(&q, 40, 0.1, 0.01);
+        let rows = dense_rows(&tie, &out.gradient_bar, q.len());
+        for (row, gap) in rows.chunks_exact(2).zip(tie.gap(&torn).chunks_exact(2)) {
+            let moment =
+                |row: &[f64]| -> f64 { row.chunks_exact(2).zip(torn.chunks_exact(2)).map(|(f, x)| x[0] * f[1] - x[1] * f[0]).sum() };
+            assert!((moment(&row[0]) + gap[1]).abs() < 1e-15 && (moment(&row[1]) - gap[0]).abs() < 1e-15);
+        }
+    }
+
+    /// Linear constraints: directional without correction.
+    #[test]
+    fn the_gradient_is_directional() {
+        let (mut tie, q) = tied_rings();
+        tie.begin_step(&q);
+        let q_1 = turned(&q, 40, 0.2, 0.05);
+        let out = evaluated(&tie, Integrator::EnergyMomentum, &q_1, &[1.0; 80]);
+        let (start, moved) = (tie.start_gap(), difference(&q_1, &q));
+        for (k, row) in dense_rows(&tie, &out.gradient_bar, q.len()).iter().enumerate() {
+            assert!((product(row, &moved) - (out.gap[k] - start[k])).abs() < 1e-15);
+        }
+    }
+
+    /// Closed form: three facets over two, all matched: weights are the integrals of the hat functions; what hangs over is not tied.
+    #[test]
+    fn only_what_lies_opposite_is_tied() {
+        let q = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 3.0, 0.0, 1.9, 0.0, 0.9, 0.0, -0.1, 0.0];
+        let tie = Tie::new(&[[0, 1], [1, 2], [2, 3]], &[[4, 5], [5, 6]], &q, 0.1);
+        assert_eq!(tie.untied(), [3]);
+        let share = |node: usize| tie.coverage[2 * node];
+        assert!((share(0) - 1.0).abs() < 1e-15 && (share(1) - (1.0 - 0.1 * 0.05)).abs() < 1e-15);
+        // Far away nothing is tied.
+        assert_eq!(Tie::new(&[[0, 1]], &[[4, 5]], &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.9, 0.0, 0.9, 0.0], 0.1).untied(), [0, 1]);
+    }
+}

@@ -17,8 +17,8 @@ pub use error::{ModelError, StepError};
 pub use fields::{BodyFields, ContactFields};
 pub use ledger::LedgerRow;
 pub use model::{
-    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model, Prescription,
-    Support, UpdateRule,
+    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model,
+    ObstacleDefinition, Prescription, SelfContactDefinition, Support, TieDefinition, UpdateRule,
 };
 pub use report::{FailureCause, FailureReport, IterationReport};
 pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use super::amplitude::Amplitude;
 use super::error::ModelError;
+use crate::contact::Obstacle;
 use crate::materials::Material;
 use crate::mesh::{Boundary, Mesh};
 
@@ -76,6 +77,8 @@ pub struct Load {
 pub enum ContactMethod {
     /// Mortar method with standard Lagrange multipliers on the secondary nodes.
     Mortar,
+    /// The gap of each secondary node to the chain of primary facets, one multiplier per node.
+    NodeToSegment,
 }
 
 /// The condition that an active contact node fulfils over a step.
@@ -159,6 +162,68 @@ impl ContactDefinition {
     }
 }
 
+/// Contact of a boundary with a rigid obstacle.
+#[derive(Clone)]
+pub struct ObstacleDefinition {
+    /// Name, unique among contacts.
+    pub name: String,
+    /// The boundary that may touch it; it carries the multipliers.
+    pub secondary: BodyBoundary,
+    /// Its shape and place.
+    pub obstacle: Obstacle,
+    /// Translation in x and y over time `[length]`; `None`: at rest.
+    pub motion: [Option<Amplitude>; 2],
+    /// Condition over a step.
+    pub update: UpdateRule,
+    /// What keeps nodes from penetrating.
+    pub enforcement: Enforcement,
+    /// Every node is held at the obstacle, tension is allowed.
+    pub equality: bool,
+}
+
+impl ObstacleDefinition {
+    /// An obstacle at rest, with multipliers and the `gap` rule; change the fields for anything else.
+    pub fn new(name: &str, secondary: BodyBoundary, obstacle: Obstacle) -> Self {
+        ObstacleDefinition {
+            name: name.into(),
+            secondary,
+            obstacle,
+            motion: [None, None],
+            update: UpdateRule::Gap,
+            enforcement: Enforcement::Multiplier,
+            equality: false,
+        }
+    }
+}
+
+/// Contact of a boundary with itself.
+#[derive(Clone, Debug)]
+pub struct SelfContactDefinition {
+    /// Name, unique among contacts.
+    pub name: String,
+    /// The boundary.
+    pub surface: BodyBoundary,
+    /// Discretisation.
+    pub method: ContactMethod,
+    /// Condition over a step.
+    pub update: UpdateRule,
+    /// What keeps nodes from penetrating.
+    pub enforcement: Enforcement,
+}
+
+/// Two boundaries that stay together although their meshes do not match.
+#[derive(Clone, Debug)]
+pub struct TieDefinition {
+    /// Name, unique among contacts.
+    pub name: String,
+    /// The side that carries the multipliers, better the finer one.
+    pub secondary: BodyBoundary,
+    /// The other side.
+    pub primary: BodyBoundary,
+    /// Distance in the undeformed bodies within which they are tied `[length]`; `None`: half of the shortest secondary facet.
+    pub reach: Option<f64>,
+}
+
 /// Velocity of a body at the start: `linear + angular x (x - center of mass)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialVelocity {
@@ -187,6 +252,12 @@ pub struct Model {
     pub loads: Vec<Load>,
     /// Contact pairs.
     pub contacts: Vec<ContactDefinition>,
+    /// Boundaries that may touch themselves.
+    pub self_contacts: Vec<SelfContactDefinition>,
+    /// Rigid obstacles.
+    pub obstacles: Vec<ObstacleDefinition>,
+    /// Ties.
+    pub ties: Vec<TieDefinition>,
     /// Initial velocities; a later one of the same body replaces an earlier one.
     pub initial_velocities: Vec<InitialVelocity>,
 }
@@ -222,6 +293,9 @@ impl Model {
             }
         }
         let surfaces = self.contacts.iter().flat_map(|contact| [&contact.secondary, &contact.primary]);
+        let surfaces = surfaces.chain(self.ties.iter().flat_map(|tie| [&tie.secondary, &tie.primary]));
+        let surfaces = surfaces.chain(self.obstacles.iter().map(|obstacle| &obstacle.secondary));
+        let surfaces = surfaces.chain(self.self_contacts.iter().map(|contact| &contact.surface));
         let prescribed = self.prescriptions.iter().map(|prescription| &prescription.on);
         for on in
             self.supports.iter().map(|support| &support.on).chain(prescribed).chain(self.loads.iter().map(|load| &load.on)).chain(surfaces)
@@ -233,13 +307,18 @@ impl Model {
         if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Pressure(_)) && self.dimension() != 2) {
             return Err(ModelError::PressureDimension { boundary: self.boundary_name(&load.on) });
         }
-        for (index, contact) in self.contacts.iter().enumerate() {
-            if self.contacts[..index].iter().any(|other| other.name == contact.name) {
-                return Err(ModelError::DuplicateName { what: "contact", name: contact.name.clone() });
+        let names = self.contacts.iter().map(|contact| &contact.name).chain(self.self_contacts.iter().map(|contact| &contact.name));
+        let names = names.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)).chain(self.ties.iter().map(|tie| &tie.name));
+        let names: Vec<&String> = names.collect();
+        for (index, name) in names.iter().enumerate() {
+            if names[..index].contains(name) {
+                return Err(ModelError::DuplicateName { what: "contact", name: name.to_string() });
             }
             if self.dimension() != 2 {
-                return Err(ModelError::ContactDimension { contact: contact.name.clone(), dimension: self.dimension() });
+                return Err(ModelError::ContactDimension { contact: name.to_string(), dimension: self.dimension() });
             }
+        }
+        for contact in &self.contacts {
             let shared = contact.secondary.body == contact.primary.body
                 && contact.secondary.boundary.facets.iter().any(|facet| contact.primary.boundary.facets.contains(facet));
             if shared {

@@ -17,7 +17,7 @@ use super::error::{ModelError, StepError};
 use super::model::{BodyBoundary, ContactMethod, Enforcement, LoadKind, Model, UpdateRule};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, Workers, nodal_areas, torque_forces};
-use crate::contact::{ContactKernel, Evaluation, Mortar};
+use crate::contact::{ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
 use crate::integrators::Integrator;
 use crate::linear::{Block, Factorization, LinearError, NodeMatrix, Pattern};
 use crate::math::tolerances;
@@ -47,9 +47,23 @@ pub(super) struct PrescribedUnknown {
     function: usize,
 }
 
+/// What a pair consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PairKind {
+    /// Two surfaces, or one with itself.
+    Surfaces,
+    /// A surface and a rigid obstacle.
+    Obstacle,
+    /// Two surfaces that stay together: no contact at all.
+    Tie,
+}
+
 /// A contact pair with its place among the multipliers and in the matrix.
 pub(super) struct Pair {
     pub(super) name: String,
+    pub(super) kind: PairKind,
+    /// Translation of the obstacle over time.
+    motion: [Option<super::amplitude::Amplitude>; 2],
     pub(super) kernel: Box<dyn ContactKernel>,
     pub(super) evaluation: Evaluation,
     pub(super) equality: bool,
@@ -228,35 +242,8 @@ where
             })
             .collect();
 
-        let mut multipliers = 0;
-        let mut pairs: Vec<Pair> = Vec::new();
-        for contact in &model.contacts {
-            let surface = |on: &BodyBoundary| boundary_facets(model, on, bodies[on.body].nodes.start);
-            let kernel: Box<dyn ContactKernel> = match contact.method {
-                ContactMethod::Mortar => Box::new(Mortar::new(&surface(&contact.secondary), &surface(&contact.primary), &reference)),
-            };
-            let count = kernel.secondary().nodes().len();
-            let size = kernel.facet_size();
-            let c = model.bodies[contact.secondary.body].material.youngs_modulus() / (size * size);
-            pairs.push(Pair {
-                name: contact.name.clone(),
-                equality: contact.equality,
-                update: contact.update,
-                penalty: match contact.enforcement {
-                    Enforcement::Multiplier => 0.0,
-                    Enforcement::Penalty { factor } => factor * c,
-                },
-                rows: multipliers..multipliers + count,
-                c,
-                gap_tolerance: tolerances::GAP * size * size,
-                kernel,
-                evaluation: Evaluation::default(),
-                tangent_places: Vec::new(),
-                row_places: Vec::new(),
-                column_places: Vec::new(),
-            });
-            multipliers += count;
-        }
+        let pairs = contact_pairs(model, |on| boundary_facets(model, on, bodies[on.body].nodes.start), &reference);
+        let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
 
         let (pieces, count) = connected_pieces(nodes, bodies.iter().flat_map(|body| body.elements.cliques()));
         let mut piece_is_free = vec![true; count];
@@ -315,6 +302,12 @@ where
         self.reference.len() / D
     }
 
+    /// Number of secondary nodes in contact: active constraints, those of ties left out.
+    pub(super) fn touching(&self, active: &[bool]) -> usize {
+        let contacts = self.pairs.iter().filter(|pair| pair.kind != PairKind::Tie);
+        contacts.map(|pair| active[pair.rows.clone()].iter().filter(|&&active| active).count()).sum()
+    }
+
     /// Name of the body that owns a node, and the node's number in the body's mesh.
     pub(super) fn owner(&self, node: usize) -> (&str, usize) {
         let body = self.bodies.iter().find(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
@@ -371,6 +364,25 @@ where
         }
     }
 
+    /// Puts the rigid obstacles where they are in a step of that size from `time`; their time functions may fail.
+    pub(super) fn move_obstacles(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        for pair in self.pairs.iter_mut().filter(|pair| pair.kind == PairKind::Obstacle) {
+            let mut translations = [[0.0; 2]; 3];
+            for (translation, time) in translations.iter_mut().zip([time, time + 0.5 * dt, time + dt]) {
+                for (component, function) in translation.iter_mut().zip(&pair.motion) {
+                    let Some(function) = function else { continue };
+                    let failed = |source| StepError::Amplitude { boundary: pair.name.clone(), time, source };
+                    *component = function.value(time).map_err(failed)?;
+                    if !component.is_finite() {
+                        return Err(failed(format!("the time function returned {component}").into()));
+                    }
+                }
+            }
+            pair.kernel.move_obstacle(&translations);
+        }
+        Ok(())
+    }
+
     /// Starts a step (or a piece of one) at `q_0`: candidate pairs within a margin for each contact, and what the kernels keep of the
     /// start.
     pub(super) fn begin_step(&mut self, q_0: &[f64], margins: &[f64]) -> Result<(), LinearError> {
@@ -400,9 +412,9 @@ where
         Ok(())
     }
 
-    /// The contact conditions of a step from `q_0` by the pairs' update rules.
-    pub(super) fn conditions(&self, q_0: &[f64], integrator: Integrator) -> Conditions {
-        let gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.gap(q_0)).collect();
+    /// The contact conditions of the step that has begun, by the pairs' update rules.
+    pub(super) fn conditions(&self, integrator: Integrator) -> Conditions {
+        let gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         let mut targets = vec![0.0; gap_n.len()];
         let mut members = vec![true; gap_n.len()];
         for pair in self.pairs.iter().filter(|pair| pair.update == UpdateRule::Persistency && pair.penalty == 0.0) {
@@ -600,7 +612,9 @@ where
             *value = factor * *value + mass;
         }
         let mut push = vec![0.0; q_1.len()];
+        let mut reaction = vec![0.0; q_1.len()];
         for pair in &self.pairs {
+            let from_outside = pair.kind == PairKind::Obstacle;
             let patches = pair.kernel.patches();
             for p in (0..patches.len()).filter(|&p| pair.evaluation.live[p]) {
                 let gradients = &pair.evaluation.gradient_end[patches.gradient_range(p)];
@@ -609,6 +623,9 @@ where
                     for (u, &node) in patches.nodes(p).iter().enumerate() {
                         for i in 0..D {
                             push[node as usize * D + i] += lambda * gradient[u * D + i];
+                            if from_outside {
+                                reaction[node as usize * D + i] += lambda * gradient[u * D + i];
+                            }
                         }
                     }
                 }
@@ -631,12 +648,12 @@ where
         self.factorization.solve(&self.values, &mut right)?;
         self.times.solve += clock.elapsed();
         right.truncate(q_1.len());
-        // What the supports must push so that their nodes stay.
-        let mut reaction = vec![0.0; q_1.len()];
+        // What the supports must push so that their nodes stay, besides what obstacles push.
         if !support_rows.is_empty() {
-            self.pattern.multiply_into(&free_values, &right, &mut reaction);
-            for k in 0..reaction.len() {
-                reaction[k] = if self.fixed[k] { reaction[k] - push[k] } else { 0.0 };
+            let mut needed = vec![0.0; q_1.len()];
+            self.pattern.multiply_into(&free_values, &right, &mut needed);
+            for k in support_rows {
+                reaction[k] += needed[k] - push[k];
             }
         }
         Ok((right, reaction))
@@ -793,8 +810,72 @@ fn spread<const D: usize>(weights: &[(u32, f64)], vector: [f64; 3], factor: f64,
     }
 }
 
+/// All pairs of a model, `facets` a boundary's in the numbering of the model.
+fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>, reference: &[f64]) -> Vec<Pair> {
+    let mut pairs: Vec<Pair> = Vec::new();
+    let fresh = |name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>| {
+        let size = kernel.facet_size();
+        Pair {
+            name: name.into(),
+            kind,
+            motion: [None, None],
+            equality: kind == PairKind::Tie,
+            update: UpdateRule::Gap,
+            penalty: 0.0,
+            rows: 0..kernel.rows_per_node() * kernel.secondary().nodes().len(),
+            c: model.bodies[body].material.youngs_modulus() / (size * size),
+            gap_tolerance: tolerances::GAP * size * size,
+            kernel,
+            evaluation: Evaluation::default(),
+            tangent_places: Vec::new(),
+            row_places: Vec::new(),
+            column_places: Vec::new(),
+        }
+    };
+    let between = |method: ContactMethod, secondary: &BodyBoundary, primary: &BodyBoundary| -> Box<dyn ContactKernel> {
+        match method {
+            ContactMethod::Mortar => Box::new(Mortar::new(&facets(secondary), &facets(primary), reference)),
+            ContactMethod::NodeToSegment => Box::new(NodeToSegment::new(&facets(secondary), &facets(primary), reference)),
+        }
+    };
+    let rules = |mut pair: Pair, update: UpdateRule, enforcement: Enforcement, equality: bool| {
+        (pair.update, pair.equality) = (update, equality);
+        if let Enforcement::Penalty { factor } = enforcement {
+            pair.penalty = factor * pair.c;
+        }
+        pair
+    };
+    for contact in &model.contacts {
+        let kernel = between(contact.method, &contact.secondary, &contact.primary);
+        let pair = fresh(&contact.name, PairKind::Surfaces, contact.secondary.body, kernel);
+        pairs.push(rules(pair, contact.update, contact.enforcement, contact.equality));
+    }
+    for contact in &model.self_contacts {
+        let kernel = between(contact.method, &contact.surface, &contact.surface);
+        let pair = fresh(&contact.name, PairKind::Surfaces, contact.surface.body, kernel);
+        pairs.push(rules(pair, contact.update, contact.enforcement, false));
+    }
+    for obstacle in &model.obstacles {
+        let kernel = Box::new(RigidContact::new(&facets(&obstacle.secondary), &obstacle.obstacle, reference));
+        let pair = Pair { motion: obstacle.motion.clone(), ..fresh(&obstacle.name, PairKind::Obstacle, obstacle.secondary.body, kernel) };
+        pairs.push(rules(pair, obstacle.update, obstacle.enforcement, obstacle.equality));
+    }
+    for tie in &model.ties {
+        let secondary = facets(&tie.secondary);
+        let reach = tie.reach.unwrap_or_else(|| 0.5 * Surface::new(&secondary).shortest_facet(reference));
+        let kernel = Box::new(Tie::new(&secondary, &facets(&tie.primary), reference, reach));
+        pairs.push(fresh(&tie.name, PairKind::Tie, tie.secondary.body, kernel));
+    }
+    let mut first = 0;
+    for pair in &mut pairs {
+        pair.rows = first..first + pair.rows.end;
+        first = pair.rows.end;
+    }
+    pairs
+}
+
 /// The couplings of all cells and candidate pairs. The anchor of a multiplier is its secondary node, if that one is free to move and no
-/// other multiplier's.
+/// other pair's.
 fn pattern_of<const D: usize>(fixed: &[bool], multipliers: usize, bodies: &[Body<D>], pairs: &[Pair]) -> Pattern {
     let nodes = fixed.len() / D;
     let mut sizes = vec![D as u8; nodes];
@@ -811,9 +892,11 @@ fn pattern_of<const D: usize>(fixed: &[bool], multipliers: usize, bodies: &[Body
     let mut taken: Vec<bool> = fixed.chunks_exact(D).map(|components| components.contains(&true)).collect();
     let mut anchors = Vec::with_capacity(multipliers);
     for pair in pairs {
-        for (row, &node) in pair.rows.clone().zip(pair.kernel.secondary().nodes()) {
+        // Several rows of one node oppose its motion in different directions.
+        let rows: Vec<usize> = pair.rows.clone().collect();
+        for (rows, &node) in rows.chunks_exact(pair.kernel.rows_per_node()).zip(pair.kernel.secondary().nodes()) {
             if !std::mem::replace(&mut taken[node as usize], true) {
-                anchors.push(((nodes + row) as u32, node));
+                anchors.extend(rows.iter().map(|row| ((nodes + row) as u32, node)));
             }
         }
     }

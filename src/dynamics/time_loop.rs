@@ -10,7 +10,7 @@ use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
 use super::predictor::{self, rigid_motion};
 use super::report::{FailureCause, FailureReport, IterationReport};
 use super::simulation::{Options, SettleReport, State, Statistics, Steps};
-use super::system::{AssemblyError, Conditions, Forces, StepStart, System, moment, resultant};
+use super::system::{AssemblyError, Conditions, Forces, PairKind, StepStart, System, moment, resultant};
 use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
 use crate::math::tolerances;
@@ -102,6 +102,7 @@ where
                 pair.kernel.facet_size() + travel(secondary) + travel(primary)
             })
             .collect();
+        self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
         self.system.begin_step(&state.positions, &margins).map_err(Failure::Linear)?;
 
         let start = StepStart {
@@ -114,7 +115,7 @@ where
             prescribed_v_1: &prescribed_v_1,
             damping: None,
         };
-        let conditions = self.system.conditions(&state.positions, integrator);
+        let conditions = self.system.conditions(integrator);
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
         let task = Task {
@@ -149,7 +150,7 @@ where
 
     /// Bodies must not have moved farther than the candidate pairs reach.
     fn check_reach(&self, solution: &Solution, margins: &[f64]) -> Result<(), Failure> {
-        for (pair, margin) in self.system.pairs.iter().zip(margins) {
+        for (pair, margin) in self.system.pairs.iter().zip(margins).filter(|(pair, _)| pair.kind == PairKind::Surfaces) {
             let moved = |nodes: &[u32]| {
                 nodes.iter().fold(0.0f64, |largest, &node| {
                     let range = node as usize * D..(node as usize + 1) * D;
@@ -230,7 +231,7 @@ where
             strain: system.strain_energy(&q_1),
             potential: system.potential_energy(&q_1) + system.penalty_energy(&gaps),
             newton_iterations: iterations,
-            active: active.iter().filter(|&&active| active).count(),
+            active: system.touching(&active),
             ..LedgerRow::default()
         };
         (row.momentum, row.angular_momentum) = system.momenta(&q_1, &v_1);
@@ -245,6 +246,14 @@ where
             }
         }
         row.load_work = (0..unknowns).map(|k| load[k] * (q_1[k] - start.q_0[k])).sum();
+        // Rigid obstacles push from outside, and do work where they move.
+        let mut obstacle_force = vec![0.0; unknowns];
+        let mut obstacle_work = 0.0;
+        for pair in &system.pairs {
+            let (lambda_n, lambda) = (&self.state.lambda[pair.rows.clone()], &lambda[pair.rows.clone()]);
+            obstacle_work += pair.kernel.obstacle_force_into(start.integrator, &q_1, lambda_n, lambda, &mut obstacle_force);
+        }
+        row.load_work += obstacle_work;
         let mut slip_moment = [0.0; 3];
         if !system.prescribed.is_empty() {
             let (work, moment) = self.prescribed_work(start, &forces, &q_1, &v_1);
@@ -264,7 +273,7 @@ where
         // Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
         let mut external = load.clone();
         for k in 0..unknowns {
-            external[k] += system.weight[k];
+            external[k] += system.weight[k] + obstacle_force[k];
             if system.fixed[k] {
                 external[k] += forces.without_contact[k] - forces.contact[k];
             }
@@ -280,14 +289,14 @@ where
         (0..3).for_each(|i| impulse[i] += slip_moment[i]);
         row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, rate, impulse);
 
-        for pair in &system.pairs {
+        for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
             for (node, (gap, covered)) in pair.evaluation.gap.iter().zip(&pair.evaluation.coverage).enumerate() {
                 if *covered > tolerances::SLIVER {
                     row.max_penetration = row.max_penetration.max(-gap / (covered * pair.kernel.weights()[node]));
                 }
             }
         }
-        let acted = load.iter().any(|f| *f != 0.0);
+        let acted = obstacle_work != 0.0 || load.iter().any(|f| *f != 0.0);
         State {
             row,
             positions: q_1,
@@ -335,6 +344,7 @@ where
             damping: Some(0.0),
         };
         let margins: Vec<f64> = self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).collect();
+        self.system.move_obstacles(state.row.time, 0.0)?;
         if let Err(error) = self.system.begin_step(&state.positions, &margins) {
             return Err(self.failed(&Failure::Linear(error), 0.0, 0));
         }
@@ -412,6 +422,14 @@ where
             Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string() },
         };
         FailureReport { time: self.state.row.time, step: self.state.row.step + 1, dt, halvings, cause, iterations }
+    }
+}
+
+/// One number for each node from its constraint rows: the row itself, or the length of the vector that several are.
+fn per_node(values: &[f64], rows: usize) -> Vec<f64> {
+    match rows {
+        1 => values.to_vec(),
+        _ => values.chunks_exact(rows).map(|vector| vector.iter().map(|x| x * x).sum::<f64>().sqrt()).collect(),
     }
 }
 
@@ -573,7 +591,8 @@ where
     fn contact(&self, name: &str) -> Option<ContactFields> {
         let pair = self.system.pairs.iter().find(|pair| pair.name == name)?;
         let q = &self.state.positions;
-        let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
+        let rows = pair.kernel.rows_per_node();
+        let (gaps, coverage) = (per_node(&pair.kernel.gap(q), rows), pair.kernel.coverage(q));
         let secondary = pair.kernel.secondary().nodes();
         let position = |node: u32| {
             let mut x = [0.0; 3];
@@ -599,11 +618,14 @@ where
         }
         Some(ContactFields {
             positions: secondary.iter().map(|&node| position(node)).collect(),
-            pressure: lambda.to_vec(),
+            pressure: per_node(lambda, rows),
             gap: (0..secondary.len())
-                .map(|k| if coverage[k] > tolerances::SLIVER { gaps[k] / (coverage[k] * pair.kernel.weights()[k]) } else { f64::NAN })
+                .map(|k| {
+                    let (covered, weight) = (coverage[k * rows], pair.kernel.weights()[k * rows]);
+                    if covered > tolerances::SLIVER { gaps[k] / (covered * weight) } else { f64::NAN }
+                })
                 .collect(),
-            active: self.state.active[pair.rows.clone()].to_vec(),
+            active: self.state.active[pair.rows.clone()].chunks_exact(rows).map(|rows| rows.contains(&true)).collect(),
             force,
         })
     }
@@ -626,7 +648,7 @@ where
             body.elements.project_stress(q, &mut stress, &mut weight);
         }
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
-        for pair in &self.system.pairs {
+        for pair in self.system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
             let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
             for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
                 pressure[node as usize] += self.state.lambda[pair.rows.start + local];
@@ -667,6 +689,7 @@ where
         loop {
             let positions = self.state.positions.clone();
             let margins: Vec<f64> = self.system.pairs.iter().map(|pair| 3.0 * pair.kernel.facet_size()).collect();
+            self.system.move_obstacles(self.state.row.time, 0.0)?;
             if let Err(error) = self.system.begin_step(&positions, &margins) {
                 return Err(self.failed(&Failure::Linear(error), 0.0, 0));
             }
@@ -737,7 +760,7 @@ where
         let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
         row.potential = self.system.potential_energy(q) + self.system.penalty_energy(&gaps);
         (row.momentum, row.angular_momentum) = self.system.momenta(q, v);
-        row.active = self.state.active.iter().filter(|&&active| active).count();
+        row.active = self.system.touching(&self.state.active);
         Ok(SettleReport {
             steps,
             newton_iterations: self.statistics.newton_iterations - iterations_before,

@@ -1,0 +1,77 @@
+//! Surfaces and measures that the tests of several contact kernels share.
+
+use super::{ContactKernel, Evaluation};
+use crate::integrators::Integrator;
+
+pub fn evaluated(kernel: &dyn ContactKernel, integrator: Integrator, q_1: &[f64], lambda: &[f64]) -> Evaluation {
+    let mut out = Evaluation::default();
+    kernel.evaluate(integrator, q_1, lambda, &mut out);
+    out
+}
+
+pub fn difference(b: &[f64], a: &[f64]) -> Vec<f64> {
+    b.iter().zip(a).map(|(b, a)| b - a).collect()
+}
+
+pub fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `Gbar` as one dense row per secondary node.
+pub fn dense_rows(kernel: &dyn ContactKernel, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
+    let mut rows = vec![vec![0.0; unknowns]; kernel.rows_per_node() * kernel.secondary().nodes().len()];
+    for p in 0..kernel.patches().len() {
+        let block = &blocks[kernel.patches().gradient_range(p)];
+        for (&row, part) in kernel.patches().rows(p).iter().zip(block.chunks_exact(kernel.patches().unknowns(p))) {
+            for (i, value) in part.iter().enumerate() {
+                rows[row as usize][2 * kernel.patches().nodes(p)[i / 2] as usize + i % 2] += value;
+            }
+        }
+    }
+    rows
+}
+
+/// Largest resultant force and moment (about the origin, with arms `q`) of the rows.
+pub fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
+    rows.iter().fold(0.0, |largest: f64, row| {
+        let force = |axis: usize| row.iter().skip(axis).step_by(2).sum::<f64>();
+        let moment: f64 = row.chunks_exact(2).zip(q.chunks_exact(2)).map(|(f, x)| x[0] * f[1] - x[1] * f[0]).sum();
+        largest.max(force(0).abs()).max(force(1).abs()).max(moment.abs())
+    })
+}
+
+/// Two polygons, one inside the other; positions of the inner one's nodes first.
+pub struct Rings {
+    pub inner: Vec<[u32; 2]>,
+    pub outer: Vec<[u32; 2]>,
+    pub q: Vec<f64>,
+}
+
+pub fn rings(inner: u32, outer: u32, clearance: f64) -> Rings {
+    let circle = |count: u32, radius: f64| {
+        (0..count).flat_map(move |i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+            [radius * angle.cos(), radius * angle.sin()]
+        })
+    };
+    Rings {
+        inner: (0..inner).map(|i| [i, (i + 1) % inner]).collect(),
+        outer: (0..outer).map(|i| [inner + (i + 1) % outer, inner + i]).collect(),
+        q: circle(inner, 1.0).chain(circle(outer, 1.0 + clearance)).collect(),
+    }
+}
+
+/// `q` with its first `count` nodes turned about the origin, and all nodes shaken a little.
+pub fn turned(q: &[f64], count: usize, angle: f64, shake: f64) -> Vec<f64> {
+    let (sin, cos) = angle.sin_cos();
+    let mut result = q.to_vec();
+    for (node, x) in result.chunks_exact_mut(2).enumerate() {
+        if node < count {
+            (x[0], x[1]) = (cos * x[0] - sin * x[1], sin * x[0] + cos * x[1]);
+        }
+        // Any bounded numbers without a pattern.
+        x[0] += shake * (12.9898 * node as f64).sin();
+        x[1] += shake * (78.233 * node as f64).cos();
+    }
+    result
+}
