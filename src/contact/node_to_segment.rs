@@ -381,8 +381,10 @@ mod tests {
             let kernel = node_on_chain(&q_0);
             let (from, to) = (with_ends(&q_0, &q_0), with_ends(&q_1, &q_0));
             let width = q_0.iter().zip(&q_1).fold(0.0, |largest: f64, (a, b)| largest.max((b - a).abs()));
-            // Below that the round-off of the quotient, 1e-15 over the increment, is all that differences see.
-            prop_assume!(width > 1e-3);
+            if width < 1e-3 {
+                // The round-off of the quotient, 1e-15 over the increment, is all that differences see.
+                return Ok(());
+            }
             let step = f64::min(2e-4, 0.005 * width);
             // No kink and no end near the configurations at which the functions are evaluated: the same facets for all differences.
             let facet = |q: &[f64], row: usize| {

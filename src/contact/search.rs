@@ -10,6 +10,8 @@
 //! the step is not known here, and the pair functions tell them apart at the cost of a comparison. For a surface that touches itself
 //! [`within_the_body`] lists what can never be a contact, and [`Candidates::once`] keeps each pair of facets only one way round.
 
+use std::ops::ControlFlow;
+
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
@@ -171,7 +173,11 @@ fn all_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> 
         let (low, high) = facet_box(facet, q);
         let grown = AABB::from_corners(low.map(|x| x - margin), high.map(|x| x + margin));
         let first = pairs.len();
-        pairs.extend(tree.locate_in_envelope_intersecting(grown).map(|found| [number, found.data]));
+        // A visitor: the iterator keeps a stack of nodes for each query.
+        let _: ControlFlow<()> = tree.locate_in_envelope_intersecting_int(grown, |found| {
+            pairs.push([number, found.data]);
+            ControlFlow::Continue(())
+        });
         pairs[first..].sort_unstable();
     }
     pairs
