@@ -79,8 +79,8 @@ impl std::fmt::Display for Finding {
             }
             Finding::FacingAway { secondary, primary, cosine, distance } => write!(
                 out,
-                "no facet of \"{secondary}\" faces \"{primary}\": the nearest facets' normals have a mean cosine of {cosine:.2} (-1 is face to \
-                 face) and lie {distance:.3e} ahead"
+                "no facet of \"{secondary}\" faces \"{primary}\": the nearest facets' normals have a mean cosine of {cosine:.2} (-1 is \
+                 face to face) and lie {distance:.3e} ahead"
             ),
             Finding::CoarseSecondary { secondary, primary, secondary_size, primary_size } => write!(
                 out,

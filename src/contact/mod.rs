@@ -36,11 +36,13 @@ use crate::integrators::Integrator;
 /// A contact method on one pair of surfaces, as the solver of a step sees it.
 ///
 /// Constraint `A` belongs to the secondary node `secondary().nodes()[A]` (with several rows for each node: those of node `A` follow each
-/// other); it is the sum over the patches that list row `A`. A patch couples a run-time number of nodes. The list of patches is fixed within a step and usually over many steps, so that a matrix pattern
-/// made from it lasts. All position vectors are those of the whole model, node after node.
+/// other); it is the sum over the patches that list row `A`. A patch couples a run-time number of nodes. The list of patches is fixed
+/// within a step and usually over many steps, so that a matrix pattern made from it lasts. All position vectors are those of the whole
+/// model, node after node.
 ///
 /// Order of calls: [`move_obstacle`](Self::move_obstacle), [`update_candidates`](Self::update_candidates) and
-/// [`begin_step`](Self::begin_step) at the start of every step (of a halved one as well), then [`evaluate`](Self::evaluate) once for each Newton iteration.
+/// [`begin_step`](Self::begin_step) at the start of every step (of a halved one as well), then [`evaluate`](Self::evaluate) once for each
+/// Newton iteration.
 pub trait ContactKernel: Send + Sync {
     /// Space dimension: number of coordinates of a node.
     fn dimension(&self) -> usize;
@@ -89,7 +91,8 @@ pub trait ContactKernel: Send + Sync {
         0.0
     }
 
-    /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar: weighted gap `[length^2]`).
+    /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar:
+    /// weighted gap `[length^2]`).
     fn gap(&self, q: &[f64]) -> Vec<f64>;
 
     /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.

@@ -30,8 +30,8 @@ pub struct Mortar {
     primary: Surface,
     candidates: Candidates,
     patches: Patches,
-    /// Candidates that are within reach in this step. The list keeps pairs that have moved apart; where bodies turn, such facets may come to face
-    /// each other from the far sides of their bodies, as if the bodies had passed through each other.
+    /// Candidates that are within reach in this step. The list keeps pairs that have moved apart; where bodies turn, such facets may come
+    /// to face each other from the far sides of their bodies, as if the bodies had passed through each other.
     near: Vec<bool>,
     weights: Vec<f64>,
     facet_size: f64,

@@ -1,13 +1,13 @@
 //! Node-to-segment contact in the plane: one multiplier per secondary node, its constraint the node's gap to the primary chain.
 //!
-//! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure and `Phi` has the dimension of
-//! the mortar method's weighted gap. A patch is a node with all primary facets within its reach: `g` is one continuous function of them
+//! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure and `Phi` has the dimension
+//! of the mortar method's weighted gap. A patch is a node with all primary facets within its reach: `g` is one continuous function of them
 //! (`chain.rs`), and its projected discrete gradient keeps energy and momenta while the node slides over facet borders and corners (after
 //! Hesch and Betsch, IUTAM Bookseries 3, 2007, whose formula for a single segment does not).
 //!
-//! Facets that look the same way as the node's own surface (the far side of a thin body) and facets out of the step's reach are no opposite;
-//! that is decided with the positions at the start of the step and kept in it. The method fails the contact patch test, and two polygons that are pressed
-//! into each other lock with the nodes in the corners: mortar is the default for a reason.
+//! Facets that look the same way as the node's own surface (the far side of a thin body) and facets out of the step's reach are no
+//! opposite; that is decided with the positions at the start of the step and kept in it. The method fails the contact patch test, and two
+//! polygons that are pressed into each other lock with the nodes in the corners: mortar is the default for a reason.
 
 use super::ContactKernel;
 use super::chain::{Chain, Measure};
@@ -30,8 +30,8 @@ pub struct NodeToSegment {
     candidates: Candidates,
     patches: Patches,
     chains: Vec<Chain>,
-    /// For each candidate, patch after patch: whether it is within reach in this step. The list keeps facets that have moved apart, and one of
-    /// those on the far side of its body would look as if the node had passed through.
+    /// For each candidate, patch after patch: whether it is within reach in this step. The list keeps facets that have moved apart, and one
+    /// of those on the far side of its body would look as if the node had passed through.
     near: Vec<bool>,
     /// Where each patch's candidates begin.
     first: Vec<usize>,

@@ -1,11 +1,11 @@
 //! Contact of a surface with a rigid obstacle: half plane, disk, ring, polyline; one multiplier per secondary node.
 //!
-//! A node's gap is its signed distance to the obstacle, exact for disk and ring; `Phi_A = w_A g(x_A - u(t))` with the obstacle's translation
-//! `u`. With `r_k = x_k - u_k` the discrete gradient satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
+//! A node's gap is its signed distance to the obstacle, exact for disk and ring; `Phi_A = w_A g(x_A - u(t))` with the obstacle's
+//! translation `u`. With `r_k = x_k - u_k` the discrete gradient satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
 //!
 //! ```text
 //! half plane   n                                      the force on a plane has one direction: momentum along it is kept
-//! disk, ring   +-(r_0 + r_1)/(|r_0| + |r_1|)          through the invariant r.r: parallel to r_mid, angular momentum about the center is kept
+//! disk, ring   +-(r_0 + r_1)/(|r_0| + |r_1|)          through the invariant r.r: parallel to r_mid, the moment about the center is zero
 //! polyline     n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
 //! ```
 //!

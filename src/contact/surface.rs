@@ -54,8 +54,8 @@ impl Surface {
         &self.adjacent[self.adjacent_start[index] as usize..self.adjacent_start[index + 1] as usize]
     }
 
-    /// For surfaces with common facets: ranks of this surface's facets and of the other's such that of the two ways round in which a pair of
-    /// common facets can be taken, one has the lower rank first. `None` without common facets.
+    /// For surfaces with common facets: ranks of this surface's facets and of the other's such that of the two ways round in which a pair
+    /// of common facets can be taken, one has the lower rank first. `None` without common facets.
     pub fn ranks(&self, other: &Surface) -> Option<[Vec<u32>; 2]> {
         let mut order: Vec<([u32; 2], u32)> = self.facets.iter().copied().zip(1u32..).collect();
         order.sort_unstable();

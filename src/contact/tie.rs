@@ -7,11 +7,11 @@
 //! Phi_A = int N_A (sum_B N_B x_B - sum_C M_C y_C) ds - (alpha_A I + beta_A J) (y_2 - y_1)          [length^2], a vector
 //! ```
 //!
-//! with the primary shape functions `M_C` at the point opposite along the secondary facet's normal. The second term is the part of the first
-//! that does not vanish in the reference positions (two polygons through one curve), written in the frame of the primary facet: `J` turns by
-//! a right angle, so a turn `R` of all positions gives `R Phi_A`. Hence the forces have no resultant, and no moment while `Phi = 0`:
-//! linear constraints that hold at both ends of a step hold in its middle, where the moment is taken. Energy and both momenta are exact for
-//! every integrator's own force placement, with nothing to correct.
+//! with the primary shape functions `M_C` at the point opposite along the secondary facet's normal. The second term is the part of the
+//! first that does not vanish in the reference positions (two polygons through one curve), written in the frame of the primary facet: `J`
+//! turns by a right angle, so a turn `R` of all positions gives `R Phi_A`. Hence the forces have no resultant, and no moment while `Phi =
+//! 0`: linear constraints that hold at both ends of a step hold in its middle, where the moment is taken. Energy and both momenta are exact
+//! for every integrator's own force placement, with nothing to correct.
 //!
 //! Each secondary node has two rows. Nodes with (nearly) no overlap are not tied. For the plane: in space the offset needs a facet's frame.
 
