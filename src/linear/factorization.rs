@@ -140,9 +140,8 @@ impl Factorization {
     fn equilibrate(&mut self, values: &[f64]) {
         let pattern = &self.pattern;
         let own_block = |v: usize| {
-            let block = pattern.block(v as u32, v as u32);
-            let size = pattern.size(v);
-            largest((0..size * size).map(|k| values[block.at(k % size, k / size)]))
+            let (block, size) = (pattern.block(v as u32, v as u32), pattern.size(v));
+            largest((0..size).flat_map(|k| &values[block.at(0, k)..][..size]).copied())
         };
         for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
             self.vertex_scale[v] = reciprocal_root(own_block(v));
@@ -151,7 +150,7 @@ impl Factorization {
             let nodes = pattern.neighbors(v).iter().zip(pattern.column_blocks(v)).filter(|(u, _)| !pattern.is_multiplier(**u as usize));
             let constraint = largest(nodes.flat_map(|(&u, block)| {
                 let scale = self.vertex_scale[u as usize];
-                (0..pattern.size(u as usize)).map(move |i| scale * values[block.at(i, 0)])
+                values[block.at(0, 0)..][..pattern.size(u as usize)].iter().map(move |value| scale * value)
             }));
             self.vertex_scale[v] = if constraint > 0.0 { reciprocal(constraint) } else { reciprocal_root(own_block(v)) };
         }

@@ -4,7 +4,7 @@
 use std::collections::TryReserveError;
 
 use super::dense::{self, Blocks, WIDTH};
-use super::symbolic::{Front, Symbolic};
+use super::symbolic::{Front, Run, Symbolic};
 use crate::math::simd::{Kernel, dispatch};
 
 /// Pivots below this, in a matrix scaled to entries of order one, are replaced by [`dense::REPLACEMENT`].
@@ -140,7 +140,7 @@ impl Kernel for Elimination<'_> {
             for &child in symbolic.children[front.children.clone()].iter().rev() {
                 let child = &symbolic.fronts[child as usize];
                 bottom -= child.u * child.u;
-                add_update(&updates[bottom..], child, &symbolic.places[child.rows.clone()], &mut blocks);
+                add_update(symbolic, child, &updates[bottom..], &mut blocks);
             }
             let swaps = &mut swaps[front.first..][..front.pivots];
             blocks.eliminate::<FMA>(TINY, swaps, rows, &mut |k| replaced.push((front.first + k) as u32));
@@ -187,28 +187,46 @@ fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], scale: &[f64]
 
 /// Adds a child's update.
 #[inline(always)]
-fn add_update(update: &[f64], child: &Front, places: &[u32], blocks: &mut Blocks) {
+fn add_update(symbolic: &Symbolic, child: &Front, update: &[f64], blocks: &mut Blocks) {
     let (p, u) = (blocks.p, blocks.u);
-    let (pivots, others) = places.split_at(child.split);
-    for (&column, source) in pivots.iter().zip(update.chunks(child.u)) {
-        let (inside, below) = source[..child.update].split_at(child.split);
-        let target = &mut blocks.diagonal[column as usize * p..][..p];
-        for (&row, value) in pivots.iter().zip(inside) {
-            target[row as usize] += value;
-        }
-        let target = &mut blocks.lower[column as usize * u..][..u];
-        for (&row, value) in others.iter().zip(below) {
-            target[row as usize] += value;
+    let (pivots, others) = (&symbolic.runs[child.to_pivots.clone()], &symbolic.runs[child.to_others.clone()]);
+    for columns in pivots {
+        for k in 0..columns.length as usize {
+            let source = &update[(columns.source as usize + k) * child.u..][..child.update];
+            let column = columns.target as usize + k;
+            add_runs(pivots, source, &mut blocks.diagonal[column * p..][..p]);
+            add_runs(others, source, &mut blocks.lower[column * u..][..u]);
         }
     }
-    for (&column, source) in others.iter().zip(update.chunks(child.u).skip(child.split)) {
-        let (above, rest) = source[..child.update].split_at(child.split);
-        for (&row, value) in pivots.iter().zip(above) {
-            blocks.upper[row as usize * u + column as usize] += value;
+    for columns in others {
+        for k in 0..columns.length as usize {
+            let source = &update[(columns.source as usize + k) * child.u..][..child.update];
+            let column = columns.target as usize + k;
+            for run in pivots {
+                let rows = blocks.upper[run.target as usize * u + column..].iter_mut().step_by(u);
+                for (x, value) in rows.zip(&source[run.source as usize..][..run.length as usize]) {
+                    *x += value;
+                }
+            }
+            add_runs(others, source, &mut blocks.rest[column * u..][..u]);
         }
-        let target = &mut blocks.rest[column as usize * u..][..u];
-        for (&row, value) in others.iter().zip(rest) {
-            target[row as usize] += value;
+    }
+}
+
+/// Adds runs of `source` to where they go in `target`.
+#[inline(always)]
+fn add_runs(runs: &[Run], source: &[f64], target: &mut [f64]) {
+    for run in runs {
+        let length = run.length as usize;
+        let (sources, source_rest) = source[run.source as usize..][..length].as_chunks::<WIDTH>();
+        let (targets, target_rest) = target[run.target as usize..][..length].as_chunks_mut::<WIDTH>();
+        for (x, value) in targets.iter_mut().zip(sources) {
+            for l in 0..WIDTH {
+                x[l] += value[l];
+            }
+        }
+        for (x, value) in target_rest.iter_mut().zip(source_rest) {
+            *x += value;
         }
     }
 }

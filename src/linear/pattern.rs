@@ -178,20 +178,50 @@ impl Pattern {
         &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
     }
 
-    /// `y = A x` with the given values, over the unknowns that `x` has (the leading ones).
+    /// `y = A x` with the given values, over the unknowns that `x` and `y` have (the leading ones, whole vertices).
     pub fn multiply_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for v in (0..self.lengths.len()).take_while(|&v| self.first[v] < x.len()) {
-            for k in 0..self.first[v + 1] - self.first[v] {
-                let mut place = self.columns[v] + k * self.lengths[v];
-                for &u in self.neighbors(v) {
-                    for row in self.first[u as usize]..self.first[u as usize + 1] {
-                        if row < y.len() {
-                            y[row] += values[place] * x[self.first[v] + k];
-                        }
-                        place += 1;
+            match self.size(v) {
+                1 => self.add_columns::<1>(v, values, x, y),
+                2 => self.add_columns::<2>(v, values, x, y),
+                3 => self.add_columns::<3>(v, values, x, y),
+                size => {
+                    for k in 0..size {
+                        self.add_one_column(v, k, values, x[self.first[v] + k], y);
                     }
                 }
+            }
+        }
+    }
+
+    /// `y += A x` for the columns of a vertex with `N` unknowns, all at once.
+    #[inline(always)]
+    fn add_columns<const N: usize>(&self, v: usize, values: &[f64], x: &[f64], y: &mut [f64]) {
+        let length = self.lengths[v];
+        let mut columns = values[self.columns[v]..][..N * length].chunks_exact(length);
+        let columns: [&[f64]; N] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        let x: [f64; N] = std::array::from_fn(|k| x[self.first[v] + k]);
+        let mut place = 0;
+        for &u in self.neighbors(v) {
+            let rows = self.first[u as usize]..self.first[u as usize + 1];
+            let count = rows.len();
+            let Some(y) = y.get_mut(rows) else { break };
+            for (i, y) in y.iter_mut().enumerate() {
+                for k in 0..N {
+                    *y += columns[k][place + i] * x[k];
+                }
+            }
+            place += count;
+        }
+    }
+
+    fn add_one_column(&self, v: usize, k: usize, values: &[f64], x: f64, y: &mut [f64]) {
+        let column = &values[self.columns[v] + k * self.lengths[v]..][..self.lengths[v]];
+        let rows = self.neighbors(v).iter().flat_map(|&u| self.first[u as usize]..self.first[u as usize + 1]);
+        for (row, value) in rows.zip(column) {
+            if let Some(y) = y.get_mut(row) {
+                *y += value * x;
             }
         }
     }

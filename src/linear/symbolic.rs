@@ -32,10 +32,11 @@ pub(super) struct Front {
     pub(super) u: usize,
     /// Place of the front's factors: `p * p` of the pivot block, `u * p` below it, `u * p` to its right.
     pub(super) factors: usize,
-    /// The other unknowns in `rows`, their places in the parent's front in `places`.
+    /// The other unknowns in `rows`.
     pub(super) rows: Range<usize>,
-    /// How many of them are pivots of the parent: these come first. The others are counted from the parent's first unknown that is none.
-    pub(super) split: usize,
+    /// Their places in the parent's front, in `runs`: first those that are pivots there, then the others.
+    pub(super) to_pivots: Range<usize>,
+    pub(super) to_others: Range<usize>,
     pub(super) parent: Option<u32>,
     /// Fronts whose updates are added, in ascending order.
     pub(super) children: Range<usize>,
@@ -80,6 +81,16 @@ pub(super) struct Beside {
     pub(super) other: u32,
 }
 
+/// Unknowns of an update that stay side by side in the parent's front.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// First of them in the update.
+    pub(super) source: u32,
+    /// Its place among the parent's pivots, or among the parent's others.
+    pub(super) target: u32,
+    pub(super) length: u32,
+}
+
 /// The structure of the factors of a pattern, for one order of elimination.
 #[derive(Debug, Default)]
 pub(super) struct Symbolic {
@@ -87,7 +98,7 @@ pub(super) struct Symbolic {
     pub(super) unknowns: Vec<u32>,
     pub(super) fronts: Vec<Front>,
     pub(super) rows: Vec<u32>,
-    pub(super) places: Vec<u32>,
+    pub(super) runs: Vec<Run>,
     pub(super) children: Vec<u32>,
     pub(super) inside: Vec<Inside>,
     pub(super) beside: Vec<Beside>,
@@ -244,22 +255,29 @@ impl Symbolic {
                 self.rows.extend(unknown..unknown + size);
             }
             self.fronts[front].rows = rows..self.rows.len();
-            self.places.resize(self.rows.len(), 0);
             for child in children {
                 let child = self.children[child] as usize;
-                let mut place = self.fronts[child].rows.start;
-                let mut split = 0;
+                let (mut source, mut end) = (0, NONE);
+                let first_run = self.runs.len();
+                let mut first_other = None;
                 for &i in &vertices[vertex_starts[child] as usize..ends[child] as usize] {
-                    let here = local[i as usize];
-                    let size = self.sizes[order[i as usize] as usize];
-                    let (base, is_pivot) = if (here as usize) < pivots { (here, size) } else { (here - pivots as u32, 0) };
-                    for k in 0..u32::from(size) {
-                        self.places[place] = base + k;
-                        place += 1;
+                    let place = local[i as usize];
+                    let size = u32::from(self.sizes[order[i as usize] as usize]);
+                    let other = place as usize >= pivots;
+                    if other && first_other.is_none() {
+                        first_other = Some(self.runs.len());
+                        end = NONE;
                     }
-                    split += is_pivot as usize;
+                    match self.runs.last_mut() {
+                        Some(run) if end == place => run.length += size,
+                        _ => self.runs.push(Run { source, target: if other { place - pivots as u32 } else { place }, length: size }),
+                    }
+                    source += size;
+                    end = place + size;
                 }
-                self.fronts[child].split = split;
+                let first_other = first_other.unwrap_or(self.runs.len());
+                self.fronts[child].to_pivots = first_run..first_other;
+                self.fronts[child].to_others = first_other..self.runs.len();
             }
             let (inside, beside) = (self.inside.len(), self.beside.len());
             for &i in own {

@@ -1,0 +1,211 @@
+//! The linear solver beside faer's sparse LU, on systems like those of the bearing: two rings of quadrilaterals tied by multipliers.
+//!
+//! `cargo bench --bench linear -- [refine ...]` (1 2 4 without arguments; 8 takes a minute). Milliseconds of processor time of one thread,
+//! the least of several repetitions, both solvers in one run, so that ratios hold on a loaded machine. The matrices: bilinear quadrilaterals
+//! with stiffness and mass of the bearing's size, disturbed unsymmetrically by 1 %, one multiplier per node of the inner ring's surface.
+
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+use conserva::linear::{Factorization, Pattern};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, factorize_symbolic_lu};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par};
+
+/// Numbers between -1/2 and 1/2 (xorshift).
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+}
+
+/// Seconds: processor time of this thread where the system tells it, else time of the clock.
+fn seconds(start: Instant) -> f64 {
+    // The count is brought up to date when the thread gives way.
+    std::thread::yield_now();
+    let of_thread = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = of_thread.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |x| 1e-9 * x)
+}
+
+/// The least milliseconds of some repetitions.
+fn least(repetitions: usize, mut run: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    let times = (0..repetitions).map(|_| {
+        let before = seconds(start);
+        run();
+        seconds(start) - before
+    });
+    1e3 * times.fold(f64::INFINITY, f64::min)
+}
+
+/// Pattern and values of the rings; the outer one is turned by `slide` of its elements.
+fn rings(refine: usize, slide: usize) -> (Pattern, Vec<f64>) {
+    let mut noise = Noise(88_172_645_463_325_252);
+    let (outer, inner, layers) = (48 * refine, 40 * refine, 10 * refine);
+    let mut cells: Vec<[u32; 4]> = Vec::new();
+    let mut first = 0;
+    for around in [outer, inner] {
+        let node = |i: usize, j: usize| (first + i * around + j % around) as u32;
+        for i in 0..layers {
+            cells.extend((0..around).map(|j| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]));
+        }
+        first += (layers + 1) * around;
+    }
+    let nodes = first;
+    let surface = (layers + 1) * outer + layers * inner;
+    let constraints: Vec<Vec<(u32, f64)>> = (0..inner)
+        .map(|m| {
+            let own = [(inner - 1, 1.0 / 6.0), (0, 2.0 / 3.0), (1, 1.0 / 6.0)].map(|(d, w)| ((surface + (m + d) % inner) as u32, w));
+            let opposite = m * outer / inner + slide;
+            let other = [(outer - 1, -0.1), (0, -0.4), (1, -0.4), (2, -0.1)].map(|(d, w)| (((opposite + d) % outer) as u32, w));
+            own.into_iter().chain(other).collect()
+        })
+        .collect();
+    let mut sizes = vec![2u8; nodes];
+    sizes.resize(nodes + inner, 1);
+    let couplings: Vec<[u32; 2]> =
+        constraints.iter().enumerate().flat_map(|(m, row)| row.iter().map(move |(node, _)| [*node, (nodes + m) as u32])).collect();
+    let cliques = cells.iter().map(|cell| &cell[..]).chain(couplings.iter().map(|pair| &pair[..]));
+    let pattern = Pattern::new(&sizes, cliques).with_anchors((0..inner).map(|m| ((nodes + m) as u32, (surface + m) as u32)));
+    let mut values = vec![0.0; pattern.values()];
+    for cell in &cells {
+        for (a, &u) in cell.iter().enumerate() {
+            for (b, &v) in cell.iter().enumerate() {
+                let block = pattern.block(u, v);
+                for i in 0..2 {
+                    for k in 0..2 {
+                        let value = match (i == k, (4 + b - a) % 4) {
+                            (true, 0) => 1.1e5,
+                            (true, 2) => -5e4,
+                            (true, _) => -1e4,
+                            (false, _) => 2e4 * if (a + b + i) % 2 == 0 { 1.0 } else { -1.0 },
+                        };
+                        values[block.at(i, k)] += value * (1.0 + 0.01 * noise.next());
+                    }
+                }
+            }
+        }
+    }
+    for (m, row) in constraints.iter().enumerate() {
+        let (sin, cos) = (TAU * m as f64 / inner as f64).sin_cos();
+        let multiplier = (nodes + m) as u32;
+        for &(node, weight) in row {
+            for (i, direction) in [cos, sin].into_iter().enumerate() {
+                values[pattern.block(multiplier, node).at(0, i)] = weight * direction * (1.0 + 0.02 * noise.next());
+                values[pattern.block(node, multiplier).at(i, 0)] = -weight * direction * (1.0 + 0.02 * noise.next());
+            }
+        }
+    }
+    (pattern, values)
+}
+
+/// Milliseconds of the phases and the relative residual.
+struct Row {
+    unknowns: f64,
+    structure: f64,
+    factor: f64,
+    solve: f64,
+    residual: f64,
+}
+
+fn residual(pattern: &Pattern, values: &[f64], x: &[f64], right: &[f64]) -> f64 {
+    let mut product = vec![0.0; x.len()];
+    pattern.multiply_into(values, x, &mut product);
+    let largest = |x: f64, y: f64| x.max(y.abs());
+    product.iter().zip(right).map(|(a, b)| a - b).fold(0.0, largest) / right.iter().copied().fold(0.0, largest)
+}
+
+fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
+    let (pattern, values) = rings(refine, 0);
+    let mut factorization = Factorization::new(&pattern).expect("it fits into memory");
+    let order = least(1, || factorization = Factorization::new(&pattern).expect("it fits into memory"));
+    let structure = least(repetitions, || factorization.renew(&pattern).expect("it fits into memory"));
+    let factor = least(repetitions, || factorization.factorize(&values).expect("values are finite"));
+    let mut x = right.to_vec();
+    let solve = least(repetitions, || {
+        x.copy_from_slice(right);
+        factorization.solve(&values, &mut x).expect("the matrix is regular");
+    });
+    let unknowns = pattern.unknowns() as f64;
+    let operations = factorization.operations();
+    factorization.renew(&rings(refine, 1).0).expect("it fits into memory");
+    println!(
+        "refine {refine}: {unknowns} unknowns, order {order:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid by an element",
+        1e-6 * operations,
+        1e-6 * operations / factor,
+        factorization.operations() / operations,
+    );
+    Row { unknowns, structure, factor, solve, residual: residual(&pattern, &values, &x, right) }
+}
+
+fn faer_lu(refine: usize, right: &[f64], repetitions: usize) -> Row {
+    let (pattern, values) = rings(refine, 0);
+    let (starts, rows) = pattern.compressed_columns();
+    let n = pattern.unknowns();
+    let structure = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &rows);
+    let parameters = || LuSymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..Default::default() };
+    let mut symbolic = factorize_symbolic_lu(structure, parameters()).expect("it fits into memory");
+    let symbolic_time = least(repetitions, || symbolic = factorize_symbolic_lu(structure, parameters()).expect("it fits into memory"));
+    let mut numeric = NumericLu::<usize, f64>::new();
+    let scratch = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(scratch.or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)));
+    let matrix = SparseColMatRef::new(structure, &values[..]);
+    let factor = least(repetitions, || {
+        let stack = MemStack::new(&mut memory);
+        symbolic.factorize_numeric_lu(&mut numeric, matrix, Par::Seq, stack, Default::default()).expect("the matrix is regular");
+    });
+    let mut x = right.to_vec();
+    let solve = least(repetitions, || {
+        x.copy_from_slice(right);
+        let vector = MatMut::from_column_major_slice_mut(&mut x, n, 1);
+        LuRef::new_unchecked(&symbolic, &numeric).solve_in_place_with_conj(Conj::No, vector, Par::Seq, MemStack::new(&mut memory));
+    });
+    Row { unknowns: n as f64, structure: symbolic_time, factor, solve, residual: residual(&pattern, &values, &x, right) }
+}
+
+fn main() {
+    let asked: Vec<usize> = std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
+    let sizes = if asked.is_empty() { vec![1, 2, 4] } else { asked };
+    println!(
+        "milliseconds of processor time, one thread: structure for a known order, factorization, solution with residual and refinement"
+    );
+    let mut last: Option<Row> = None;
+    for refine in sizes {
+        let (pattern, values) = rings(refine, 0);
+        let exact: Vec<f64> = (0..pattern.unknowns()).map(|i| (i as f64 * 0.7).sin()).collect();
+        let mut right = vec![0.0; exact.len()];
+        pattern.multiply_into(&values, &exact, &mut right);
+        let repetitions = [100, 25, 6, 3][refine.ilog2().min(3) as usize];
+        let own = ours(refine, &right, repetitions);
+        let other = faer_lu(refine, &right, (repetitions / 4).max(2));
+        for (name, row) in [("ours", &own), ("faer", &other)] {
+            println!(
+                "  {name}  structure {:8.3}  factor {:9.3}  solve {:8.3}  residual {:.1e}",
+                row.structure, row.factor, row.solve, row.residual
+            );
+        }
+        println!(
+            "  ours / faer: factor {:.3}, factor + solve {:.3}",
+            own.factor / other.factor,
+            (own.factor + own.solve) / (other.factor + other.solve)
+        );
+        if let Some(last) = last.filter(|last| last.unknowns < own.unknowns) {
+            let exponent = |now: f64, before: f64| (now / before).ln() / (own.unknowns / last.unknowns).ln();
+            println!(
+                "  growth with the unknowns: structure {:.2}, factor {:.2}, solve {:.2}",
+                exponent(own.structure, last.structure),
+                exponent(own.factor, last.factor),
+                exponent(own.solve, last.solve)
+            );
+        }
+        last = Some(own);
+    }
+}
