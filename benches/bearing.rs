@@ -102,7 +102,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!("bearing, one thread, ms per Newton iteration: per step the minimum over {repetitions} repetitions, summed over the steps");
-    println!("{:>6} {:>9} {:>6} {:>6} {:>7}{}", "refine", "unknowns", "steps", "its", "LU/it", PHASES.map(|name| format!("{name:>14}")).concat());
+    println!(
+        "{:>6} {:>9} {:>6} {:>6} {:>7}{}",
+        "refine",
+        "unknowns",
+        "steps",
+        "its",
+        "LU/it",
+        PHASES.map(|name| format!("{name:>14}")).concat()
+    );
     let mut timings = Vec::new();
     for refine in sizes {
         let steps = if refine == 1 { 40 } else { 12 / refine.min(4) + 2 };

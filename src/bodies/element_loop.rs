@@ -21,7 +21,7 @@ use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
 use crate::linear::{Block, NodeMatrix, Pattern};
 use crate::materials::{Batch as Law, Material, Strain};
-use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::{mandel_index, mandel_scale};
 use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
@@ -395,7 +395,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
                 }
             }
             result.strain[q] = strain_of(&h);
-            result.gradient[q] = h.map(|row| row.map(cast_back));
+            result.gradient[q] = relabel_rows(&h);
         }
         result
     }
@@ -413,7 +413,7 @@ impl<const D: usize, const S: usize, const Q: usize> Kernel for Strains<'_, D, S
     fn run<const FMA: bool>(self) -> [Strain<S>; Q] {
         let mut strain = [[Lanes::ZERO; S]; Q];
         for q in 0..Q {
-            strain[q] = strain_of(&self.gradient[q].map(|row| row.map(cast::<FMA>)));
+            strain[q] = strain_of(&relabel_rows::<false, FMA, D, D>(&self.gradient[q]));
         }
         strain
     }
@@ -441,14 +441,14 @@ impl<const S: usize, const Q: usize> Kernel for Combine<'_, S, Q> {
             }
             let (stress, tangent) = discrete_gradient(
                 &d,
-                &self.stress[q].map(cast),
-                &self.tangent[q].map(|row| row.map(cast)),
-                &self.stress_end[q].map(cast),
+                &relabel(&self.stress[q]),
+                &relabel_rows(&self.tangent[q]),
+                &relabel(&self.stress_end[q]),
                 cast(self.remainder[q]),
                 STRAIN_INCREMENT_SQUARED,
             );
-            self.stress[q] = stress.map(cast_back);
-            self.tangent[q] = tangent.map(|row| row.map(cast_back));
+            self.stress[q] = relabel(&stress);
+            self.tangent[q] = relabel_rows(&tangent);
         }
     }
 }
@@ -476,8 +476,8 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
             let test = deformation_gradient::<FMA, D>(&self.test[q]);
             let trial = deformation_gradient::<FMA, D>(&self.trial[q]);
             let weight = cast::<FMA>(self.batch.weights[q]) * self.weight;
-            let gradients = self.batch.gradients[q].map(|row| row.map(cast::<FMA>));
-            let stress = self.stress[q].map(cast::<FMA>);
+            let gradients = &self.batch.gradients[q];
+            let stress = relabel::<false, FMA, S>(&self.stress[q]);
             // half[iJ][s] = w (F_test)_iM T_MJ,s, first Piola stress P_iJ = w (F_test)_iM S_MJ.
             let mut half = [[[Lanes::<FMA>::ZERO; S]; D]; D];
             let mut piola = [[Lanes::<FMA>::ZERO; D]; D];
@@ -516,10 +516,10 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
                 let mut row = [[[Lanes::<FMA>::ZERO; D]; D]; D];
                 for i in 0..D {
                     for j in 0..D {
-                        force[a][i] = piola[i][j].mul_add(gradients[a][j], force[a][i]);
+                        force[a][i] = piola[i][j].mul_add(cast(gradients[a][j]), force[a][i]);
                         for k in 0..D {
                             for l in 0..D {
-                                row[i][k][l] = gradients[a][j].mul_add(moduli[i][j][k][l], row[i][k][l]);
+                                row[i][k][l] = cast::<FMA>(gradients[a][j]).mul_add(moduli[i][j][k][l], row[i][k][l]);
                             }
                         }
                     }
@@ -528,7 +528,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
                     for i in 0..D {
                         for k in 0..D {
                             for l in 0..D {
-                                blocks[a][b][i][k] = row[i][k][l].mul_add(gradients[b][l], blocks[a][b][i][k]);
+                                blocks[a][b][i][k] = row[i][k][l].mul_add(cast(gradients[b][l]), blocks[a][b][i][k]);
                             }
                         }
                     }
@@ -549,19 +549,18 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
                 }
             }
         }
-        self.out.force = force.map(|row| row.map(cast_back));
-        self.out.tangent = blocks.map(|row| row.map(|block| block.map(|r| r.map(cast_back))));
+        self.out.force = relabel_rows(&force);
+        for a in 0..A {
+            for b in 0..A {
+                self.out.tangent[a][b] = relabel_rows(&blocks[a][b]);
+            }
+        }
     }
 }
 
 #[inline(always)]
-fn cast_back<const FMA: bool>(x: Lanes<FMA>) -> Lanes<false> {
-    Lanes(x.0)
-}
-
-#[inline(always)]
 fn deformation_gradient<const FMA: bool, const D: usize>(h: &[[Lanes<false>; D]; D]) -> [[Lanes<FMA>; D]; D] {
-    let mut f = h.map(|row| row.map(cast::<FMA>));
+    let mut f = relabel_rows::<false, FMA, D, D>(h);
     for (i, row) in f.iter_mut().enumerate() {
         row[i] = row[i] + 1.0;
     }

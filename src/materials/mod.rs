@@ -9,7 +9,7 @@ mod saint_venant_kirchhoff;
 use std::sync::Arc;
 
 use crate::math::catalogue::{Interval, Parameter};
-use crate::math::lanes::{Lanes, Real};
+use crate::math::lanes::{Lanes, Real, relabel};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::{Mandel, Tensor};
 use crate::math::tolerances::STRAIN_QUOTIENT;
@@ -57,12 +57,12 @@ pub type Strain<const S: usize> = [Lanes<false>; S];
 
 #[inline(always)]
 fn load<const FMA: bool, const S: usize>(strain: &Strain<S>) -> Mandel<Lanes<FMA>, S> {
-    Mandel(strain.map(|lane| Lanes(lane.0)))
+    Mandel(relabel(strain))
 }
 
 #[inline(always)]
 fn store<const FMA: bool, const S: usize>(tensor: [Lanes<FMA>; S]) -> Strain<S> {
-    tensor.map(|lane| Lanes(lane.0))
+    relabel(&tensor)
 }
 
 struct Energy<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Lanes<false>]);

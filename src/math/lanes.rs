@@ -82,6 +82,26 @@ impl<const FMA: bool> Lanes<FMA> {
     }
 }
 
+/// The same numbers for code with another `FMA`. A loop, because `array::map` is not inlined into functions that enable instructions.
+#[inline(always)]
+pub fn relabel<const A: bool, const B: bool, const N: usize>(lanes: &[Lanes<A>; N]) -> [Lanes<B>; N] {
+    let mut result = [Lanes::ZERO; N];
+    for k in 0..N {
+        result[k] = Lanes(lanes[k].0);
+    }
+    result
+}
+
+/// [`relabel`] for a matrix.
+#[inline(always)]
+pub fn relabel_rows<const A: bool, const B: bool, const N: usize, const M: usize>(rows: &[[Lanes<A>; N]; M]) -> [[Lanes<B>; N]; M] {
+    let mut result = [[Lanes::ZERO; N]; M];
+    for k in 0..M {
+        result[k] = relabel(&rows[k]);
+    }
+    result
+}
+
 impl<const FMA: bool> Add for Lanes<FMA> {
     type Output = Self;
     #[inline(always)]
