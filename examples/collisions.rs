@@ -38,7 +38,7 @@ fn collision(number: usize, rule: &str) -> Result<(Model, f64), Box<dyn Error>> 
     random.between(0.0, 1.0);
     let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").ok_or("no such material")?;
     let steel = Material::new(row, &[1e5, 0.1, 1e-3]);
-    let inside = number % 2 == 0;
+    let inside = number.is_multiple_of(2);
     let direction = random.between(0.0, std::f64::consts::TAU);
     let speed = random.between(2.0, 40.0);
     let spins = [random.between(-30.0, 30.0), random.between(-30.0, 30.0)];

@@ -20,6 +20,8 @@ const MAX_SETTLE_STEPS: usize = 60;
 /// Damping of `settle` over the stiffness of the slowest elastic motion: small, so that few steps suffice, not zero, so that rigid motions
 /// stay regular.
 const SETTLE_DAMPING: f64 = 1e-5;
+/// Reach of a second search when a step converged with more motion than was expected: impacts add elastic motion to the prediction.
+const WIDER_SEARCH: f64 = 3.0;
 
 /// A jump of the velocities at the end of a step.
 struct Jump {
@@ -79,6 +81,14 @@ where
 
     /// One piece of a step from the current state: the new state, or why there is none.
     fn piece(&mut self, dt: f64) -> Result<State, Failure> {
+        match self.piece_within(dt, 1.0) {
+            Err(Failure::BeyondSearch { .. }) => self.piece_within(dt, WIDER_SEARCH),
+            outcome => outcome,
+        }
+    }
+
+    /// [`Self::piece`] with a multiple of the usual reach of the search for contact.
+    fn piece_within(&mut self, dt: f64, reach: f64) -> Result<State, Failure> {
         let state = self.state.clone();
         let (integrator, time) = (self.options.integrator, state.row.time);
         let (displacement, prescribed_v_1) = self.system.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
@@ -99,7 +109,7 @@ where
             .iter()
             .map(|pair| {
                 let (secondary, primary) = (pair.kernel.secondary().nodes(), pair.kernel.primary().nodes());
-                pair.kernel.facet_size() + travel(secondary) + travel(primary)
+                reach * (pair.kernel.facet_size() + travel(secondary) + travel(primary))
             })
             .collect();
         self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
