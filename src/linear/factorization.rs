@@ -6,7 +6,7 @@
 
 use super::error::LinearError;
 use super::multifrontal::Multifrontal;
-use super::ordering::{anchored, dissection};
+use super::ordering::{anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
 use super::symbolic::Symbolic;
@@ -21,7 +21,7 @@ const REFINEMENTS: usize = 2;
 /// The factorisation of a matrix: the order of elimination kept as long as it is good, the structure as long as the pattern stays, the
 /// factors computed for many values.
 pub struct Factorization {
-    /// Vertices in the order of the dissection, and the work of a factorisation when it was made.
+    /// Vertices in the order that was found best, multipliers not yet moved, and the work of a factorisation when it was made.
     order: Vec<u32>,
     best: f64,
     pattern: Pattern,
@@ -101,9 +101,14 @@ impl Factorization {
             self.symbolic = Symbolic::new(pattern, &anchored(pattern, &self.order));
         }
         if self.order.len() != pattern.vertices() || self.symbolic.operations > WORTH_A_NEW_ORDER * self.best {
-            self.order = dissection(pattern);
-            self.symbolic = Symbolic::new(pattern, &anchored(pattern, &self.order));
-            self.best = self.symbolic.operations;
+            self.best = f64::INFINITY;
+            for order in candidates(pattern) {
+                let symbolic = Symbolic::new(pattern, &anchored(pattern, &order));
+                if symbolic.operations < self.best {
+                    self.best = symbolic.operations;
+                    (self.order, self.symbolic) = (order, symbolic);
+                }
+            }
         }
         self.vertex_scale.resize(pattern.vertices(), 1.0);
         for buffer in [&mut self.scale, &mut self.solution, &mut self.residual] {
