@@ -80,6 +80,13 @@ pub trait ContactKernel: Send + Sync {
     /// Constraint functions at the start of the step.
     fn start_gap(&self) -> Vec<f64>;
 
+    /// Whether the discrete gradient's correction is one per secondary node instead of one per patch.
+    ///
+    /// Both conserve. A patch's own correction jumps where its overlap changes ends; in the sum over a node's patches the jumps cancel
+    /// before they are divided by the size of the step. Newton's method can fail on the first where it does not on the second, whose
+    /// tangent leaves out the correction's derivative (it would couple all patches of a node). Kernels without patch sums ignore it.
+    fn share_correction(&mut self, _shared: bool) {}
+
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
 

@@ -297,6 +297,11 @@ where
         Ok(system)
     }
 
+    /// Chooses the contact kernels' discrete gradient ([`ContactKernel::share_correction`]).
+    pub(super) fn share_corrections(&mut self, shared: bool) {
+        self.pairs.iter_mut().for_each(|pair| pair.kernel.share_correction(shared));
+    }
+
     /// Number of nodes.
     pub(super) fn nodes(&self) -> usize {
         self.reference.len() / D

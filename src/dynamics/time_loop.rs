@@ -450,8 +450,13 @@ where
 {
     let before = system.factorizations;
     let mut outcome = newton::solve(system, task, Strategy::InnerLoop, trace);
-    let hopeless = matches!(outcome, Ok(_) | Err(Failure::Fatal(_) | Failure::Inverted { .. }));
-    if !hopeless && system.multipliers > 0 {
+    let done = |outcome: &Result<Solution, Failure>| matches!(outcome, Ok(_) | Err(Failure::Fatal(_) | Failure::Inverted { .. }));
+    if !done(&outcome) && system.multipliers > 0 {
+        system.share_corrections(true);
+        outcome = newton::solve(system, task, Strategy::InnerLoop, trace);
+        system.share_corrections(false);
+    }
+    if !done(&outcome) && system.multipliers > 0 {
         outcome = newton::solve(system, task, Strategy::Backtracking, trace);
     }
     *iterations += outcome.as_ref().map_or(system.factorizations - before, |solution| solution.iterations);
