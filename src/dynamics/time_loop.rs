@@ -426,7 +426,7 @@ where
                 }
                 FailureCause::InvertedCell { body: body.clone(), cell: inverted.cell, determinant: inverted.determinant, center }
             }
-            Failure::Linear(error) => FailureCause::SingularSystem { reason: error.to_string() },
+            Failure::Linear(error) => FailureCause::SingularSystem { reason: self.system.explain(error) },
             Failure::Diverged => FailureCause::Divergence,
             Failure::BeyondSearch { pair } => FailureCause::TooFast { contact: pair.clone() },
             Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string() },
