@@ -4,10 +4,15 @@
 mod common;
 
 mod bar;
+mod bar_on_wall;
 mod bearing;
+mod bouncing_ring;
 mod colliding_rings;
 mod contact_patch;
+mod crushed_hose;
 mod free_fall;
+mod node_to_segment;
 mod ring_on_ring;
+mod tied_bodies;
 mod torque_on_ring;
 mod tumbling_block;

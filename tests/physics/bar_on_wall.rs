@@ -1,0 +1,96 @@
+//! An elastic bar and a rigid wall: the bar flies against it, or it pushes the bar.
+//!
+//! Closed form (one-dimensional wave): a bar of length L, density rho and wave speed c that meets a wall at the relative speed v is pressed
+//! by rho c v from the first touch until the wave has returned from the free end, 2 L/c later; it leaves with the speed v reversed. A wall
+//! that moves at v does the work 2 rho L v^2 on a bar at rest, which leaves it at 2 v.
+
+use std::rc::Rc;
+
+use conserva::contact::Obstacle;
+use conserva::dynamics::{Enforcement, LedgerRow, ObstacleDefinition, Ramp, UpdateRule};
+use conserva::integrators::Integrator;
+use conserva::mesh::rectangle;
+
+use crate::common::{Builder, material, run, worst};
+
+const LENGTH: f64 = 1.0;
+const HEIGHT: f64 = 0.05;
+/// Speed over wave speed 1: strains of 1e-3, so that the waves are linear to 0.2 %.
+const SPEED: f64 = 1e-3;
+
+/// The bar from x = gap to gap + 1 in cells of 1/100, wave speed 1, density 1, and the wall x <= 0.
+fn collide(moving_wall: bool, update: UpdateRule, enforcement: Enforcement, until: f64) -> Vec<LedgerRow> {
+    let (cells, dt) = (100, 0.005);
+    // The touch falls into the middle of a step.
+    let gap = SPEED * 10.5 * dt;
+    let mut builder = Builder::default();
+    let mesh = rectangle([LENGTH, HEIGHT], [cells, 1], [gap, 0.0]).expect("the mesh is sound");
+    let bar = builder.body("bar", mesh, &material("saint_venant_kirchhoff", [1.0, 0.0, 1.0]));
+    let left = builder.boundary(bar, "left");
+    let definition = ObstacleDefinition::new("wall", left, Obstacle::HalfPlane { point: [0.0; 2], normal: [1.0, 0.0] });
+    let mut wall = ObstacleDefinition { update, enforcement, ..definition };
+    if moving_wall {
+        wall.motion[0] = Some(Rc::new(Ramp { start: 0.0, end: 10.0, value: 10.0 * SPEED }));
+    } else {
+        builder.throw(bar, [-SPEED, 0.0, 0.0], [0.0; 3]);
+    }
+    builder.model.obstacles.push(wall);
+    run(&mut builder.simulate(Integrator::EnergyMomentum, dt), until)
+}
+
+const RULES: [(UpdateRule, Enforcement); 4] = [
+    (UpdateRule::Gap, Enforcement::Multiplier),
+    (UpdateRule::Persistency, Enforcement::Multiplier),
+    (UpdateRule::Velocity, Enforcement::Multiplier),
+    // Its spring is the facet (0.05) over the factor long: with 1 it would delay the release by 0.1.
+    (UpdateRule::Gap, Enforcement::Penalty { factor: 25.0 }),
+];
+
+#[test]
+fn contact_lasts_until_the_wave_returns_and_presses_with_the_impedance() {
+    for moving_wall in [false, true] {
+        for (update, enforcement) in RULES {
+            let rows = collide(moving_wall, update, enforcement, 2.5);
+            let (h, mass) = (LENGTH / 100.0, LENGTH * HEIGHT);
+            // Kinetic energy of the impact, or the work of the wall, which is four times that.
+            let energy = 0.5 * mass * SPEED * SPEED;
+            let name = format!("{update:?} {enforcement:?} moving {moving_wall}");
+            // Strains of 1e-3 are differences of positions about 1 over cells of 0.01: a relative round-off of 1e-11 in each.
+            assert!(
+                worst(&rows, |row| row.energy_defect) < 1e-10 * energy,
+                "{name}: {:.1e}",
+                worst(&rows, |row| row.energy_defect) / energy
+            );
+            assert!(worst(&rows, |row| row.momentum_defect) < 1e-10 * mass * SPEED, "{name}");
+
+            // Force from the change of the momentum; the wave speed is 1.
+            let force: Vec<f64> = rows.windows(2).map(|pair| (pair[1].momentum[0] - pair[0].momentum[0]) / pair[1].dt).collect();
+            let pressed = |index: &usize| force[*index] > 0.01 * SPEED * HEIGHT;
+            let first = (0..force.len()).find(pressed).expect("it touches");
+            let last = (0..force.len()).rfind(pressed).expect("it touches");
+            let (touch, release) = (rows[first].time, rows[last + 1].time);
+            let impulse = rows[rows.len() - 1].momentum[0] - rows[0].momentum[0];
+            // Without the first and last tenth, where numerical waves ring.
+            let (from, to) = (first + (last - first) / 10, last - (last - first) / 10);
+            let mean = force[from..to].iter().sum::<f64>() / (to - from) as f64 / HEIGHT;
+            let work: f64 = rows[1..].iter().map(|row| row.load_work).sum();
+            println!(
+                "{name}: duration {:.4}, mean pressure over rho c v {:.5}, impulse over 2 m v {:.5}, work over 2 m v^2 {:.5}, lost {:.2e}",
+                release - touch,
+                mean / SPEED,
+                impulse / (2.0 * mass * SPEED),
+                work / (4.0 * energy),
+                -rows[1..].iter().map(|row| row.contact_work).sum::<f64>() / energy,
+            );
+            assert!((release - touch - 2.0).abs() < 4.0 * h, "{name}: {touch} {release}");
+            assert!((mean / SPEED - 1.0).abs() < 0.01, "{name}: {}", mean / SPEED);
+            assert!((impulse / (2.0 * mass * SPEED) - 1.0).abs() < 0.01, "{name}: {}", impulse / (2.0 * mass * SPEED));
+            if moving_wall {
+                // The wall moves at constant speed: its work is impulse times speed.
+                assert!((work - impulse * SPEED).abs() < 1e-9 * energy, "{name}: {work} {}", impulse * SPEED);
+            } else {
+                assert_eq!(work, 0.0);
+            }
+        }
+    }
+}
