@@ -64,6 +64,8 @@ pub(super) struct Pair {
     pub(super) kind: PairKind,
     /// Translation of the obstacle over time.
     motion: [Option<super::amplitude::Amplitude>; 2],
+    /// Mean velocity of the obstacle in this step.
+    obstacle_velocity: [f64; 2],
     pub(super) kernel: Box<dyn ContactKernel>,
     pub(super) evaluation: Evaluation,
     pub(super) equality: bool,
@@ -407,6 +409,8 @@ where
                     }
                 }
             }
+            let [start, _, end] = translations;
+            pair.obstacle_velocity = std::array::from_fn(|i| if dt > 0.0 { (end[i] - start[i]) / dt } else { 0.0 });
             pair.kernel.move_obstacle(&translations);
         }
         Ok(())
@@ -630,7 +634,9 @@ where
     /// The smoothed velocity jump of the `velocity` rule: `w` with `(M + (dt/2)^2 K_m(q_1)) w = sum_A lambda_A grad Phi_A(q_1)`, and the
     /// impulse of the supports that belongs to it. `K_m` is the material stiffness: its forces have neither resultant nor moment at `q_1`,
     /// so that `v_1 + s w` has the momenta of `v_1` for every `s`.
-    pub(super) fn smoothed_jump(&mut self, q_1: &[f64], dt: f64, lambda: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+    ///
+    /// Obstacles push from outside as supports do; where they move, the work of their push per unit of the jump comes third.
+    pub(super) fn smoothed_jump(&mut self, q_1: &[f64], dt: f64, lambda: &[f64]) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
         let clock = Instant::now();
         self.values.fill(0.0);
         for body in &self.bodies {
@@ -642,6 +648,7 @@ where
         }
         let mut push = vec![0.0; q_1.len()];
         let mut reaction = vec![0.0; q_1.len()];
+        let mut obstacle_work = 0.0;
         for pair in &self.pairs {
             let from_outside = pair.kind == PairKind::Obstacle;
             let patches = pair.kernel.patches();
@@ -654,6 +661,7 @@ where
                             push[node as usize * D + i] += lambda * gradient[u * D + i];
                             if from_outside {
                                 reaction[node as usize * D + i] += lambda * gradient[u * D + i];
+                                obstacle_work += lambda * gradient[u * D + i] * pair.obstacle_velocity[i];
                             }
                         }
                     }
@@ -685,7 +693,7 @@ where
                 reaction[k] += needed[k] - push[k];
             }
         }
-        Ok((right, reaction))
+        Ok((right, reaction, obstacle_work))
     }
 
     fn write_constraints(&mut self, active: &[bool], diagonal: &[f64]) {
@@ -848,6 +856,7 @@ fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>,
             name: name.into(),
             kind,
             motion: [None, None],
+            obstacle_velocity: [0.0; 2],
             equality: kind == PairKind::Tie,
             update: UpdateRule::Gap,
             penalty: 0.0,

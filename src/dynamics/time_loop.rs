@@ -26,10 +26,12 @@ const WIDER_SEARCH: f64 = 3.0;
 /// A jump of the velocities at the end of a step.
 struct Jump {
     velocity: Vec<f64>,
-    /// Impulse of the supports.
+    /// Impulse of supports and obstacles.
     impulse: Vec<f64>,
-    /// Kinetic energy that it adds.
+    /// Kinetic energy that it gives back.
     energy: f64,
+    /// Kinetic energy that moving obstacles add by their push: as seen from the obstacle, only the lost energy returns.
+    work: f64,
 }
 
 /// A simulation in `D` dimensions.
@@ -177,7 +179,7 @@ where
     /// The velocity jump that returns the energy `sum lambda Phi(q_0)` which closing pairs of the `velocity` rule lost, and its support
     /// impulse.
     ///
-    /// `v_1 + s w` with the root of `1/2 s^2 w.Mw + s v_1.Mw = lost`.
+    /// `v_1 + s w` with the root of `1/2 s^2 w.Mw + s (v_1.Mw - work) = lost`, `work` what moving obstacles do by the push of `w`.
     fn velocity_jump(&mut self, dt: f64, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {
         let mut lambda = vec![0.0; self.system.multipliers];
         let mut lost = 0.0;
@@ -191,12 +193,13 @@ where
         if lost == 0.0 {
             return Ok(None);
         }
-        let (mut w, mut impulse) = self.system.smoothed_jump(&solution.q_1, dt, &lambda).map_err(Failure::Linear)?;
+        let (mut w, mut impulse, work) = self.system.smoothed_jump(&solution.q_1, dt, &lambda).map_err(Failure::Linear)?;
         let state = &self.state;
         let mut momentum = vec![0.0; w.len()];
         self.system.mass.multiply_into::<D>(&w, &mut momentum);
         let velocity = |k: usize| 2.0 / dt * (solution.q_1[k] - state.positions[k]) - state.velocities[k];
         let (a, b) = (0..w.len()).fold((0.0, 0.0), |(a, b), k| (a + 0.5 * w[k] * momentum[k], b + velocity(k) * momentum[k]));
+        let b = b - work;
         let discriminant = b * b + 4.0 * a * lost;
         let divisor = b + discriminant.max(0.0).sqrt();
         if discriminant < 0.0 || divisor <= 0.0 {
@@ -206,7 +209,7 @@ where
         let s = 2.0 * lost / divisor;
         w.iter_mut().for_each(|w| *w *= s);
         impulse.iter_mut().for_each(|f| *f *= s);
-        Ok(Some(Jump { velocity: w, impulse, energy: lost }))
+        Ok(Some(Jump { velocity: w, impulse, energy: lost, work: s * work }))
     }
 
     /// The state at the end of a converged step, with its row of the ledger.
@@ -263,6 +266,7 @@ where
             let (lambda_n, lambda) = (&self.state.lambda[pair.rows.clone()], &lambda[pair.rows.clone()]);
             obstacle_work += pair.kernel.obstacle_force_into(start.integrator, &q_1, lambda_n, lambda, &mut obstacle_force);
         }
+        obstacle_work += jump.as_ref().map_or(0.0, |jump| jump.work);
         row.load_work += obstacle_work;
         let mut slip_moment = [0.0; 3];
         if !system.prescribed.is_empty() {
