@@ -63,6 +63,17 @@ pub enum Finding {
         /// Mean facet length of the primary surface `[length]`.
         primary_size: f64,
     },
+    /// Secondary nodes of a tie that nothing lies opposite to.
+    Untied {
+        /// Name of the tie.
+        tie: String,
+        /// How many.
+        nodes: usize,
+        /// Of how many.
+        of: usize,
+        /// Distance within which the tie holds `[length]`.
+        reach: f64,
+    },
 }
 
 impl std::fmt::Display for Finding {
@@ -88,6 +99,9 @@ impl std::fmt::Display for Finding {
                  against {primary_size:.3e})",
                 secondary_size / primary_size
             ),
+            Finding::Untied { tie, nodes, of, reach } => {
+                write!(out, "{nodes} of {of} nodes of tie \"{tie}\" have nothing opposite within its reach of {reach:.3e}")
+            }
         }
     }
 }
@@ -104,6 +118,7 @@ impl Finding {
             Finding::CoarseSecondary { secondary, primary, .. } => {
                 format!("make \"{primary}\" the secondary surface, or refine \"{secondary}\": the finer side carries the multipliers")
             }
+            Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),
         }
     }
 }

@@ -444,7 +444,8 @@ mod tests {
             let obstacles = obstacles();
             let force = |obstacle: &Obstacle| {
                 let mut force = vec![0.0; 4];
-                contact(obstacle, &q_0, &[[0.0; 2]; 3]).obstacle_force_into(Integrator::EnergyMomentum, &q_1, &[0.0; 2], &[1.0; 2], &mut force);
+                let kernel = contact(obstacle, &q_0, &[[0.0; 2]; 3]);
+                kernel.obstacle_force_into(Integrator::EnergyMomentum, &q_1, &[0.0; 2], &[1.0; 2], &mut force);
                 force
             };
             for obstacle in &obstacles[1..3] {

@@ -3,6 +3,7 @@
 mod amplitude;
 mod error;
 mod fields;
+mod findings;
 mod ledger;
 mod model;
 mod newton;

@@ -809,7 +809,7 @@ pub(super) enum AssemblyError {
 }
 
 /// Facets of a boundary in the plane, in node numbers of the model.
-fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
+pub(super) fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
     let mesh = &model.bodies[on.body].mesh;
     let nodes = |facet| mesh.facet_nodes(facet).map(|node| node + first_node as u32).collect::<Vec<u32>>();
     on.boundary.facets.iter().map(|&facet| nodes(facet)).map(|nodes| [nodes[0], nodes[1]]).collect()
@@ -845,6 +845,11 @@ fn spread<const D: usize>(weights: &[(u32, f64)], vector: [f64; 3], factor: f64,
             force[node as usize * D + i] += factor * weight * vector[i];
         }
     }
+}
+
+/// Distance within which a tie holds when none is given: half of the shortest secondary facet.
+pub(super) fn tie_reach(secondary: &[[u32; 2]], reference: &[f64]) -> f64 {
+    0.5 * Surface::new(secondary).shortest_facet(reference)
 }
 
 /// All pairs of a model, `facets` a boundary's in the numbering of the model.
@@ -900,7 +905,7 @@ fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>,
     }
     for tie in &model.ties {
         let secondary = facets(&tie.secondary);
-        let reach = tie.reach.unwrap_or_else(|| 0.5 * Surface::new(&secondary).shortest_facet(reference));
+        let reach = tie.reach.unwrap_or_else(|| tie_reach(&secondary, reference));
         let kernel = Box::new(Tie::new(&secondary, &facets(&tie.primary), reference, reach));
         pairs.push(fresh(&tie.name, PairKind::Tie, tie.secondary.body, kernel));
     }
