@@ -1,3 +1,5 @@
-//! The program: hands over to the command line.
+//! The program `conserva`.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    conserva::cli::main()
+}

@@ -1,0 +1,181 @@
+//! Standard output and standard error of a command: what the script prints, checks, warnings, and progress.
+//!
+//! Progress goes to standard error: a bar on a terminal, plain lines now and then elsewhere. Writing never fails the run: when a reader
+//! closes its pipe, the rest is left unsaid and the results are still written.
+
+use std::cell::{Cell, RefCell};
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::script::{Diagnostic, Ink, Observer, Progress};
+
+/// Least time between two plain lines of progress.
+const BETWEEN_LINES: Duration = Duration::from_secs(2);
+/// Time after which a plain line comes even when less than a percent has been done.
+const LONGEST_SILENCE: Duration = Duration::from_secs(60);
+/// Positions of the bar.
+const BAR: u64 = 10_000;
+
+/// Writes to standard error; nothing can be done when that fails.
+pub fn complain(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Whether messages on standard error are colored.
+pub fn ink() -> Ink {
+    let wanted = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    if wanted && std::io::stderr().is_terminal() { Ink::Colored } else { Ink::Plain }
+}
+
+/// The observer of the command line.
+pub struct Console {
+    quiet: bool,
+    bar: RefCell<Option<ProgressBar>>,
+    terminal: bool,
+    closed: Cell<bool>,
+    begun: Cell<Instant>,
+    last: Cell<(Instant, f64)>,
+    line: RefCell<String>,
+}
+
+impl Console {
+    /// A console that shows progress unless `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        let now = Instant::now();
+        Console {
+            quiet,
+            bar: RefCell::default(),
+            terminal: std::io::stderr().is_terminal(),
+            closed: Cell::new(false),
+            begun: Cell::new(now),
+            last: Cell::new((now, 0.0)),
+            line: RefCell::default(),
+        }
+    }
+
+    /// Writes a line to standard output, above the progress bar.
+    pub fn say(&self, line: &str) {
+        if self.closed.get() {
+            return;
+        }
+        let write = || {
+            let mut out = std::io::stdout().lock();
+            writeln!(out, "{line}").and_then(|()| out.flush()).is_ok()
+        };
+        let written = match self.bar.borrow().as_ref() {
+            Some(bar) => bar.suspend(write),
+            None => write(),
+        };
+        self.closed.set(!written);
+    }
+
+    /// Shows a message on standard error.
+    pub fn report(&self, diagnostic: &Diagnostic) {
+        let text = diagnostic.render(ink());
+        match self.bar.borrow().as_ref() {
+            Some(bar) => bar.suspend(|| complain(&text)),
+            None => complain(&text),
+        }
+    }
+
+    /// A note on standard error, unless quiet.
+    pub fn note(&self, text: &str) {
+        if !self.quiet {
+            complain(&format!("{text}\n"));
+        }
+    }
+
+    fn bar(&self, until: Option<f64>) -> ProgressBar {
+        let mut slot = self.bar.borrow_mut();
+        let fresh = || {
+            let bar = ProgressBar::with_draw_target(until.map(|_| BAR), ProgressDrawTarget::stderr_with_hz(10));
+            let template = if until.is_some() { "{bar:24} {percent:>3} %  {msg}  ({eta} left)" } else { "{spinner} {msg}" };
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                bar.set_style(style);
+            }
+            bar
+        };
+        slot.get_or_insert_with(fresh).clone()
+    }
+}
+
+/// `t = 0.5 of 2, step 100, energy defect 1.2e-15, 4 iterations`.
+fn status(progress: &Progress) -> String {
+    let row = progress.row;
+    let until = progress.until.map(|until| format!(" of {until}")).unwrap_or_default();
+    let defect = if progress.scale > 0.0 { row.energy_defect / progress.scale } else { 0.0 };
+    let halvings = if row.halvings > 0 { format!(", halved {} times", row.halvings) } else { String::new() };
+    let iterations = row.newton_iterations;
+    format!(
+        "{}: t = {:.6}{until}, step {}, energy defect {defect:.1e}, {iterations} Newton iteration{}{halvings}",
+        progress.model,
+        row.time,
+        row.step,
+        if iterations == 1 { "" } else { "s" }
+    )
+}
+
+impl Observer for Console {
+    fn print(&self, line: &str) {
+        self.say(line);
+    }
+
+    fn passed(&self, line: &str) {
+        self.say(line);
+    }
+
+    fn warn(&self, warning: &Diagnostic) {
+        self.report(warning);
+    }
+
+    fn advanced(&self, progress: &Progress) {
+        if self.quiet {
+            return;
+        }
+        let done = progress.until.map(|until| ((progress.row.time - progress.from) / (until - progress.from)).clamp(0.0, 1.0));
+        if self.terminal {
+            let bar = self.bar(progress.until);
+            if let Some(done) = done {
+                bar.set_position((done * BAR as f64) as u64);
+            } else {
+                bar.tick();
+            }
+            bar.set_message(status(progress));
+            return;
+        }
+        if self.line.borrow().is_empty() {
+            self.begun.set(Instant::now());
+            self.last.set((Instant::now(), 0.0));
+        }
+        *self.line.borrow_mut() = status(progress);
+        let (at, before) = self.last.get();
+        let silence = at.elapsed();
+        let moved = done.is_none_or(|done| done - before >= 0.01);
+        if (silence >= BETWEEN_LINES && moved) || silence >= LONGEST_SILENCE {
+            let left = done.filter(|done| *done > 0.0).map(|done| self.begun.get().elapsed().mul_f64((1.0 - done) / done));
+            let left = left.map(|left| format!(", about {:.0} s left", left.as_secs_f64())).unwrap_or_default();
+            complain(&format!("{}{left}\n", self.line.borrow()));
+            self.last.set((Instant::now(), done.unwrap_or(0.0)));
+        }
+    }
+
+    fn began(&self, what: &str) {
+        if !self.quiet && self.terminal {
+            let bar = self.bar(None);
+            bar.set_message(what.to_string());
+            bar.enable_steady_tick(Duration::from_millis(100));
+        }
+    }
+
+    fn ended(&self) {
+        if let Some(bar) = self.bar.borrow_mut().take() {
+            bar.finish_and_clear();
+        }
+        let line = std::mem::take(&mut *self.line.borrow_mut());
+        if !line.is_empty() && self.begun.get().elapsed() >= BETWEEN_LINES {
+            complain(&format!("{line}, {:.1} s\n", self.begun.get().elapsed().as_secs_f64()));
+        }
+    }
+}

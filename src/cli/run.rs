@@ -1,0 +1,91 @@
+//! `conserva run`: runs a script, shows progress, writes results, and says by its exit code how it went.
+
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::console::{Console, complain, ink};
+use super::{ScriptArguments, exit_code};
+use crate::script::{Class, Mode, Session, Settings};
+
+/// Arguments of `conserva run`.
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    script: ScriptArguments,
+    /// Folder of the results [default: out/<script name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads of the element loop; results do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// The folder in which a script stands.
+pub fn home(script: &Path) -> &Path {
+    script.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A flag that becomes true at the first interrupt; the second one ends the process.
+fn interrupt() -> std::io::Result<Arc<AtomicBool>> {
+    let interrupt = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        flag::register_conditional_shutdown(signal, i32::from(exit_code(Class::Interrupted)), interrupt.clone())?;
+        flag::register(signal, interrupt.clone())?;
+    }
+    Ok(interrupt)
+}
+
+/// Runs a script; the exit code.
+pub fn run(arguments: Arguments) -> u8 {
+    let ScriptArguments { script, overrides, allow_read, max_operations } = arguments.script;
+    let stem = script.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| "script".into());
+    let out = arguments.out.unwrap_or_else(|| Path::new("out").join(stem));
+    let interrupt = match interrupt() {
+        Ok(interrupt) => interrupt,
+        Err(error) => {
+            complain(&format!("error: the interrupt key cannot be watched\n= cause: {error}\n"));
+            return exit_code(Class::Internal);
+        }
+    };
+    let console = Rc::new(Console::new(arguments.quiet));
+    let settings = Settings {
+        mode: Mode::Run,
+        overrides,
+        allow_read,
+        output: Some(out.clone()),
+        threads: usize::from(arguments.threads),
+        max_operations,
+        interrupt,
+    };
+    let report = match Session::new(settings, home(&script), console.clone()) {
+        Ok(mut session) => session.run_file(&script),
+        Err(error) => {
+            complain(&error.render(ink()));
+            return exit_code(error.class);
+        }
+    };
+    match report.error {
+        None => {
+            let checks = match report.checks {
+                0 => String::new(),
+                1 => ", 1 check passed".into(),
+                count => format!(", {count} checks passed"),
+            };
+            console.note(&format!("done{checks}; results in {}", out.display()));
+            0
+        }
+        Some(error) => {
+            console.report(&error);
+            exit_code(error.class)
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! What script functions share with the session that runs them: files, parameters, the observer, warnings, the interrupt flag.
+
+#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::rc::{Rc, Weak};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rhai::{Engine, NativeCallContextStore, Position};
+
+use super::arguments::{Call, interrupted};
+use super::diagnostics::Diagnostic;
+use super::failure::Failure;
+use super::overrides::Overrides;
+use super::registry::Registry;
+use super::sandbox::Sandbox;
+use super::scan::{self, Target};
+use super::simulations::SimulationHandle;
+use super::sources::{Place, Sources, offset};
+use crate::dynamics::LedgerRow;
+
+/// What a session does with a script.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Runs it.
+    Run,
+    /// Builds its models and reports what it would do; takes no step.
+    Check,
+}
+
+/// How a session runs a script.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Run or check.
+    pub mode: Mode,
+    /// Values for `param`, as given with `--set`.
+    pub overrides: Vec<(String, String)>,
+    /// Folders that a script may read besides its own.
+    pub allow_read: Vec<PathBuf>,
+    /// Folder of the results; none are written without it.
+    pub output: Option<PathBuf>,
+    /// Threads of the element loop.
+    pub threads: usize,
+    /// Operations after which a script counts as endless; time spent in native functions does not count.
+    pub max_operations: u64,
+    /// Ends the run at the last accepted step when it becomes true.
+    pub interrupt: Arc<AtomicBool>,
+}
+
+/// Operations of a script at most by default: about a minute of pure script.
+pub const MAX_OPERATIONS: u64 = 500_000_000;
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            mode: Mode::Run,
+            overrides: Vec::new(),
+            allow_read: Vec::new(),
+            output: None,
+            threads: 1,
+            max_operations: MAX_OPERATIONS,
+            interrupt: Arc::default(),
+        }
+    }
+}
+
+/// An accepted step, as an observer sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// Time at which the current `run_to` began.
+    pub from: f64,
+    /// Time at which it ends, if it is known.
+    pub until: Option<f64>,
+    /// The step.
+    pub row: &'a LedgerRow,
+    /// Largest total energy so far, to relate the defect to.
+    pub scale: f64,
+}
+
+/// Watches a session: what the script prints, what it checks, how far it is.
+pub trait Observer {
+    /// A line that the script prints.
+    fn print(&self, line: &str);
+    /// A check that holds, with what it measured.
+    fn passed(&self, line: &str);
+    /// Something the user should know; the run goes on.
+    fn warn(&self, warning: &Diagnostic);
+    /// An accepted step.
+    fn advanced(&self, progress: &Progress);
+    /// A long computation without steps begins, such as `settle`.
+    fn began(&self, what: &str);
+    /// A computation that reported progress has ended.
+    fn ended(&self);
+}
+
+/// An observer that looks away.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn print(&self, _: &str) {}
+    fn passed(&self, _: &str) {}
+    fn warn(&self, _: &Diagnostic) {}
+    fn advanced(&self, _: &Progress) {}
+    fn began(&self, _: &str) {}
+    fn ended(&self) {}
+}
+
+/// What script functions share with their session.
+pub struct Host {
+    /// How the script is run.
+    pub settings: Settings,
+    /// Texts of the script and its modules.
+    pub sources: Sources,
+    /// Files.
+    pub sandbox: Sandbox,
+    /// Values of `param`.
+    pub overrides: Overrides,
+    /// Who watches.
+    pub observer: Rc<dyn Observer>,
+    /// All functions, once they are registered.
+    pub registry: RefCell<Registry>,
+    /// Name of the main source.
+    pub main: RefCell<String>,
+    /// Simulations in the order in which the script made them.
+    pub simulations: RefCell<Vec<SimulationHandle>>,
+    /// What `conserva check` found out.
+    pub findings: RefCell<Vec<String>>,
+    /// Number of checks that held.
+    pub checks: Cell<usize>,
+    engine: RefCell<Weak<RefCell<Engine>>>,
+    module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
+    loading: RefCell<Vec<Vec<String>>>,
+    warned: RefCell<Vec<String>>,
+}
+
+impl Host {
+    /// A host for a sandbox.
+    pub fn new(settings: Settings, sandbox: Sandbox, observer: Rc<dyn Observer>) -> Self {
+        Host {
+            overrides: Overrides::new(&settings.overrides),
+            settings,
+            sources: Sources::default(),
+            sandbox,
+            observer,
+            registry: RefCell::default(),
+            main: RefCell::default(),
+            simulations: RefCell::default(),
+            findings: RefCell::default(),
+            checks: Cell::new(0),
+            engine: RefCell::default(),
+            module_contexts: RefCell::default(),
+            loading: RefCell::default(),
+            warned: RefCell::default(),
+        }
+    }
+
+    /// The engine, while its session lives.
+    pub fn engine(&self) -> Option<Rc<RefCell<Engine>>> {
+        self.engine.borrow().upgrade()
+    }
+
+    /// Tells the host its engine.
+    pub fn attach(&self, engine: &Rc<RefCell<Engine>>) {
+        *self.engine.borrow_mut() = Rc::downgrade(engine);
+    }
+
+    /// Whether this is `conserva check`.
+    pub fn is_check(&self) -> bool {
+        self.settings.mode == Mode::Check
+    }
+
+    /// Whether the user asked to stop.
+    pub fn is_interrupted(&self) -> bool {
+        self.settings.interrupt.load(Ordering::Relaxed)
+    }
+
+    /// The failure of an interrupted run, if it is interrupted.
+    ///
+    /// # Errors
+    /// The user asked to stop.
+    pub fn go_on(&self) -> Result<(), Failure> {
+        if self.is_interrupted() { Err(interrupted("interrupted")) } else { Ok(()) }
+    }
+
+    /// The place that a position and a target mean. An empty source is the main one.
+    pub fn place(&self, engine: &Engine, source: &str, position: Position, target: &Target, method: bool) -> Option<Place> {
+        let source = if source.is_empty() { self.main.borrow().clone() } else { source.to_string() };
+        let text = self.sources.text(&source)?;
+        let start = offset(&text, position)?;
+        let lexemes = scan::lexemes(engine, &text);
+        let range = scan::locate(&lexemes, start, target, method).unwrap_or_else(|| scan::word(&lexemes, &text, start));
+        Some(Place { source, text, range })
+    }
+
+    /// Shows a warning, once.
+    pub fn warn(&self, warning: Diagnostic) {
+        let key = format!("{} {}", warning.title, warning.place.as_ref().map(ToString::to_string).unwrap_or_default());
+        if !self.warned.borrow().contains(&key) {
+            self.warned.borrow_mut().push(key);
+            self.observer.warn(&warning);
+        }
+    }
+
+    /// Warns of what a text certainly does not mean: a division of two whole numbers that drops a remainder.
+    pub fn lint(&self, engine: &Engine, source: &str) {
+        let Some(text) = self.sources.text(source) else { return };
+        for (range, dividend, divisor) in scan::truncating_divisions(&scan::lexemes(engine, &text)) {
+            let place = Place { source: source.to_string(), text: text.clone(), range };
+            let warning = Diagnostic::warning(format!("{dividend}/{divisor} is {}", dividend / divisor), Some(place))
+                .label("a division of whole numbers")
+                .cause("whole numbers are divided without a remainder")
+                .hint(format!("write `{dividend}.0/{divisor}` for the fraction"));
+            self.warn(warning);
+        }
+    }
+
+    /// Lets go of everything that holds the host itself.
+    pub fn release(&self) {
+        self.simulations.borrow_mut().clear();
+        self.module_contexts.borrow_mut().clear();
+    }
+
+    /// The context of the imported module that made a closure.
+    pub fn module_context(&self, closure: &str) -> Option<Rc<NativeCallContextStore>> {
+        self.module_contexts.borrow().get(closure).cloned().flatten()
+    }
+
+    /// A module with these closures begins to load.
+    pub fn begin_module(&self, closures: Vec<String>) {
+        self.loading.borrow_mut().push(closures);
+    }
+
+    /// The module that began last has loaded.
+    pub fn end_module(&self) {
+        self.loading.borrow_mut().pop();
+    }
+
+    /// Keeps the context of the module that is loading for its closures. Closures with the same text in two modules have the same name;
+    /// neither is bound then.
+    pub fn keep_module_context(&self, call: &Call) {
+        let context = Rc::new(call.context.store_data());
+        let loading = self.loading.borrow();
+        let mut contexts = self.module_contexts.borrow_mut();
+        for closure in loading.last().into_iter().flatten() {
+            contexts.entry(closure.clone()).and_modify(|known| *known = None).or_insert_with(|| Some(context.clone()));
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! `param(name, default)` and the values that `--set name=value` gives.
+//!
+//! The default decides how a value is read: a number, a truth value or a string. A name that no `param` asks for is an error, reported
+//! as soon as the script makes its first simulation, before time is spent, and again at the end.
+
+use std::cell::RefCell;
+
+use rhai::Dynamic;
+
+use super::arguments::{Arguments, as_number};
+use super::failure::{Failure, did_you_mean, listed};
+use super::registry::{Form, Function, Kind, Parameter, Topic, body};
+
+struct Override {
+    name: String,
+    text: String,
+    used: bool,
+}
+
+/// Values from the command line and the parameters that the script asked for.
+pub struct Overrides {
+    given: RefCell<Vec<Override>>,
+    asked: RefCell<Vec<(String, Dynamic)>>,
+}
+
+impl Overrides {
+    /// Overrides from `name=value` pairs; the last of a name counts.
+    pub fn new(pairs: &[(String, String)]) -> Self {
+        let mut given: Vec<Override> = Vec::new();
+        for (name, text) in pairs {
+            given.retain(|earlier| earlier.name != *name);
+            given.push(Override { name: name.clone(), text: text.clone(), used: false });
+        }
+        Overrides { given: RefCell::new(given), asked: RefCell::default() }
+    }
+
+    /// The value of a parameter: the override's if there is one, else the default.
+    ///
+    /// # Errors
+    /// An override that does not fit the kind of the default.
+    pub fn value(&self, name: &str, default: Dynamic) -> Result<Dynamic, Failure> {
+        let mut given = self.given.borrow_mut();
+        let value = match given.iter_mut().find(|given| given.name == name) {
+            None => default,
+            Some(given) => {
+                given.used = true;
+                parsed(&given.text, &default).ok_or_else(|| {
+                    let kind = kind(&default);
+                    Failure::script(format!("`--set {name}={}` must be {kind}", given.text))
+                        .cause(format!("the script's default is {kind}, {default}"))
+                        .hint(format!("write `--set {name}={default}`, for example"))
+                })?
+            }
+        };
+        let mut asked = self.asked.borrow_mut();
+        match asked.iter_mut().find(|(known, _)| known == name) {
+            Some((_, known)) => *known = value.clone(),
+            None => asked.push((name.to_string(), value.clone())),
+        }
+        Ok(value)
+    }
+
+    /// Parameters that the script asked for, with their values.
+    pub fn parameters(&self) -> Vec<(String, Dynamic)> {
+        self.asked.borrow().clone()
+    }
+
+    /// Refuses overrides of names that the script did not ask for.
+    ///
+    /// # Errors
+    /// The first such name.
+    pub fn check(&self) -> Result<(), Failure> {
+        let (given, asked) = (self.given.borrow(), self.asked.borrow());
+        let Some(unknown) = given.iter().find(|given| !given.used) else { return Ok(()) };
+        let names: Vec<&str> = asked.iter().map(|(name, _)| name.as_str()).collect();
+        let failure = Failure::script(format!("`--set {}={}`: the script has no parameter `{}`", unknown.name, unknown.text, unknown.name));
+        let failure = match names.as_slice() {
+            [] => failure.cause("the script has no parameters").hint(format!("write `param(\"{}\", default)` in the script", unknown.name)),
+            names => failure.cause(format!("its parameters are {}", listed(names, "and"))),
+        };
+        Err(match did_you_mean(&unknown.name, names.iter().copied()) {
+            Some(suggestion) => failure.hint(suggestion),
+            None => failure,
+        })
+    }
+}
+
+fn kind(default: &Dynamic) -> &'static str {
+    if default.is_bool() {
+        "`true` or `false`"
+    } else if default.is_string() {
+        "a string"
+    } else {
+        "a number"
+    }
+}
+
+fn parsed(text: &str, default: &Dynamic) -> Option<Dynamic> {
+    let text = text.trim();
+    if default.is_bool() {
+        return text.parse::<bool>().ok().map(Dynamic::from);
+    }
+    if default.is_string() {
+        let quoted = text.strip_prefix('"').and_then(|inner| inner.strip_suffix('"'));
+        return Some(quoted.unwrap_or(text).to_string().into());
+    }
+    let plain = text.replace('_', "");
+    if default.is_int()
+        && let Ok(whole) = plain.parse::<i64>()
+    {
+        return Some(whole.into());
+    }
+    plain.parse::<f64>().ok().filter(|number| number.is_finite()).map(Dynamic::from)
+}
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    vec![Function {
+        name: "param",
+        form: Form::Function,
+        topic: Topic::Parameters,
+        summary: "the value that `--set name=value` gives on the command line, or else the default",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "the parameter's name"),
+            Parameter::new("default", Kind::Any, "its value when the command line gives none: a number, `true` or `false`, or a string"),
+        ],
+        returns: "any",
+        example: "let dt = param(\"dt\", 0.005);".into(),
+        see_also: &[],
+        body: body(|call| {
+            let (name, default) = (call.text("name")?, call.argument("default"));
+            let value = default.value();
+            if as_number(&value).is_none() && !value.is_bool() && !value.is_string() {
+                return Err(default
+                    .fail("`default` of `param` must be a number, `true` or `false`, or a string")
+                    .label(format!("this is {}", super::arguments::describe(call.engine(), &value)))
+                    .hint("give the value that the parameter has without `--set`")
+                    .into());
+            }
+            Ok(call.host.overrides.value(&name, value)?)
+        }),
+    }]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn overrides(pairs: &[(&str, &str)]) -> Overrides {
+        Overrides::new(&pairs.iter().map(|(name, text)| (name.to_string(), text.to_string())).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn the_default_decides_how_a_value_is_read() {
+        let given = overrides(&[("a", "0.5"), ("b", "2"), ("c", "true"), ("d", "midpoint"), ("e", "1e-3"), ("f", "4"), ("f", "5")]);
+        assert_eq!(given.value("a", 1_i64.into()).unwrap().as_float().unwrap(), 0.5);
+        assert_eq!(given.value("b", 1.0.into()).unwrap().as_float().unwrap(), 2.0);
+        assert!(given.value("c", false.into()).unwrap().as_bool().unwrap());
+        assert_eq!(given.value("d", "x".into()).unwrap().into_string().unwrap(), "midpoint");
+        assert_eq!(given.value("e", 1.0.into()).unwrap().as_float().unwrap(), 1e-3);
+        assert_eq!(given.value("f", 1_i64.into()).unwrap().as_int().unwrap(), 5);
+        assert_eq!(given.value("g", 7_i64.into()).unwrap().as_int().unwrap(), 7);
+        assert!(given.check().is_ok());
+        assert!(overrides(&[("a", "fast")]).value("a", 1.0.into()).is_err());
+        assert!(overrides(&[("a", "1")]).value("a", true.into()).is_err());
+    }
+
+    #[test]
+    fn names_that_nobody_asks_for_are_refused() {
+        let given = overrides(&[("torqe", "1")]);
+        given.value("torque", 1.0.into()).unwrap();
+        let failure = given.check().unwrap_err();
+        assert!(failure.title.contains("torqe"));
+        assert_eq!(failure.hints, ["did you mean `torque`?"]);
+    }
+}

@@ -1,0 +1,142 @@
+//! Results that a script asks for by name: plots, pictures, fields. All are written below the run's output folder.
+
+use rhai::{Array, Dynamic};
+
+use super::arguments::{Arguments, Call};
+use super::failure::Failure;
+use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
+use super::simulations::{SimulationHandle, example, unknown_column};
+use crate::math::catalogue::Interval;
+use crate::output::{Field, Frame, OutputError, PictureOptions, picture, plot};
+
+/// The failure of a file that could not be written.
+pub fn output_failure(error: &OutputError) -> Failure {
+    Failure::script(error.to_string()).hint(error.cure())
+}
+
+/// Writes a file below the output folder, with the ending it must have; without an output folder nothing is written.
+fn write(
+    call: &Call,
+    handle: &SimulationHandle,
+    ending: &str,
+    content: impl FnOnce() -> Result<Vec<u8>, Failure>,
+) -> Result<Dynamic, Failure> {
+    let argument = call.argument("path");
+    let path = argument.text()?;
+    if !path.ends_with(ending) {
+        let failure = argument.fail(format!("{} must end with `{ending}`", argument.title()));
+        return Err(failure.label("another ending").hint(format!("write \"{path}{ending}\"")));
+    }
+    if call.host.is_check() {
+        call.host.findings.borrow_mut().push(format!("would write {path}"));
+        return Ok(Dynamic::UNIT);
+    }
+    let bytes = content()?;
+    match handle.0.artifacts.borrow_mut().as_mut() {
+        Some(artifacts) => artifacts.write(&path, &bytes).map_err(|error| argument.fail(error.to_string()).hint(error.cure()))?,
+        None => call.host.observer.print(&format!("{path} is not written: this session has no output folder")),
+    }
+    Ok(Dynamic::UNIT)
+}
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    let receiver = SimulationHandle::receiver();
+    let path = |ending: &'static str| Parameter::new("path", Kind::Text, ending);
+    let field_names: &'static [&'static str] = Box::leak(Field::ALL.iter().map(|row| row.0).collect::<Box<[_]>>());
+    vec![
+        Function {
+            name: "write_fields",
+            form: Form::Method(receiver),
+            topic: Topic::Results,
+            summary: "writes displacement, velocity, stress, contact pressure and gap of all bodies as they are now, for ParaView and PyVista",
+            parameters: vec![path("a `.vtu` file below the output folder")],
+            returns: "",
+            example: example("sim.write_fields(\"start.vtu\");"),
+            see_also: &["picture", "simulate"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let content = || handle.with(call, |simulation| Frame::new(simulation.time(), &simulation.fields()).encode());
+                Ok(write(call, &handle, ".vtu", content)?)
+            }),
+        },
+        Function {
+            name: "plot",
+            form: Form::Method(receiver),
+            topic: Topic::Results,
+            summary: "plots columns of the history over time as SVG",
+            parameters: vec![
+                path("an `.svg` file below the output folder"),
+                Parameter::new("columns", Kind::Any, "the name of a column, or an array of names"),
+            ],
+            returns: "",
+            example: example("sim.run_to(0.05);\nsim.plot(\"energy.svg\", [\"kinetic\", \"strain\", \"total\"]);"),
+            see_also: &["history"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let argument = call.argument("columns");
+                let value = argument.value();
+                let names: Option<Vec<String>> = match value.read_lock::<Array>() {
+                    Some(array) => array.iter().map(|name| name.clone().into_string().ok()).collect(),
+                    None => value.clone().into_string().ok().map(|name| vec![name]),
+                };
+                let Some(names) = names.filter(|names| !names.is_empty()) else {
+                    let failure = argument.fail(format!("{} must be a column's name or an array of names", argument.title()));
+                    let given = super::arguments::describe(call.engine(), &value);
+                    return Err(failure.label(format!("this is {given}")).hint("write `[\"kinetic\", \"total\"]`").into());
+                };
+                let mut columns = Vec::new();
+                for name in &names {
+                    match handle.column(name) {
+                        Some(values) => columns.push((name.as_str(), values)),
+                        None => return Err(unknown_column(call, &handle, name).at(super::scan::Target::Argument(1)).into()),
+                    }
+                }
+                let time = handle.column("time").unwrap_or_default();
+                let curves: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (*name, values.as_slice())).collect();
+                let label = if names.len() == 1 { names[0].as_str() } else { "" };
+                Ok(write(call, &handle, ".svg", || Ok(plot(&handle.0.name, ["time", label], &time, &curves).into_bytes()))?)
+            }),
+        },
+        Function {
+            name: "picture",
+            form: Form::Method(receiver),
+            topic: Topic::Results,
+            summary: "draws the deformed bodies as SVG, colored by a field, with a color bar",
+            parameters: vec![
+                path("an `.svg` file below the output folder"),
+                Parameter::new(
+                    "options",
+                    Kind::Options(vec![
+                        Parameter::new("field", Kind::Choice(field_names), "the field that gives the colors").or(Absent::Text("von_mises")),
+                        Parameter::new("range", Kind::Array, "the values at the two ends of the color bar")
+                            .or(Absent::Means("those of the field")),
+                        Parameter::new("title", Kind::Text, "the text above").or(Absent::Means("name of the simulation and time")),
+                        Parameter::number("width", "pixels", Interval::Closed(240.0, 10000.0), "the width").or(Absent::Number(720.0)),
+                    ]),
+                    "what is shown",
+                )
+                .or(Absent::Means("#{ field: \"von_mises\" }")),
+            ],
+            returns: "",
+            example: example("sim.picture(\"start.svg\", #{ field: \"velocity\" });"),
+            see_also: &["plot", "write_fields"],
+            body: body(|call| {
+                let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+                let field = Field::from_name(&options.text("field")?).unwrap_or_default();
+                let range = options.argument("range");
+                let range = if range.is_given() { range.numbers_of(2).map(|ends| Some([ends[0], ends[1]]))? } else { None };
+                let title = options.argument("title");
+                let title = if title.is_given() { Some(title.text()?) } else { None };
+                let width = options.number("width")?;
+                let content = || {
+                    handle.with(call, |simulation| {
+                        let title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, number_text(simulation.time())));
+                        picture(&simulation.fields(), &PictureOptions { field, title, range, width }).into_bytes()
+                    })
+                };
+                Ok(write(call, &handle, ".svg", content)?)
+            }),
+        },
+    ]
+}

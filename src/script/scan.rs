@@ -1,0 +1,219 @@
+//! Finds places in a script's text: an argument, a key of an options map, the extent of a word.
+//!
+//! The language's run-time errors know the beginning of a call at most. The text is read again from there with the language's own
+//! tokens, so that a message can point at the very key or value it speaks of.
+
+use std::ops::Range;
+
+use rhai::{Engine, Token};
+
+use super::sources::offset;
+
+/// A token and the bytes it covers.
+#[derive(Clone, Debug)]
+pub struct Lexeme {
+    /// The token.
+    pub token: Token,
+    /// Its bytes.
+    pub range: Range<usize>,
+}
+
+/// What a message about a call points at.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Target {
+    /// The name of the called function.
+    #[default]
+    Call,
+    /// The argument of that number, from 0, not counting the object in front of the dot.
+    Argument(usize),
+    /// A key of an options map.
+    Key {
+        /// Number of the argument that is the map.
+        argument: usize,
+        /// The key.
+        key: String,
+        /// Whether the key's value is meant.
+        value: bool,
+    },
+}
+
+/// All tokens of a text, up to the first that is not one of the language.
+pub fn lexemes(engine: &Engine, text: &str) -> Vec<Lexeme> {
+    let texts = [text];
+    let (tokens, control) = engine.lex(&texts);
+    let mut found: Vec<Lexeme> = Vec::new();
+    let mut braces: Vec<usize> = Vec::new();
+    for (token, position) in tokens {
+        if matches!(token, Token::EOF | Token::LexError(_)) {
+            break;
+        }
+        let Some(start) = offset(text, position) else { break };
+        match token {
+            Token::InterpolatedString(_) => braces.push(0),
+            Token::LeftBrace | Token::MapStart => braces.iter_mut().for_each(|depth| *depth += 1),
+            Token::RightBrace => {
+                braces.iter_mut().for_each(|depth| *depth = depth.saturating_sub(1));
+                if braces.last() == Some(&0) {
+                    braces.pop();
+                    control.borrow_mut().is_within_text = true;
+                }
+            }
+            _ => {}
+        }
+        found.push(Lexeme { token, range: start..start });
+    }
+    let ends: Vec<usize> = found.iter().skip(1).map(|lexeme| lexeme.range.start).chain([text.len()]).collect();
+    for (lexeme, end) in found.iter_mut().zip(ends) {
+        let start = lexeme.range.start;
+        let mut covered = text.get(start..end).unwrap_or("");
+        if !matches!(lexeme.token, Token::StringConstant(_) | Token::InterpolatedString(_)) {
+            let comment = [covered.find("//"), covered.find("/*")].into_iter().flatten().min();
+            covered = &covered[..comment.unwrap_or(covered.len())];
+        }
+        lexeme.range.end = start + covered.trim_end().len();
+    }
+    found
+}
+
+/// The bytes of the token that begins at `start`, or one character when there is none.
+pub fn word(lexemes: &[Lexeme], text: &str, start: usize) -> Range<usize> {
+    match lexemes.iter().find(|lexeme| lexeme.range.start == start && !lexeme.range.is_empty()) {
+        Some(lexeme) => lexeme.range.clone(),
+        None => start..start + text[start..].chars().next().filter(|c| *c != '\n').map_or(0, char::len_utf8),
+    }
+}
+
+/// The bytes of a call's argument or key, for the call whose name (or property) begins at `start`.
+///
+/// `method`: whether the function's object is not counted among the arguments; a call in the style `f(object, …)` is recognised.
+pub fn locate(lexemes: &[Lexeme], start: usize, target: &Target, method: bool) -> Option<Range<usize>> {
+    let name = lexemes.iter().position(|lexeme| lexeme.range.start == start)?;
+    let (index, key) = match target {
+        Target::Call => return Some(lexemes[name].range.clone()),
+        Target::Argument(index) => (*index, None),
+        Target::Key { argument, key, value } => (*argument, Some((key, *value))),
+    };
+    if !matches!(lexemes.get(name + 1)?.token, Token::LeftParen) {
+        return None;
+    }
+    let after_dot = name > 0 && matches!(lexemes[name - 1].token, Token::Period | Token::Elvis);
+    let index = index + usize::from(method && !after_dot);
+    let arguments = elements(lexemes, name + 1);
+    let argument = arguments.get(index)?;
+    let Some((key, value)) = key else { return covered(lexemes, argument) };
+    if !matches!(lexemes.get(argument.start)?.token, Token::MapStart) {
+        return covered(lexemes, argument);
+    }
+    let entry = elements(lexemes, argument.start).into_iter().find(|entry| match &lexemes[entry.start].token {
+        Token::Identifier(found) => found.as_str() == key.as_str(),
+        Token::StringConstant(found) => found.as_str() == key.as_str(),
+        _ => false,
+    })?;
+    if value { covered(lexemes, &(entry.start + 2..entry.end)) } else { Some(lexemes[entry.start].range.clone()) }
+}
+
+/// Divisions of two integer literals that leave a remainder: their bytes and the two numbers.
+pub fn truncating_divisions(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)> {
+    let mut found = Vec::new();
+    for (index, window) in lexemes.windows(3).enumerate() {
+        let (Token::IntegerConstant(a), Token::Divide, Token::IntegerConstant(b)) = (&window[0].token, &window[1].token, &window[2].token)
+        else {
+            continue;
+        };
+        let binds_left = index > 0
+            && matches!(lexemes[index - 1].token, Token::Multiply | Token::Divide | Token::Modulo | Token::PowerOf | Token::Period);
+        let binds_right = lexemes.get(index + 3).is_some_and(|next| matches!(next.token, Token::PowerOf | Token::Period));
+        if !binds_left && !binds_right && *b != 0 && a % b != 0 {
+            found.push((window[0].range.start..window[2].range.end, *a, *b));
+        }
+    }
+    found
+}
+
+/// Names that a text declares: variables, functions, parameters, imports.
+pub fn declared(lexemes: &[Lexeme]) -> Vec<String> {
+    let mut names = Vec::new();
+    for window in lexemes.windows(2) {
+        if let (
+            Token::Let | Token::Const | Token::Fn | Token::For | Token::As | Token::Comma | Token::LeftParen | Token::Pipe,
+            Token::Identifier(name),
+        ) = (&window[0].token, &window[1].token)
+        {
+            names.push(name.to_string());
+        }
+    }
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// Index ranges of the comma-separated elements inside the bracket at `open`.
+fn elements(lexemes: &[Lexeme], open: usize) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let (mut depth, mut start) = (0_usize, open + 1);
+    for (index, lexeme) in lexemes.iter().enumerate().skip(open) {
+        match lexeme.token {
+            Token::LeftParen | Token::LeftBracket | Token::LeftBrace | Token::MapStart => depth += 1,
+            Token::RightParen | Token::RightBracket | Token::RightBrace => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    if index > start {
+                        found.push(start..index);
+                    }
+                    break;
+                }
+            }
+            Token::Comma if depth == 1 => {
+                found.push(start..index);
+                start = index + 1;
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Bytes from the first to the last token of an index range.
+fn covered(lexemes: &[Lexeme], range: &Range<usize>) -> Option<Range<usize>> {
+    let (first, last) = (lexemes.get(range.start)?, lexemes.get(range.end.checked_sub(1)?)?);
+    (first.range.start < last.range.end).then_some(first.range.start..last.range.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found<'a>(text: &'a str, call: &str, target: Target, method: bool) -> Option<&'a str> {
+        let lexemes = lexemes(&Engine::new_raw(), text);
+        locate(&lexemes, text.find(call).unwrap(), &target, method).map(|range| &text[range])
+    }
+
+    #[test]
+    fn keys_and_values_are_found_at_their_own_depth() {
+        let text = "let a = `${x + #{inner: 1}.inner} {`; b.ring(\"inner: 0\", #{ cells: [1, f(#{inner: 3})], // inner: 4\n  inner: -1.0 * (2), \"out er\": 5 });";
+        let key = |name: &str, value| Target::Key { argument: 1, key: name.into(), value };
+        assert_eq!(found(text, "ring", key("inner", true), true), Some("-1.0 * (2)"));
+        assert_eq!(found(text, "ring", key("inner", false), true), Some("inner"));
+        assert_eq!(found(text, "ring", key("out er", false), true), Some("\"out er\""));
+        assert_eq!(found(text, "ring", key("cells", true), true), Some("[1, f(#{inner: 3})]"));
+        assert_eq!(found(text, "ring", key("other", true), true), None);
+        assert_eq!(found(text, "ring", Target::Argument(0), true), Some("\"inner: 0\""));
+        assert_eq!(found(text, "ring", Target::Call, true), Some("ring"));
+    }
+
+    #[test]
+    fn a_method_called_like_a_function_has_its_object_in_front() {
+        assert_eq!(found("fix(model, side)", "fix", Target::Argument(0), true), Some("side"));
+        assert_eq!(found("model.fix(side)", "fix", Target::Argument(0), true), Some("side"));
+        assert_eq!(found("fix(model, side)", "fix", Target::Argument(0), false), Some("model"));
+        assert_eq!(found("fix()", "fix", Target::Argument(0), false), None);
+    }
+
+    #[test]
+    fn only_divisions_that_truncate_are_reported() {
+        let divisions = |text: &str| truncating_divisions(&lexemes(&Engine::new_raw(), text)).len();
+        assert_eq!(divisions("let a = 1/2;"), 1);
+        assert_eq!(divisions("f(-1 / 3)"), 1);
+        assert_eq!(divisions("4/2 + 1.0/2 + 2*1/2 + x/2 + 1/2**3"), 0);
+    }
+}

@@ -1,0 +1,769 @@
+//! Simulations in scripts: stepping, results, states as values, and the loads and contacts that never did anything.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use rhai::{Array, Dynamic, EvalAltResult, Map};
+
+use super::arguments::{Arguments, Call, interrupted};
+use super::callback::Callback;
+use super::diagnostics::Diagnostic;
+use super::failure::{Class, Failure, ScriptError, did_you_mean, listed};
+use super::host::{Host, Progress};
+use super::models::{BodyHandle, ModelData, ModelHandle};
+use super::numbers::brief;
+use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
+use super::run::Artifacts;
+use super::scan::Target;
+use super::sources::Place;
+use crate::dynamics::{ContactFields, LedgerRow, Options, Simulation, State, StepError};
+use crate::integrators::Integrator;
+use crate::math::catalogue::Interval;
+use crate::math::tolerances::NEWTON_ENERGY;
+
+/// A time integrator in a script.
+#[derive(Clone)]
+pub struct IntegratorHandle(pub Integrator);
+
+impl Handle for IntegratorHandle {
+    const NAME: &'static str = "Integrator";
+
+    fn describe(&self) -> String {
+        format!("{}()", self.0.name())
+    }
+}
+
+/// A running simulation with what the script layer keeps about it.
+pub struct SimulationData {
+    /// The model as it was when the simulation was made.
+    pub model: ModelData,
+    /// Name of the simulation: that of the model, with a number when there are several.
+    pub name: String,
+    /// Where it was made.
+    pub place: Option<Place>,
+    /// The kernels.
+    pub simulation: RefCell<Simulation>,
+    /// One row for each accepted step, after the row of the beginning.
+    pub history: RefCell<Vec<LedgerRow>>,
+    /// Files of the run.
+    pub artifacts: RefCell<Option<Artifacts>>,
+    /// Whether any contact was ever closed.
+    pub touched: Cell<bool>,
+    /// Time spent in the kernels.
+    pub spent: Cell<Duration>,
+    callbacks: RefCell<Vec<Callback>>,
+    scale: Cell<f64>,
+}
+
+/// A simulation in a script.
+#[derive(Clone)]
+pub struct SimulationHandle(pub Rc<SimulationData>);
+
+impl Handle for SimulationHandle {
+    const NAME: &'static str = "Simulation";
+
+    fn describe(&self) -> String {
+        let data = &self.0;
+        let Ok(simulation) = data.simulation.try_borrow() else {
+            return format!("simulation \"{}\" in the middle of a step", data.name);
+        };
+        let row = simulation.row();
+        let (options, number) = (simulation.options(), brief);
+        let mut lines = vec![
+            format!("simulation \"{}\" at t = {}, step {}", data.name, number_text(row.time), row.step),
+            format!("  {}, dt = {}, {} unknowns", options.integrator.name(), number_text(options.dt), simulation.unknowns()),
+            format!(
+                "  energy {}: kinetic {}, strain {}, potential {}",
+                number(row.total()),
+                number(row.kinetic),
+                number(row.strain),
+                number(row.potential)
+            ),
+            format!(
+                "  momentum {}, angular momentum {}",
+                vector_of(row.momentum, simulation.dimension()),
+                angular_text(row, simulation.dimension())
+            ),
+        ];
+        if !data.model.model.contacts.is_empty() {
+            lines.push(format!("  contact: {} active nodes, largest penetration {}", row.active, number(row.max_penetration)));
+        }
+        lines.join("\n")
+    }
+}
+
+/// A state of a simulation, kept as a value.
+#[derive(Clone)]
+pub struct StateHandle {
+    state: Rc<State>,
+    history: Rc<Vec<LedgerRow>>,
+    simulation: SimulationHandle,
+}
+
+impl Handle for StateHandle {
+    const NAME: &'static str = "State";
+
+    fn describe(&self) -> String {
+        format!("state of simulation \"{}\" at t = {}", self.simulation.0.name, number_text(self.state.row.time))
+    }
+}
+
+/// A contact pair of a simulation at the time when it was asked for.
+#[derive(Clone)]
+pub struct ContactHandle {
+    name: String,
+    time: f64,
+    dimension: usize,
+    fields: Rc<ContactFields>,
+}
+
+impl Handle for ContactHandle {
+    const NAME: &'static str = "ContactState";
+
+    fn describe(&self) -> String {
+        let active = self.fields.active.iter().filter(|active| **active).count();
+        let largest = self.fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
+        format!(
+            "contact \"{}\" at t = {}: {active} of {} nodes active, largest pressure {}, force {}",
+            self.name,
+            number_text(self.time),
+            self.fields.active.len(),
+            brief(largest),
+            vector_of(self.fields.force, self.dimension)
+        )
+    }
+}
+
+/// The columns of a simulation's history.
+#[derive(Clone)]
+pub struct HistoryHandle(SimulationHandle);
+
+impl Handle for HistoryHandle {
+    const NAME: &'static str = "History";
+
+    fn describe(&self) -> String {
+        let columns = self.0.columns();
+        format!("history of {} rows with the columns {}", self.0.0.history.borrow().len(), columns.join(", "))
+    }
+}
+
+fn vector_of(vector: [f64; 3], dimension: usize) -> String {
+    let numbers: Vec<String> = vector[..dimension].iter().map(|value| brief(*value)).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+fn angular_text(row: &LedgerRow, dimension: usize) -> String {
+    if dimension == 2 { brief(row.angular_momentum[2]) } else { vector_of(row.angular_momentum, 3) }
+}
+
+impl SimulationHandle {
+    /// Names of the columns of its history.
+    pub fn columns(&self) -> Vec<&'static str> {
+        LedgerRow::columns(self.0.model.model.dimension())
+    }
+
+    /// A column of its history.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        self.columns().contains(&name).then(|| self.0.history.borrow().iter().filter_map(|row| row.column(name)).collect())
+    }
+
+    /// Warns of loads that never acted and contact that never closed.
+    pub fn warn_of_idle_parts(&self, host: &Host) {
+        let stepped = self.0.history.borrow().len() > 1;
+        if !stepped {
+            return;
+        }
+        for load in self.0.model.loads.iter().filter(|load| load.amplitude.asked.get() && !load.amplitude.acted.get()) {
+            let warning = Diagnostic::warning(format!("the {} never acted", load.title), load.place.clone())
+                .cause("its amplitude was zero at every step of the run")
+                .hint("check its times and its size against the time that the simulation covers");
+            host.warn(warning);
+        }
+        if !self.0.touched.get() {
+            for (contact, place) in self.0.model.model.contacts.iter().zip(&self.0.model.contacts) {
+                let warning = Diagnostic::warning(format!("contact \"{}\" never closed", contact.name), place.clone())
+                    .cause("no node of its secondary side was active in any step")
+                    .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
+                host.warn(warning);
+            }
+        }
+    }
+
+    /// Whatever is computed before a use of a result in `conserva check`.
+    fn results(&self, call: &Call) -> Result<(), Failure> {
+        if !call.host.is_check() {
+            return Ok(());
+        }
+        let failure = Failure::new(Class::ResultUsed, format!("the script uses `{}` of the simulation", call.function.name));
+        Err(failure.placed(call.place(&Target::Call)))
+    }
+
+    /// What the kernels say, unless a step is running.
+    ///
+    /// # Errors
+    /// A step is running; or this is `conserva check`, which has no results.
+    pub fn with<T>(&self, call: &Call, read: impl FnOnce(&Simulation) -> T) -> Result<T, Failure> {
+        self.results(call)?;
+        match self.0.simulation.try_borrow() {
+            Ok(simulation) => Ok(read(&simulation)),
+            Err(_) => Err(busy(call)),
+        }
+    }
+
+    /// Takes steps until `count` of them are taken or `end` is reached.
+    fn advance(&self, call: &Call, end: Option<f64>, count: usize) -> Result<(), Box<EvalAltResult>> {
+        if call.host.is_check() {
+            return Ok(());
+        }
+        let from = self.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
+        self.begin(call)?;
+        let reached = || end.is_some_and(|end| self.0.simulation.borrow().time() >= end);
+        let mut outcome = Ok(());
+        let mut taken = 0;
+        while outcome.is_ok() && taken < count && !reached() {
+            outcome = self.take_step(call, from, end);
+            taken += 1;
+        }
+        call.host.observer.ended();
+        outcome
+    }
+
+    fn take_step(&self, call: &Call, from: f64, end: Option<f64>) -> Result<(), Box<EvalAltResult>> {
+        let data = &self.0;
+        let mut rows = Vec::new();
+        let begun = Instant::now();
+        let stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
+        data.spent.set(data.spent.get() + begun.elapsed());
+        for row in rows {
+            self.accept(call, row, from, end)?;
+        }
+        stepped.map_err(|error| self.step_failure(call, error))?;
+        // Called without a borrow: a closure may look at everything, and hand over further closures.
+        let callbacks = data.callbacks.borrow().clone();
+        for callback in callbacks {
+            let _ = callback.call([Dynamic::from(self.clone())]).map_err(|error| passed_on(&callback, error))?;
+        }
+        if call.host.is_interrupted() {
+            let time = data.simulation.borrow().time();
+            return Err(interrupted(format!("interrupted at t = {}", number_text(time))).hint("everything up to this time is kept").into());
+        }
+        Ok(())
+    }
+
+    /// What comes before the first step: unknown `--set` names, the first frame of the fields.
+    fn begin(&self, call: &Call) -> Result<(), Failure> {
+        call.host.overrides.check()?;
+        if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
+            let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
+            artifacts.begin(&simulation)?;
+        }
+        Ok(())
+    }
+
+    fn accept(&self, call: &Call, row: LedgerRow, from: f64, until: Option<f64>) -> Result<(), Failure> {
+        let data = &self.0;
+        data.touched.set(data.touched.get() || row.active > 0);
+        data.scale.set(data.scale.get().max(row.total().abs()));
+        call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get() });
+        if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
+            let simulation = data.simulation.try_borrow().map_err(|_| busy(call))?;
+            artifacts.accepted(&row, &simulation)?;
+        }
+        data.history.borrow_mut().push(row);
+        Ok(())
+    }
+
+    fn step_failure(&self, call: &Call, error: StepError) -> Failure {
+        let (title, cure) = (error.to_string(), error.cure());
+        match error {
+            StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", number_text(time))).hint(cure),
+            StepError::Amplitude { source, .. } => match source.downcast::<ScriptError>() {
+                Ok(inner) => call.fail(title).caused_by(*inner),
+                Err(other) => call.fail(title).cause(other.to_string()).hint(cure),
+            },
+            StepError::NotConverged { time, step, dt, halvings, cause, .. } => {
+                let number = brief;
+                let title = format!(
+                    "Newton's method did not converge at t = {} (step {step}, dt = {}, after {halvings} halvings)",
+                    number(time),
+                    number(dt)
+                );
+                Failure::new(Class::Numerics, title).cause(cause).hint(cure)
+            }
+        }
+    }
+
+    fn settle(&self, call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+        let data = &self.0;
+        if call.host.is_check() {
+            return Ok(Dynamic::UNIT);
+        }
+        call.host.overrides.check()?;
+        call.host.observer.began(&format!("settling \"{}\"", data.name));
+        let begun = Instant::now();
+        let settled = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.settle();
+        data.spent.set(data.spent.get() + begun.elapsed());
+        call.host.observer.ended();
+        let report = settled.map_err(|error| self.step_failure(call, error))?;
+        let row = data.simulation.borrow().row().clone();
+        data.touched.set(data.touched.get() || row.active > 0);
+        data.scale.set(data.scale.get().max(row.total().abs()));
+        let mut rows = data.history.borrow().clone();
+        if rows.len() == 1 {
+            rows.clear();
+        }
+        rows.push(row);
+        self.replace_history(rows)?;
+        let entries: [(&str, Dynamic); 4] = [
+            ("steps", (report.steps as i64).into()),
+            ("newton_iterations", (report.newton_iterations as i64).into()),
+            ("strain", report.strain.into()),
+            ("active", (report.active as i64).into()),
+        ];
+        Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into())
+    }
+
+    /// Puts another history in place, in memory and on disk.
+    fn replace_history(&self, rows: Vec<LedgerRow>) -> Result<(), Failure> {
+        if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
+            artifacts.rewrite(&self.0.history.borrow(), &rows)?;
+        }
+        *self.0.history.borrow_mut() = rows;
+        Ok(())
+    }
+}
+
+/// An error of a closure that a step called, with its own place first.
+fn passed_on(callback: &Callback, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
+    if error.is_catchable() { Failure::script("in a step that this call took").caused_by(callback.wrap(error)).into() } else { error }
+}
+
+fn busy(call: &Call) -> Failure {
+    call.fail("the simulation is in the middle of a step")
+        .cause("a time function is asked while the step is computed, so there is no state to look at")
+        .hint("compute with the parameter `t` only; `sim.on_step(|sim| …)` runs between steps")
+}
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    let mut all: Vec<Function> = Integrator::ALL.iter().map(|&integrator| integrator_function(integrator)).collect();
+    all.push(simulate());
+    all.extend(methods());
+    all.extend(properties());
+    all.extend(contact());
+    all
+}
+
+fn integrator_function(integrator: Integrator) -> Function {
+    Function {
+        name: integrator.name(),
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: integrator.summary(),
+        parameters: Vec::new(),
+        returns: IntegratorHandle::NAME,
+        example: format!("print({}());", integrator.name()).into(),
+        see_also: &["simulate"],
+        body: body(move |_| Ok(Dynamic::from(IntegratorHandle(integrator)))),
+    }
+}
+
+/// A small simulation for examples.
+const FLIGHT: &str = "let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });\n\
+     let flight = model(\"flight\");\n\
+     let plate = flight.add_body(\"plate\", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), rubber);\n\
+     flight.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });\n";
+
+/// An example with a simulation in it.
+pub fn example(line: &str) -> std::borrow::Cow<'static, str> {
+    format!("{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01 }});\n{line}").into()
+}
+
+fn simulate() -> Function {
+    Function {
+        name: "simulate",
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: "a simulation of the model as it is now, at time 0",
+        parameters: vec![
+            Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new("integrator", Kind::Handle(IntegratorHandle::NAME), "the time integrator"),
+                    Parameter::number("dt", "time", Interval::Positive, "the step size"),
+                    Parameter::number(
+                        "tolerance",
+                        "1",
+                        Interval::Open(0.0, 1.0),
+                        "Newton's tolerance: the energy that the residual can still move, relative to the energy scale",
+                    )
+                    .or(Absent::Number(NEWTON_ENERGY)),
+                    Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
+                        .within(Interval::Closed(0.0, 50.0))
+                        .or(Absent::Integer(7)),
+                    Parameter::number(
+                        "fields_every",
+                        "time",
+                        Interval::Positive,
+                        "the time between two frames of the fields in `fields.pvd`",
+                    )
+                    .or(Absent::Means("the first and the last state only")),
+                ]),
+                "how it is integrated",
+            ),
+        ],
+        returns: SimulationHandle::NAME,
+        example: format!(
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.1 }});\nprint(sim);"
+        )
+        .into(),
+        see_also: &["run_to", "step", "settle"],
+        body: body(|call| {
+            let (ModelHandle(model), options) = (call.handle("model")?, call.options("options")?);
+            let IntegratorHandle(integrator) = options.handle("integrator")?;
+            let mut kernel = Options::new(integrator, options.number("dt")?);
+            kernel.tolerance = options.number("tolerance")?;
+            kernel.max_halvings = options.integer("max_halvings")? as usize;
+            kernel.threads = call.host.settings.threads;
+            kernel.interrupt = Some(call.host.settings.interrupt.clone());
+            let fields_every = options.optional_number("fields_every")?;
+            call.host.overrides.check()?;
+            let model = model.borrow().clone();
+            let begun = Instant::now();
+            let simulation = Simulation::new(&model.model, kernel).map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
+            let name = unique_name(call.host, &model.model.name);
+            let row = simulation.row().clone();
+            let data = SimulationData {
+                place: call.place(&Target::Call),
+                artifacts: RefCell::new(Artifacts::create(call.host, &model.model, &name, fields_every, &row)?),
+                model,
+                name,
+                touched: Cell::new(row.active > 0),
+                spent: Cell::new(begun.elapsed()),
+                scale: Cell::new(row.total().abs()),
+                simulation: RefCell::new(simulation),
+                history: RefCell::new(vec![row]),
+                callbacks: RefCell::default(),
+            };
+            let handle = SimulationHandle(Rc::new(data));
+            if call.host.is_check() {
+                call.host.findings.borrow_mut().push(finding(&handle));
+            }
+            call.host.simulations.borrow_mut().push(handle.clone());
+            Ok(Dynamic::from(handle))
+        }),
+    }
+}
+
+/// The model's name, with a number when the script made simulations of that name before.
+fn unique_name(host: &Host, model: &str) -> String {
+    let taken: Vec<String> = host.simulations.borrow().iter().map(|simulation| simulation.0.name.clone()).collect();
+    let numbered = (2..).map(|number| format!("{model}-{number}"));
+    std::iter::once(model.to_string()).chain(numbered).find(|name| !taken.contains(name)).unwrap_or_default()
+}
+
+fn finding(handle: &SimulationHandle) -> String {
+    let simulation = handle.0.simulation.borrow();
+    let options = simulation.options();
+    let model = ModelHandle(Rc::new(RefCell::new(handle.0.model.clone())));
+    format!(
+        "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
+        handle.0.name,
+        options.integrator.name(),
+        number_text(options.dt),
+        simulation.unknowns(),
+        model.describe()
+    )
+}
+
+fn methods() -> Vec<Function> {
+    let receiver = SimulationHandle::receiver();
+    vec![
+        Function {
+            name: "step",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "takes one step, or so many",
+            parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
+            returns: "",
+            example: example("sim.step();"),
+            see_also: &["run_to"],
+            body: body(|call| {
+                let count = call.integer("count")?;
+                call.receiver::<SimulationHandle>().advance(call, None, count as usize)?;
+                Ok(Dynamic::UNIT)
+            }),
+        },
+        Function {
+            name: "run_to",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "takes steps until a time, which is met exactly",
+            parameters: vec![Parameter::number("time", "time", Interval::Finite, "the time at which it stops")],
+            returns: "",
+            example: example("sim.run_to(0.05);"),
+            see_also: &["step", "on_step"],
+            body: body(|call| {
+                let (handle, end) = (call.receiver::<SimulationHandle>(), call.number("time")?);
+                let now = handle.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
+                if end < now {
+                    let failure = call.argument("time").fail(format!("`run_to` goes forward, but {} has passed", number_text(end)));
+                    let failure = failure.label(format!("the simulation is at t = {}", number_text(now)));
+                    return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
+                }
+                handle.advance(call, Some(end), usize::MAX)?;
+                Ok(Dynamic::UNIT)
+            }),
+        },
+        Function {
+            name: "settle",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "brings the model to static equilibrium without letting time pass; gives a map with `steps`, `newton_iterations`, `strain`, `active`",
+            parameters: Vec::new(),
+            returns: "Map",
+            example: example("sim.settle();"),
+            see_also: &["run_to"],
+            body: body(|call| call.receiver::<SimulationHandle>().settle(call)),
+        },
+        Function {
+            name: "on_step",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "calls a closure with the simulation after every step from now on",
+            parameters: vec![Parameter::new("action", Kind::Closure("|sim|"), "what is done after a step")],
+            returns: "",
+            example: example("sim.on_step(|s| if s.time > 0.03 { print(s.energy.total) });\nsim.run_to(0.04);"),
+            see_also: &["run_to", "history"],
+            body: body(|call| {
+                let callback = call.callback("action")?;
+                call.receiver::<SimulationHandle>().0.callbacks.borrow_mut().push(callback);
+                Ok(Dynamic::UNIT)
+            }),
+        },
+        Function {
+            name: "save",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "the state of the simulation as a value, to go back to",
+            parameters: Vec::new(),
+            returns: StateHandle::NAME,
+            example: example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
+            see_also: &["restore"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let state = match handle.0.simulation.try_borrow() {
+                    Ok(simulation) => Rc::new(simulation.state()),
+                    Err(_) => return Err(busy(call).into()),
+                };
+                let history = Rc::new(handle.0.history.borrow().clone());
+                Ok(Dynamic::from(StateHandle { state, history, simulation: handle }))
+            }),
+        },
+        Function {
+            name: "restore",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "goes back to a saved state; the history is what it was then",
+            parameters: vec![Parameter::new("state", Kind::Handle(StateHandle::NAME), "a state of this simulation")],
+            returns: "",
+            example: example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
+            see_also: &["save"],
+            body: body(|call| {
+                let (handle, state) = (call.receiver::<SimulationHandle>(), call.handle::<StateHandle>("state")?);
+                if !Rc::ptr_eq(&state.simulation.0, &handle.0) {
+                    let failure = call.argument("state").fail("the state belongs to another simulation");
+                    let failure = failure.label(format!("this is a {}", state.describe()));
+                    return Err(failure.hint("restore it where it was saved").into());
+                }
+                handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&state.state);
+                handle.replace_history((*state.history).clone())?;
+                Ok(Dynamic::UNIT)
+            }),
+        },
+    ]
+}
+
+fn properties() -> Vec<Function> {
+    let receiver = SimulationHandle::receiver();
+    let property = |name: &'static str, summary: &'static str, returns: &'static str, read: fn(&Simulation) -> Dynamic| Function {
+        name,
+        form: Form::Property(receiver),
+        topic: Topic::Simulation,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: example(&format!("print(sim.{name});")),
+        see_also: &["history"],
+        body: body(move |call| Ok(call.receiver::<SimulationHandle>().with(call, read)?)),
+    };
+    vec![
+        property("time", "the time reached", "number", |simulation| simulation.time().into()),
+        property("steps", "the number of accepted steps", "int", |simulation| Dynamic::from(simulation.row().step as i64)),
+        property("energy", "a map with `kinetic`, `strain`, `potential`, `total`", "Map", |simulation| {
+            let row = simulation.row();
+            let entries = [("kinetic", row.kinetic), ("strain", row.strain), ("potential", row.potential), ("total", row.total())];
+            entries.into_iter().map(|(name, value)| (name.into(), Dynamic::from(value))).collect::<Map>().into()
+        }),
+        property("momentum", "the linear momentum, an array", "Array", |simulation| {
+            let row = simulation.row();
+            row.momentum[..simulation.dimension()].iter().map(|&value| Dynamic::from(value)).collect::<Array>().into()
+        }),
+        property("angular_momentum", "the angular momentum about the origin: a number, in space an array", "number", |simulation| {
+            let row = simulation.row();
+            if simulation.dimension() == 2 {
+                return row.angular_momentum[2].into();
+            }
+            row.angular_momentum.iter().map(|&value| Dynamic::from(value)).collect::<Array>().into()
+        }),
+        property("active", "the number of closed contact nodes", "int", |simulation| Dynamic::from(simulation.row().active as i64)),
+        Function {
+            name: "unknowns",
+            form: Form::Property(receiver),
+            topic: Topic::Simulation,
+            summary: "the number of free displacement components",
+            parameters: Vec::new(),
+            returns: "int",
+            example: example("print(sim.unknowns);"),
+            see_also: &["bodies"],
+            body: body(|call| match call.receiver::<SimulationHandle>().0.simulation.try_borrow() {
+                Ok(simulation) => Ok(Dynamic::from(simulation.unknowns() as i64)),
+                Err(_) => Err(busy(call).into()),
+            }),
+        },
+        Function {
+            name: "name",
+            form: Form::Property(receiver),
+            topic: Topic::Simulation,
+            summary: "the name of the simulation: that of its model",
+            parameters: Vec::new(),
+            returns: "String",
+            example: example("print(sim.name);"),
+            see_also: &["simulate"],
+            body: body(|call| Ok(call.receiver::<SimulationHandle>().0.name.clone().into())),
+        },
+        Function {
+            name: "bodies",
+            form: Form::Property(receiver),
+            topic: Topic::Simulation,
+            summary: "the bodies of the simulation, as they were when it was made",
+            parameters: Vec::new(),
+            returns: "Array",
+            example: example("for body in sim.bodies { print(body.name); }"),
+            see_also: &["add_body"],
+            body: body(|call| {
+                let data = call.receiver::<SimulationHandle>().0.model.clone();
+                let count = data.model.bodies.len();
+                let model = ModelHandle(Rc::new(RefCell::new(data)));
+                Ok((0..count).map(|index| Dynamic::from(BodyHandle { model: model.clone(), index })).collect::<Array>().into())
+            }),
+        },
+        Function {
+            name: "history",
+            form: Form::Property(receiver),
+            topic: Topic::Results,
+            summary: "what every accepted step did, as columns: `sim.history.total`",
+            parameters: Vec::new(),
+            returns: HistoryHandle::NAME,
+            example: example("sim.step(3);\nprint(sim.history.total);"),
+            see_also: &["plot"],
+            body: body(|call| Ok(Dynamic::from(HistoryHandle(call.receiver())))),
+        },
+        Function {
+            name: "columns",
+            form: Form::Property(HistoryHandle::receiver()),
+            topic: Topic::Results,
+            summary: "the names of the columns",
+            parameters: Vec::new(),
+            returns: "Array",
+            example: example("print(sim.history.columns);"),
+            see_also: &["history"],
+            body: body(|call| {
+                let columns = call.receiver::<HistoryHandle>().0.columns();
+                Ok(columns.into_iter().map(Dynamic::from).collect::<Array>().into())
+            }),
+        },
+        Function {
+            name: "column",
+            form: Form::Column(HistoryHandle::receiver()),
+            topic: Topic::Results,
+            summary: "a column as an array, by its name",
+            parameters: vec![Parameter::new("name", Kind::Text, "the name of the column")],
+            returns: "Array",
+            example: example("sim.step(3);\nprint(sim.history.energy_defect);"),
+            see_also: &["history", "columns"],
+            body: body(|call| {
+                let (HistoryHandle(handle), name) = (call.receiver::<HistoryHandle>(), call.text("name")?);
+                handle.results(call)?;
+                match handle.column(&name) {
+                    Some(values) => Ok(values.into_iter().map(Dynamic::from).collect::<Array>().into()),
+                    None => Err(unknown_column(call, &handle, &name).into()),
+                }
+            }),
+        },
+    ]
+}
+
+fn contact() -> Vec<Function> {
+    let column = |name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> Array| Function {
+        name,
+        form: Form::Property(ContactHandle::receiver()),
+        topic: Topic::Contact,
+        summary,
+        parameters: Vec::new(),
+        returns: "Array",
+        example: super::models::contact_example(&format!("print(sim.contact(\"foot\").{name});")),
+        see_also: &["contact"],
+        body: body(move |call| Ok(read(&call.receiver::<ContactHandle>()).into())),
+    };
+    vec![
+        Function {
+            name: "contact",
+            form: Form::Method(SimulationHandle::receiver()),
+            topic: Topic::Contact,
+            summary: "a contact pair as it is now",
+            parameters: vec![Parameter::new("name", Kind::Text, "the name of the contact pair")],
+            returns: ContactHandle::NAME,
+            example: super::models::contact_example("print(sim.contact(\"foot\"));"),
+            see_also: &["add_contact"],
+            body: body(|call| {
+                let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+                let name = argument.text()?;
+                let found = handle.with(call, |simulation| (simulation.contact(&name), simulation.time(), simulation.dimension()))?;
+                match found {
+                    (Some(fields), time, dimension) => Ok(Dynamic::from(ContactHandle { name, time, dimension, fields: Rc::new(fields) })),
+                    (None, ..) => {
+                        let names: Vec<&str> = handle.0.model.model.contacts.iter().map(|contact| contact.name.as_str()).collect();
+                        Err(argument.unknown_name(&name, &names).into())
+                    }
+                }
+            }),
+        },
+        column("pressure", "the contact pressure at each secondary node", |contact| {
+            contact.fields.pressure.iter().map(|&value| value.into()).collect()
+        }),
+        column("gap", "the gap at each secondary node, NaN where nothing lies opposite", |contact| {
+            contact.fields.gap.iter().map(|&value| value.into()).collect()
+        }),
+        column("active", "whether each secondary node is in contact", |contact| {
+            contact.fields.active.iter().map(|&value| value.into()).collect()
+        }),
+        column("force", "the resultant of the contact forces on the secondary side", |contact| {
+            contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect()
+        }),
+        column("positions", "the current position of each secondary node", |contact| {
+            let point =
+                |position: &[f64; 3]| Dynamic::from(position[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
+            contact.fields.positions.iter().map(point).collect()
+        }),
+    ]
+}
+
+/// The failure of a column that does not exist.
+pub fn unknown_column(call: &Call, handle: &SimulationHandle, name: &str) -> Failure {
+    let columns = handle.columns();
+    let failure = call.fail(format!("the history has no column `{name}`")).cause(format!("its columns are {}", listed(&columns, "and")));
+    failure.hint(did_you_mean(name, columns.iter().copied()).unwrap_or_else(|| "use one of these names".into()))
+}
