@@ -19,9 +19,7 @@ fn failed(call: &Call, title: impl Into<String>) -> Failure {
 
 /// Reports a check that holds.
 fn passed(call: &Call, line: &str) -> Result<Dynamic, Box<EvalAltResult>> {
-    call.host.checks.set(call.host.checks.get() + 1);
-    let place = call.place(&Target::Call).map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
-    call.host.observer.passed(&format!("{line}{place}"));
+    call.host.passed(line, call.place(&Target::Call).as_ref());
     Ok(Dynamic::UNIT)
 }
 
@@ -166,7 +164,8 @@ fn expect_conserved() -> Function {
         name: "expect_conserved",
         form: Form::Function,
         topic: Topic::Checks,
-        summary: "ends the script with an error when a quantity drifts by more than a relative tolerance; \"ledger\" asks whether every step's energy balance closes",
+        summary: "ends the script with an error when a quantity drifts by more than a relative tolerance; \"ledger\" asks \
+                  whether the energy balance of every step closes",
         parameters: vec![
             Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
             Parameter::new("quantity", Kind::Choice(QUANTITIES), "what should be conserved"),
@@ -307,7 +306,10 @@ fn expect_error() -> Function {
             }
             let error = match action.call([]) {
                 Ok(_) => {
-                    return Err(failed(call, "the closure did not fail").at(Target::Argument(0)).label("this runs without an error").into());
+                    return Err(failed(call, "the closure did not fail")
+                        .at(Target::Argument(0))
+                        .label("this runs without an error")
+                        .into());
                 }
                 Err(error) if !error.is_catchable() => return Err(error),
                 Err(error) => error,

@@ -121,7 +121,7 @@ impl Diagnostic {
         }
         let mut report = vec![group];
         for frame in self.frames.iter().take(FRAMES) {
-            let mut group = Group::with_title(Level::NOTE.with_name("").secondary_title(frame.title.as_str()));
+            let mut group = Group::with_title(Level::NOTE.no_name().secondary_title(frame.title.as_str()));
             if let Some(place) = &frame.place {
                 group = group.element(snippet(place, "", AnnotationKind::Primary));
             }

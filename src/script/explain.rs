@@ -65,10 +65,26 @@ impl Explainer<'_> {
             other => {
                 let place = self.place(source, other.position());
                 let diagnostic = self.reword(other, source, place.as_ref());
-                let place = diagnostic.place.clone().or(place);
+                let place = self.better_place(other, source, place.as_ref()).or(place);
                 Diagnostic { place, ..diagnostic }
             }
         }
+    }
+
+    /// A place that says more than the one the engine gives.
+    fn better_place(&self, error: &EvalAltResult, source: &str, place: Option<&Place>) -> Option<Place> {
+        let main = self.host.main.borrow().clone();
+        let source = if source.is_empty() { main.as_str() } else { source };
+        let text = self.host.sources.text(source)?;
+        let lexemes = scan::lexemes(self.engine, &text);
+        let range = match error {
+            EvalAltResult::ErrorParsing(ParseErrorType::MissingToken(token, _), _) if token == ";" => {
+                scan::end_before(&lexemes, place?.range.start)?
+            }
+            EvalAltResult::ErrorDataRace(what, position) if position.is_none() => scan::self_use(&lexemes, what.split('\'').nth(1)?)?,
+            _ => return None,
+        };
+        Some(Place { source: source.to_string(), text, range })
     }
 
     fn reword(&self, error: &EvalAltResult, source: &str, place: Option<&Place>) -> Diagnostic {
@@ -117,7 +133,7 @@ impl Explainer<'_> {
                 };
                 script(title)
                     .cause("the object is in use while its method runs, so the closure cannot hold it")
-                    .hint("use the closure's parameter instead, such as `sim.on_step(|s| print(s.time))`, or a second name: `let other = object;`")
+                    .hint("use the closure's parameter, such as `sim.on_step(|s| print(s.time))`, or a second name: `let other = object;`")
             }
             ErrorNonPureMethodCallOnConstant(name, _) => {
                 script(format!("`{name}` changes its object, but this one is a constant")).hint("declare it with `let` instead of `const`")
@@ -495,7 +511,7 @@ fn type_hint(expected: &str, given: &str) -> &'static str {
 
 fn missing_hint(token: &str) -> String {
     match token {
-        ";" => "end the statement before it with `;`".into(),
+        ";" => "write `;` after it".into(),
         ")" | "]" | "}" => format!("close the bracket with `{token}`"),
         "," => "separate the entries with `,`".into(),
         _ => format!("write `{token}`"),

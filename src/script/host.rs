@@ -2,7 +2,7 @@
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::{Rc, Weak};
@@ -130,12 +130,11 @@ pub struct Host {
     pub simulations: RefCell<Vec<SimulationHandle>>,
     /// What `conserva check` found out.
     pub findings: RefCell<Vec<String>>,
-    /// Number of checks that held.
-    pub checks: Cell<usize>,
     engine: RefCell<Weak<RefCell<Engine>>>,
     module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
     loading: RefCell<Vec<Vec<String>>>,
     warned: RefCell<Vec<String>>,
+    passed: RefCell<Vec<String>>,
 }
 
 impl Host {
@@ -151,11 +150,11 @@ impl Host {
             main: RefCell::default(),
             simulations: RefCell::default(),
             findings: RefCell::default(),
-            checks: Cell::new(0),
             engine: RefCell::default(),
             module_contexts: RefCell::default(),
             loading: RefCell::default(),
             warned: RefCell::default(),
+            passed: RefCell::default(),
         }
     }
 
@@ -193,6 +192,7 @@ impl Host {
         let text = self.sources.text(&source)?;
         let start = offset(&text, position)?;
         let lexemes = scan::lexemes(engine, &text);
+        let start = scan::name_after_dot(&lexemes, start);
         let range = scan::locate(&lexemes, start, target, method).unwrap_or_else(|| scan::word(&lexemes, &text, start));
         Some(Place { source, text, range })
     }
@@ -223,6 +223,21 @@ impl Host {
     pub fn release(&self) {
         self.simulations.borrow_mut().clear();
         self.module_contexts.borrow_mut().clear();
+    }
+
+    /// Reports a check that holds, the first time that it does: in a loop or after every step it is asked often.
+    pub fn passed(&self, line: &str, place: Option<&Place>) {
+        let key = place.map_or_else(|| line.to_string(), ToString::to_string);
+        if !self.passed.borrow().contains(&key) {
+            self.passed.borrow_mut().push(key);
+            let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
+            self.observer.passed(&format!("{line}{place}"));
+        }
+    }
+
+    /// Number of checks that held.
+    pub fn checks(&self) -> usize {
+        self.passed.borrow().len()
     }
 
     /// The context of the imported module that made a closure.

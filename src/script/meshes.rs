@@ -434,7 +434,8 @@ fn members() -> Vec<Function> {
             name: "quality",
             form: Form::Method(receiver),
             topic: Topic::Meshes,
-            summary: "a map with `cells`, `nodes`, `measure` (area or volume), `worst` (smallest scaled Jacobian, 1 for right angles), `worst_place`, `aspect_ratio`, `shortest_edge`",
+            summary: "a map with `cells`, `nodes`, `measure` (area or volume), `worst` (smallest scaled Jacobian, 1 for right \
+                      angles), `worst_place`, `aspect_ratio`, `shortest_edge`",
             parameters: Vec::new(),
             returns: "Map",
             example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); print(plate.quality().aspect_ratio);".into(),

@@ -5,6 +5,7 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::LazyLock;
 
 use rhai::{Array, Dynamic};
 
@@ -16,8 +17,10 @@ use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Receiver,
 use super::sources::Place;
 use super::time_functions::{TimeFunctionHandle, Watched};
 use crate::dynamics::{
-    Amplitude, BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Load, LoadKind, Model, Support, UpdateRule,
+    Amplitude, BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model,
+    Prescription, Support, UpdateRule,
 };
+use crate::math::catalogue::Interval;
 use crate::mesh::{Boundary, Mesh};
 
 /// A load with its place in the script, for the warning that it never acted.
@@ -78,6 +81,10 @@ impl Handle for ModelHandle {
         lines.extend(model.supports.iter().map(|support| {
             let names = ["x", "y", "z"].into_iter().zip(support.components).take(model.dimension()).filter(|(_, held)| *held);
             format!("  fixed \"{}\" in {}", model.boundary_name(&support.on), names.map(|(name, _)| name).collect::<Vec<_>>().join(", "))
+        }));
+        lines.extend(model.prescriptions.iter().map(|prescription| {
+            let (component, boundary) = (["x", "y", "z"][prescription.component], model.boundary_name(&prescription.on));
+            format!("  prescribed {component} of \"{boundary}\": {}", prescription.displacement.describe())
         }));
         lines.extend(data.loads.iter().map(|load| format!("  {}", load.title)));
         if model.gravity != [0.0; 3] {
@@ -335,6 +342,54 @@ fn model_functions() -> Vec<Function> {
             }),
         },
         Function {
+            name: "prescribe",
+            form: Form::Method(receiver),
+            topic: Topic::Model,
+            summary: "moves the nodes of a boundary in given directions as time functions say",
+            parameters: vec![
+                boundary_parameter(),
+                Parameter::new(
+                    "displacements",
+                    Kind::Options(
+                        ["x", "y", "z"]
+                            .map(|name| {
+                                let free = Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time");
+                                free.of("length").or(Absent::Means("free"))
+                            })
+                            .into(),
+                    ),
+                    "displacements over time",
+                ),
+            ],
+            returns: "",
+            example: example("press.prescribe(plate.boundary(\"top\"), #{ y: ramp(0.0, 0.1, -0.05) });"),
+            see_also: &["fix"],
+            body: body(|call| {
+                let model = call.receiver::<ModelHandle>();
+                let (on, options) = (boundary_of(&call.argument("boundary"), &model)?, call.options("displacements")?);
+                let dimension = model.0.borrow().model.dimension();
+                let mut prescriptions = Vec::new();
+                for (component, name) in ["x", "y", "z"].into_iter().enumerate() {
+                    let argument = options.argument(name);
+                    if !argument.is_given() {
+                        continue;
+                    }
+                    if component >= dimension {
+                        let failure = argument.fail("the model is plane: there is no direction `z`");
+                        return Err(failure.hint("remove the option").into());
+                    }
+                    let displacement = argument.amplitude()?.0;
+                    prescriptions.push(Prescription { on: on.clone(), component, displacement });
+                }
+                if prescriptions.is_empty() {
+                    let failure = call.argument("displacements").fail("`prescribe` names no direction");
+                    return Err(failure.hint("name one, such as `#{ y: ramp(0.0, 1.0, -0.1) }`; `fix` holds nodes where they are").into());
+                }
+                change(call, &model, |data| data.model.prescriptions.extend(prescriptions))?;
+                Ok(Dynamic::UNIT)
+            }),
+        },
+        Function {
             name: "gravity",
             form: Form::Method(receiver),
             topic: Topic::Model,
@@ -478,6 +533,24 @@ fn loads() -> Vec<Function> {
             LoadKind::Force,
         ),
         Function {
+            name: "pressure",
+            form: Form::Method(receiver),
+            topic: Topic::Model,
+            summary: "loads a boundary with a pressure against its deformed surface, in the plane",
+            parameters: vec![
+                boundary_parameter(),
+                Parameter::number("pressure", "stress", Interval::Finite, "the pressure at amplitude 1; positive pushes into the body"),
+                amplitude_parameter(),
+            ],
+            returns: "",
+            example: example("press.pressure(plate.boundary(\"top\"), 50.0, ramp(0.0, 0.1, 1.0));"),
+            see_also: &["traction", "force"],
+            body: body(|call| {
+                let pressure = call.number("pressure")?;
+                Ok(add_load(call, LoadKind::Pressure(pressure), &format!("pressure {}", number_text(pressure)))?)
+            }),
+        },
+        Function {
             name: "torque",
             form: Form::Method(receiver),
             topic: Topic::Model,
@@ -492,6 +565,12 @@ fn loads() -> Vec<Function> {
             body: body(|call| Ok(add_load(call, LoadKind::Torque, "torque")?)),
         },
     ]
+}
+
+/// Names of the update rules.
+fn update_names() -> &'static [&'static str] {
+    static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| UpdateRule::ALL.iter().map(|rule| rule.name()).collect());
+    &NAMES
 }
 
 fn contacts() -> Vec<Function> {
@@ -514,8 +593,10 @@ fn contacts() -> Vec<Function> {
                         Parameter::new("primary", Kind::Handle(BoundaryHandle::NAME), "the other side (master, mortar)"),
                         Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretised")
                             .or(Absent::Means("`mortar()`")),
-                        Parameter::new("update", Kind::Choice(&["gap"]), "the condition of a closed node over a step")
-                            .or(Absent::Text("gap")),
+                        Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")
+                            .or(Absent::Text(UpdateRule::Gap.name())),
+                        Parameter::number("penalty", "1", Interval::Positive, "a stiffness, relative to a facet's, instead of multipliers")
+                            .or(Absent::Means("multipliers: the update rule holds exactly")),
                         Parameter::new(
                             "equality",
                             Kind::Flag,
@@ -536,13 +617,13 @@ fn contacts() -> Vec<Function> {
                 let primary = boundary_of(&options.argument("primary"), &model)?;
                 let method = options.argument("method");
                 let method = if method.is_given() { method.handle::<ContactMethodHandle>()?.0 } else { ContactMethod::Mortar };
-                let update = match options.text("update")?.as_str() {
-                    "gap" => UpdateRule::Gap,
-                    other => return Err(options.argument("update").unknown_name(other, &["gap"]).into()),
-                };
+                let update = options.text("update")?;
+                let update = UpdateRule::ALL.iter().copied().find(|rule| rule.name() == update).unwrap_or(UpdateRule::Gap);
+                let penalty = options.optional_number("penalty")?;
+                let enforcement = penalty.map_or(Enforcement::Multiplier, |factor| Enforcement::Penalty { factor });
                 let (equality, place) = (options.flag("equality")?, call.place(&Default::default()));
                 change(call, &model, |data| {
-                    data.model.contacts.push(ContactDefinition { name, secondary, primary, method, update, equality });
+                    data.model.contacts.push(ContactDefinition { name, secondary, primary, method, update, enforcement, equality });
                     data.contacts.push(place);
                 })?;
                 Ok(Dynamic::UNIT)

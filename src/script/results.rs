@@ -1,5 +1,7 @@
 //! Results that a script asks for by name: plots, pictures, fields. All are written below the run's output folder.
 
+use std::sync::LazyLock;
+
 use rhai::{Array, Dynamic};
 
 use super::arguments::{Arguments, Call};
@@ -39,17 +41,22 @@ fn write(
     Ok(Dynamic::UNIT)
 }
 
+/// Names of the fields.
+fn field_names() -> &'static [&'static str] {
+    static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| Field::ALL.iter().map(|row| row.0).collect());
+    &NAMES
+}
+
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     let receiver = SimulationHandle::receiver();
     let path = |ending: &'static str| Parameter::new("path", Kind::Text, ending);
-    let field_names: &'static [&'static str] = Box::leak(Field::ALL.iter().map(|row| row.0).collect::<Box<[_]>>());
     vec![
         Function {
             name: "write_fields",
             form: Form::Method(receiver),
             topic: Topic::Results,
-            summary: "writes displacement, velocity, stress, contact pressure and gap of all bodies as they are now, for ParaView and PyVista",
+            summary: "writes displacement, velocity, stress, contact pressure and gap of all bodies as they are now as VTU",
             parameters: vec![path("a `.vtu` file below the output folder")],
             returns: "",
             example: example("sim.write_fields(\"start.vtu\");"),
@@ -108,7 +115,8 @@ pub fn functions() -> Vec<Function> {
                 Parameter::new(
                     "options",
                     Kind::Options(vec![
-                        Parameter::new("field", Kind::Choice(field_names), "the field that gives the colors").or(Absent::Text("von_mises")),
+                        Parameter::new("field", Kind::Choice(field_names()), "the field that gives the colors")
+                            .or(Absent::Text("von_mises")),
                         Parameter::new("range", Kind::Array, "the values at the two ends of the color bar")
                             .or(Absent::Means("those of the field")),
                         Parameter::new("title", Kind::Text, "the text above").or(Absent::Means("name of the simulation and time")),

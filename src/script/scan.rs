@@ -83,6 +83,32 @@ pub fn word(lexemes: &[Lexeme], text: &str, start: usize) -> Range<usize> {
     }
 }
 
+/// Where a property's name begins, for a position at the dot in front of it.
+pub fn name_after_dot(lexemes: &[Lexeme], start: usize) -> usize {
+    let dot = lexemes.windows(2).find(|pair| pair[0].range.start == start && matches!(pair[0].token, Token::Period | Token::Elvis));
+    dot.map_or(start, |pair| pair[1].range.start)
+}
+
+/// The end of the token before `start`.
+pub fn end_before(lexemes: &[Lexeme], start: usize) -> Option<Range<usize>> {
+    let last = lexemes.iter().rev().find(|lexeme| lexeme.range.start < start && !lexeme.range.is_empty())?;
+    Some(last.range.clone())
+}
+
+/// The name of the method call `object.method(…)` whose arguments use `object` itself; nothing unless there is exactly one.
+pub fn self_use(lexemes: &[Lexeme], method: &str) -> Option<Range<usize>> {
+    let is = |index: usize, name: &str| matches!(&lexemes[index].token, Token::Identifier(found) if found.as_str() == name);
+    let mut found = (2..lexemes.len()).filter(|&index| {
+        let Token::Identifier(object) = &lexemes[index - 2].token else { return false };
+        is(index, method)
+            && matches!(lexemes[index - 1].token, Token::Period)
+            && lexemes.get(index + 1).is_some_and(|next| matches!(next.token, Token::LeftParen))
+            && elements(lexemes, index + 1).into_iter().flatten().any(|inside| is(inside, object))
+    });
+    let only = found.next()?;
+    found.next().is_none().then(|| lexemes[only].range.clone())
+}
+
 /// The bytes of a call's argument or key, for the call whose name (or property) begins at `start`.
 ///
 /// `method`: whether the function's object is not counted among the arguments; a call in the style `f(object, …)` is recognised.
@@ -190,7 +216,8 @@ mod tests {
 
     #[test]
     fn keys_and_values_are_found_at_their_own_depth() {
-        let text = "let a = `${x + #{inner: 1}.inner} {`; b.ring(\"inner: 0\", #{ cells: [1, f(#{inner: 3})], // inner: 4\n  inner: -1.0 * (2), \"out er\": 5 });";
+        let text = "let a = `${x + #{inner: 1}.inner} {`; b.ring(\"inner: 0\", #{ cells: [1, f(#{inner: 3})], // inner: 4\n  \
+                    inner: -1.0 * (2), \"out er\": 5 });";
         let key = |name: &str, value| Target::Key { argument: 1, key: name.into(), value };
         assert_eq!(found(text, "ring", key("inner", true), true), Some("-1.0 * (2)"));
         assert_eq!(found(text, "ring", key("inner", false), true), Some("inner"));
@@ -207,6 +234,16 @@ mod tests {
         assert_eq!(found("model.fix(side)", "fix", Target::Argument(0), true), Some("side"));
         assert_eq!(found("fix(model, side)", "fix", Target::Argument(0), false), Some("model"));
         assert_eq!(found("fix()", "fix", Target::Argument(0), false), None);
+    }
+
+    #[test]
+    fn a_method_whose_closure_uses_its_object_is_found() {
+        let text = "a.run(|t| b.time); sim.run(|s| sim.time);";
+        let lexemes = lexemes(&Engine::new_raw(), text);
+        assert_eq!(self_use(&lexemes, "run"), Some(23..26));
+        assert_eq!(self_use(&lexemes, "stop"), None);
+        assert_eq!(name_after_dot(&lexemes, 1), 2);
+        assert_eq!(end_before(&lexemes, 2), Some(1..2));
     }
 
     #[test]

@@ -123,7 +123,7 @@ impl Session {
             Some(error) => error.title.clone(),
         };
         let written = run::finish(host, self.begun, &outcome).err().map(|failure| explain_failure(&failure));
-        Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks.get() }
+        Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks() }
     }
 
     /// Notes where `conserva check` stopped.

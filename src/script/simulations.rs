@@ -521,7 +521,8 @@ fn methods() -> Vec<Function> {
             name: "settle",
             form: Form::Method(receiver),
             topic: Topic::Simulation,
-            summary: "brings the model to static equilibrium without letting time pass; gives a map with `steps`, `newton_iterations`, `strain`, `active`",
+            summary: "brings the model to static equilibrium without letting time pass; gives a map with `steps`, \
+                      `newton_iterations`, `strain`, `active`",
             parameters: Vec::new(),
             returns: "Map",
             example: example("sim.settle();"),
