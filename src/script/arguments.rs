@@ -325,15 +325,20 @@ impl Argument<'_> {
         };
         let text = value.clone().into_string().map_err(|_| self.wrong_type())?;
         match &self.parameter.kind {
-            Kind::Choice(words) if !words.contains(&text.as_str()) => Err(self.unknown_name(&text, words)),
+            Kind::Choice(words) if !words.contains(&text.as_str()) => Err(self.unknown_choice(&text, words)),
             _ => Ok(text),
         }
     }
 
-    /// The failure of a name that does not exist, with the nearest that do.
-    pub fn unknown_name(&self, name: &str, known: &[impl AsRef<str>]) -> Failure {
+    /// The failure of a word that is not one of the choices.
+    pub fn unknown_choice(&self, word: &str, known: &[impl AsRef<str>]) -> Failure {
+        self.unknown_name(format!("{} cannot be \"{word}\"", self.title()), word, known)
+    }
+
+    /// The failure of a name that does not exist, with those that do and the nearest of them.
+    pub fn unknown_name(&self, title: impl Into<String>, name: &str, known: &[impl AsRef<str>]) -> Failure {
         let quoted: Vec<String> = known.iter().map(|word| format!("\"{}\"", word.as_ref())).collect();
-        let failure = self.fail(format!("{} cannot be \"{name}\"", self.title())).label("unknown name");
+        let failure = self.fail(title).label("unknown name");
         let failure = match quoted.len() {
             0 => failure.cause("there is none to choose from"),
             _ => {
@@ -398,7 +403,13 @@ impl Argument<'_> {
     pub fn counts(&self, count: usize) -> Result<Vec<usize>, Failure> {
         let array = self.array()?;
         let whole: Option<Vec<i64>> = array.iter().map(as_whole).collect();
-        let whole = whole.ok_or_else(|| self.wrong_type().cause("a whole number has no fraction; `whole(x)` or `int(x)` makes one"))?;
+        let whole = whole.ok_or_else(|| {
+            let wrong = array.iter().find(|value| as_whole(value).is_none());
+            let given = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
+            let failure = self.fail(format!("{} must be an array of whole numbers", self.title())).label(format!("this contains {given}"));
+            let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
+            failure.hint("write whole numbers, such as `[10, 40]`; `x.to_int()` drops a fraction")
+        })?;
         if whole.len() != count {
             return Err(self
                 .fail(format!("{} must have {count} entries", self.title()))

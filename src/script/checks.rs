@@ -309,6 +309,7 @@ fn expect_error() -> Function {
                     return Err(failed(call, "the closure did not fail")
                         .at(Target::Argument(0))
                         .label("this runs without an error")
+                        .hint("remove the check, or let the closure do what must not work")
                         .into());
                 }
                 Err(error) if !error.is_catchable() => return Err(error),

@@ -109,7 +109,7 @@ impl Explainer<'_> {
             }
             ErrorMismatchOutputType(expected, given, _) => {
                 script(format!("the result must be {}, not {}", type_phrase(expected), type_phrase(given)))
-                    .hint("let the last expression, without a semicolon, be the result")
+                    .hint("let the last expression be the result")
             }
             ErrorIndexingType(name, _) => {
                 script(format!("{} has no entries to index", type_phrase(name.split(' ').next().unwrap_or(name))))
@@ -356,7 +356,7 @@ impl Explainer<'_> {
             format!("{least} to {}", count_of(most, "argument", "arguments"))
         };
         script(format!("`{name}` takes {wanted}, not {counted}"))
-            .cause(format!("it is {}", function.summary))
+            .cause(format!("`{name}`: {}", function.summary))
             .hint(format!("write `{}`", function.signature()))
     }
 
@@ -490,6 +490,8 @@ fn type_phrase(name: &str) -> String {
         "map" => "a map".into(),
         "Fn" => "a closure".into(),
         "()" => "nothing, `()`".into(),
+        "a boolean expression" => "`true` or `false`".into(),
+        phrase if phrase.starts_with("a ") || phrase.starts_with("an ") => phrase.to_string(),
         "char" => "a character".into(),
         "Dynamic" | "?" | "_" | "any" | "T" | "" => "any value".into(),
         "Failure" => "an error".into(),
@@ -502,7 +504,7 @@ fn type_phrase(name: &str) -> String {
 
 fn type_hint(expected: &str, given: &str) -> &'static str {
     match (short_type(expected).as_str(), short_type(given).as_str()) {
-        ("bool", _) => "compare, such as `x > 0`: a condition is `true` or `false`",
+        ("bool" | "a boolean expression", _) => "compare, such as `x > 0`: a condition is `true` or `false`",
         ("i64", "f64") => "convert it: `x.to_int()`",
         ("f64", "i64") => "write it with a decimal point, such as `2.0`",
         _ => "convert the value, or use another",
@@ -520,7 +522,7 @@ fn missing_hint(token: &str) -> String {
 
 fn arithmetic_hint(text: &str) -> &'static str {
     if text.contains("zero") {
-        "check the divisor; with decimal points, `1.0/0.0`, the result is infinite instead"
+        "check the divisor"
     } else if text.contains("overflow") || text.contains("Overflow") || text.contains("power") {
         "use numbers with a decimal point, such as `2.0`"
     } else {

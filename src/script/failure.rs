@@ -183,7 +183,8 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
             let similarity = strsim::jaro_winkler(&lower, &other);
             let distance = strsim::damerau_levenshtein(&lower, &other);
             let close = distance <= 1 + lower.chars().count().min(other.chars().count()) / 4;
-            let inside = lower.len() >= 3 && other.len() >= 3 && (other.contains(&lower) || lower.contains(&other));
+            let (short, long) = (lower.len().min(other.len()), lower.len().max(other.len()));
+            let inside = short >= 3 && 2 * short >= long && (other.contains(&lower) || lower.contains(&other));
             (
                 if close {
                     similarity + 1.0

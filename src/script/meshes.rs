@@ -71,7 +71,7 @@ pub fn named_boundary(call: &Call, mesh: &Mesh) -> Result<Boundary, Failure> {
     let name = argument.text()?;
     let names: Vec<&str> = mesh.boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
     mesh.boundary(&name).cloned().ok_or_else(|| {
-        let mut failure = argument.unknown_name(&name, &names);
+        let mut failure = argument.unknown_name(format!("there is no boundary \"{name}\""), &name, &names);
         if failure.hints.is_empty() {
             failure = failure.hint("`print(mesh)` lists boundaries with their facets; `mesh.boundary_where(name, |x, y| …)` makes one");
         }

@@ -85,7 +85,7 @@ impl Sandbox {
                 let folder = file.parent().unwrap_or(&self.home).to_path_buf();
                 let failure = Failure::script(format!("there is no module \"{path}\""))
                     .cause(format!("the import means the file \"{path}.rhai\" below the script's folder"));
-                Err(match siblings(&folder, Path::new(&format!("{path}.rhai"))) {
+                Err(match siblings(&folder, Path::new(&format!("{path}.rhai"))).filter(|suggestion| suggestion.contains(".rhai")) {
                     Some(suggestion) => failure.hint(suggestion.replace(".rhai", "")),
                     None => failure.hint("write the path without the ending `.rhai`"),
                 })

@@ -737,7 +737,7 @@ fn contact() -> Vec<Function> {
                     (Some(fields), time, dimension) => Ok(Dynamic::from(ContactHandle { name, time, dimension, fields: Rc::new(fields) })),
                     (None, ..) => {
                         let names: Vec<&str> = handle.0.model.model.contacts.iter().map(|contact| contact.name.as_str()).collect();
-                        Err(argument.unknown_name(&name, &names).into())
+                        Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())
                     }
                 }
             }),

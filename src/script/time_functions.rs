@@ -49,7 +49,7 @@ impl TimeFunction for ScriptFunction {
                 let failure = Failure::script(format!("the closure must give a finite number at t = {}", number_text(time)))
                     .label("given here")
                     .cause(format!("it gives {given}"))
-                    .hint("let its last expression, without a semicolon, be the number");
+                    .hint("let its last expression be the number");
                 Err(Box::new(self.callback.refuse(failure)))
             }
         }
