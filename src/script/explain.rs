@@ -91,7 +91,7 @@ impl Explainer<'_> {
         use EvalAltResult::*;
         let script = |title: String| Diagnostic::error(Class::Script, title);
         match error {
-            ErrorParsing(kind, _) => self.reword_syntax(kind, source),
+            ErrorParsing(kind, _) => self.reword_syntax(kind, source, place),
             ErrorVariableNotFound(name, _) | ErrorForbiddenVariable(name, _) => self.unknown_variable(name, source),
             ErrorVariableExists(name, _) => script(format!("there already is a variable `{name}`")).hint("choose another name"),
             ErrorPropertyNotFound(name, _) => script(format!("the map has no entry `{name}`"))
@@ -165,7 +165,8 @@ impl Explainer<'_> {
         }
     }
 
-    fn reword_syntax(&self, kind: &ParseErrorType, source: &str) -> Diagnostic {
+    fn reword_syntax(&self, kind: &ParseErrorType, source: &str, place: Option<&Place>) -> Diagnostic {
+        let word = place.map_or("", |place| &place.text[place.range.clone()]);
         let script = |title: String| Diagnostic::error(Class::Script, title);
         match kind {
             ParseErrorType::UnexpectedEOF => {
@@ -187,6 +188,11 @@ impl Explainer<'_> {
             ParseErrorType::UnknownOperator(text) => script(format!("there is no operator `{text}`")),
             ParseErrorType::MissingToken(token, purpose) => {
                 script(format!("`{token}` is missing {}", lower(purpose))).hint(missing_hint(token))
+            }
+            ParseErrorType::VariableExpected | ParseErrorType::PropertyExpected | ParseErrorType::FnMissingName
+                if word.chars().all(char::is_alphabetic) && !word.is_empty() =>
+            {
+                script(format!("`{word}` is a word of the language and cannot be a name")).hint("choose another name")
             }
             ParseErrorType::Reserved(word) => script(format!("`{word}` is a reserved word")).hint("choose another name"),
             ParseErrorType::VariableUndefined(name) => self.unknown_variable(name, source),

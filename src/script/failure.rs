@@ -185,16 +185,12 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
             let close = distance <= 1 + lower.chars().count().min(other.chars().count()) / 4;
             let (short, long) = (lower.len().min(other.len()), lower.len().max(other.len()));
             let inside = short >= 3 && 2 * short >= long && (other.contains(&lower) || lower.contains(&other));
-            (
-                if close {
-                    similarity + 1.0
-                } else if inside {
-                    similarity + 0.5
-                } else {
-                    similarity
-                },
-                candidate,
-            )
+            let score = match (close, inside) {
+                (true, _) => 1.0 + similarity,
+                (false, true) => 0.9 + 0.05 * similarity,
+                (false, false) => similarity,
+            };
+            (score, candidate)
         })
         .filter(|(score, _)| *score >= 0.88)
         .collect();

@@ -47,7 +47,9 @@ pub fn lexemes(engine: &Engine, text: &str) -> Vec<Lexeme> {
         if matches!(token, Token::EOF | Token::LexError(_)) {
             break;
         }
-        let Some(start) = offset(text, position) else { break };
+        // The empty piece of text at the end of an interpolated string has no position: it stands behind the bracket before it.
+        let behind = found.last().map_or(0, |last| last.range.start + 1);
+        let start = offset(text, position).unwrap_or(behind);
         match token {
             Token::InterpolatedString(_) => braces.push(0),
             Token::LeftBrace | Token::MapStart => braces.iter_mut().for_each(|depth| *depth += 1),
@@ -244,6 +246,13 @@ mod tests {
         assert_eq!(self_use(&lexemes, "stop"), None);
         assert_eq!(name_after_dot(&lexemes, 1), 2);
         assert_eq!(end_before(&lexemes, 2), Some(1..2));
+    }
+
+    #[test]
+    fn what_follows_several_interpolations_is_read() {
+        let text = "print(`a ${f(b, 4)} of ${#{c: [1]}.c[0]} and ${d}`); print(`${e}`); ring(1.5);";
+        assert_eq!(found(text, "ring", Target::Argument(0), false), Some("1.5"));
+        assert_eq!(found(text, "f(b", Target::Argument(1), false), Some("4"));
     }
 
     #[test]

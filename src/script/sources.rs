@@ -84,7 +84,7 @@ mod tests {
         assert_eq!(&text[offset(text, Position::new(2, 7)).unwrap()..][..1], "x");
         assert_eq!(offset(text, Position::new(4, 1)), Some(text.trim_end().len()));
         assert_eq!(offset(text, Position::NONE), None);
-        let place = Place { source: "a.rhai".into(), text: text.into(), range: 18..19 };
+        let place = Place { source: "a.rhai".into(), text: text.into(), range: 19..20 };
         assert_eq!(place.to_string(), "a.rhai:2:7");
     }
 }

@@ -1,0 +1,243 @@
+//! The program from outside: exit codes, files, messages, interrupts, closed pipes, sudden death.
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A folder of its own for a test, with a script in it.
+fn folder(name: &str, script: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("command-line-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("main.rhai"), script).unwrap();
+    folder
+}
+
+fn conserva(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_conserva"));
+    command.current_dir(folder).args(arguments).env_remove("NO_COLOR");
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    conserva(folder, arguments).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// A free plate; `rest` is appended.
+fn flight(rest: &str) -> String {
+    format!(
+        "let dt = param(\"dt\", 0.01);\n\
+         let rubber = neo_hookean(#{{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 }});\n\
+         let flight = model(\"flight\");\n\
+         let plate = flight.add_body(\"plate\", rectangle(#{{ size: [2.0, 1.0], cells: [4, 2] }}), rubber);\n\
+         flight.initial_velocity(plate, #{{ linear: [1.0, 0.0], angular: 2.0 }});\n\
+         let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: dt }});\n{rest}\n"
+    )
+}
+
+/// Rows of a history after its header, every one of them complete.
+fn rows(folder: &Path) -> usize {
+    let text = std::fs::read_to_string(folder.join("out/main/history.csv")).unwrap();
+    let mut lines = text.lines();
+    let columns = lines.next().unwrap().split(',').count();
+    assert!(columns >= 19);
+    lines.inspect(|line| assert!(line.split(',').filter(|field| field.parse::<f64>().is_ok()).count() == columns, "{line}")).count()
+}
+
+fn outcome(folder: &Path) -> String {
+    let text = std::fs::read_to_string(folder.join("out/main/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+    summary["outcome"].as_str().unwrap().to_string()
+}
+
+/// Waits until the run has written some rows.
+fn wait_for_rows(folder: &Path, child: &mut Child) {
+    let begun = Instant::now();
+    let file = folder.join("out/main/history.csv");
+    while std::fs::read_to_string(&file).map_or(0, |text| text.lines().count()) < 10 {
+        assert!(begun.elapsed() < Duration::from_secs(60), "the run writes no rows");
+        assert!(child.try_wait().unwrap().is_none(), "the run ended early");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+}
+
+#[test]
+fn a_run_writes_its_files_and_says_so() {
+    let home =
+        folder("done", &flight("sim.run_to(0.1); print(`t = ${sim.time}`); expect_conserved(sim, \"energy\", #{ tolerance: 1e-10 });"));
+    let output = run(&home, &["run", "main.rhai", "--set", "dt=0.02"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stdout(&output);
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines[0], "t = 0.1");
+    assert!(lines[1].starts_with("ok  the energy of \"flight\" after t = 0 drifts by") && lines[1].ends_with("[main.rhai:7]"), "{said}");
+    assert_eq!(stderr(&output), "done, 1 check passed; results in out/main\n");
+    assert_eq!(rows(&home), 6);
+    let text = std::fs::read_to_string(home.join("out/main/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(summary["script"], "main.rhai");
+    assert_eq!(summary["parameters"]["dt"], 0.02);
+    assert_eq!((&summary["bodies"], &summary["unknowns"], &summary["steps"]), (&1.into(), &30.into(), &5.into()));
+    assert_eq!(summary["outcome"], "completed");
+    assert!(summary["energy_drift"].as_f64().unwrap() < 1e-10);
+    let seconds = summary["wall_seconds"].as_object().unwrap();
+    let parts: f64 = seconds.iter().filter(|(name, _)| *name != "total").map(|(_, value)| value.as_f64().unwrap()).sum();
+    let total = seconds["total"].as_f64().unwrap();
+    // The parts are all there is; `other` makes up the rest, so they can only exceed the total by what is measured twice.
+    assert!(parts <= 1.01 * total && parts >= 0.99 * total, "{text}");
+    for file in ["history.svg", "fields.pvd", "fields/fields_000000.vtu", "fields/fields_000001.vtu"] {
+        assert!(home.join("out/main").join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn results_go_where_out_says_and_quiet_is_quiet() {
+    let home = folder("out", &flight("sim.step(); sim.plot(\"plots/energy.svg\", [\"kinetic\", \"strain\"]); sim.picture(\"plate.svg\");"));
+    let output = run(&home, &["run", "main.rhai", "--out", "results", "--quiet", "--threads", "2"]);
+    assert_eq!((output.status.code(), stdout(&output), stderr(&output)), (Some(0), String::new(), String::new()));
+    assert!(home.join("results/plots/energy.svg").is_file() && home.join("results/plate.svg").is_file());
+    assert!(!home.join("out").exists());
+}
+
+#[test]
+fn exit_codes_tell_how_it_went() {
+    let code = |name: &str, script: &str, arguments: &[&str]| {
+        let home = folder(name, script);
+        let output = run(&home, arguments);
+        (output.status.code().unwrap(), stderr(&output))
+    };
+    let (exit, message) = code("check-fails", &flight("sim.step(); expect(sim.time > 1.0, \"too early\");"), &["run", "main.rhai"]);
+    assert_eq!(exit, 1);
+    assert!(message.contains("error: too early\n --> main.rhai:7:20\n"), "{message}");
+    let (exit, message) = code("script-wrong", "let a = ringg();", &["run", "main.rhai"]);
+    assert_eq!(exit, 2);
+    assert!(message.contains("did you mean `ring`?"), "{message}");
+    let (exit, message) = code("no-script", "", &["run", "man.rhai"]);
+    assert_eq!(exit, 2);
+    assert!(message.contains("the script man.rhai cannot be read"), "{message}");
+    let (exit, message) = code("bad-argument", "", &["run", "main.rhai", "--set", "dt"]);
+    assert_eq!(exit, 2);
+    assert!(message.contains("NAME=VALUE"), "{message}");
+    let (exit, message) = code("bad-folder", "", &["run", "main.rhai", "--allow-read", "nowhere"]);
+    assert_eq!(exit, 2);
+    assert!(message.contains("the folder nowhere cannot be opened"), "{message}");
+    let (exit, message) = code("bad-set", "let a = param(\"a\", 1);", &["run", "main.rhai", "--set", "b=1"]);
+    assert_eq!(exit, 2);
+    assert!(message.contains("the script has no parameter `b`"), "{message}");
+    // A load no step of this size can follow.
+    let wild = flight("").replace("let sim", "flight.force(plate.boundary(\"top\"), [1e9, 0.0]); let sim");
+    let wild = wild.replace("dt: dt", "dt: dt, max_halvings: 0") + "sim.step();";
+    let (exit, message) = code("numerics", &wild, &["run", "main.rhai"]);
+    assert_eq!(exit, 3, "{message}");
+    assert!(message.contains("error: Newton's method did not converge"), "{message}");
+}
+
+#[test]
+fn a_failed_run_keeps_its_results() {
+    let home = folder("failed", &flight("sim.run_to(0.05); nonsense();"));
+    let output = run(&home, &["run", "main.rhai"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(rows(&home), 6);
+    assert_eq!(outcome(&home), "there is no function `nonsense`");
+}
+
+#[test]
+fn the_first_interrupt_ends_the_run_with_its_results() {
+    let home = folder("interrupt", &flight("try { sim.run_to(1e6); } catch { print(\"caught\"); }"));
+    let mut child = conserva(&home, &["run", "main.rhai"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for_rows(&home, &mut child);
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stdout(&output).is_empty(), "an interrupt cannot be caught");
+    assert!(stderr(&output).contains("error: interrupted at t ="), "{}", stderr(&output));
+    assert!(rows(&home) >= 9);
+    assert_eq!(outcome(&home), "interrupted");
+    assert!(home.join("out/main/history.svg").is_file());
+}
+
+#[test]
+fn an_interrupt_ends_a_script_that_only_loops() {
+    let home = folder("interrupt-loop", "print(\"looping\"); loop { }");
+    let mut child = conserva(&home, &["run", "main.rhai", "--max-operations", "1000000000000"]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+    assert_eq!(line, "looping\n");
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}
+
+#[test]
+fn a_killed_run_leaves_whole_rows() {
+    let home = folder("killed", &flight("sim.run_to(1e6);"));
+    let mut child = conserva(&home, &["run", "main.rhai", "--quiet"]).spawn().unwrap();
+    wait_for_rows(&home, &mut child);
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    assert!(rows(&home) >= 9);
+    assert!(std::fs::read_to_string(home.join("out/main/history.csv")).unwrap().ends_with('\n'));
+}
+
+#[test]
+fn a_reader_that_goes_away_does_not_stop_the_run() {
+    let home = folder("pipe", &flight("for i in 0..2000 { print(`a line of some length, number ${i}`); }\nsim.step(3);"));
+    let mut child = conserva(&home, &["run", "main.rhai"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut first = String::new();
+    BufReader::with_capacity(64, child.stdout.take().unwrap()).read_line(&mut first).unwrap();
+    let mut message = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut message).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0), "{message}");
+    assert!(!message.contains("panicked"), "{message}");
+    assert_eq!(rows(&home), 4);
+}
+
+#[test]
+fn check_takes_no_step_and_finds_what_is_wrong() {
+    let home = folder("check", &flight("sim.run_to(1e9);\nexpect_conserved(sim, \"energy\", #{ tolerance: 1e-9 });"));
+    let output = run(&home, &["check", "main.rhai"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stdout(&output);
+    assert!(said.contains("simulation \"flight\": energy_momentum, dt = 0.01, 30 unknowns"), "{said}");
+    assert!(said.ends_with("main.rhai: nothing wrong found\n"), "{said}");
+    assert!(!home.join("out").exists());
+    let home = folder("check-wrong", &flight("sim.run_to(1e9);\nexpect_conserved(sim, \"enrgy\", #{ tolerance: 1e-9 });"));
+    let output = run(&home, &["check", "main.rhai"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("did you mean \"energy\"?"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_script_reads_only_what_it_may() {
+    let home = folder("sandbox", "let mesh = read_mesh(param(\"mesh\", \"\")); print(mesh.cells);");
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors/cases/meshes/square.msh");
+    let set = format!("mesh={}", mesh.display());
+    let output = run(&home, &["run", "main.rhai", "--set", &set]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("may not read"), "{}", stderr(&output));
+    let output = run(&home, &["run", "main.rhai", "--set", &set, "--allow-read", mesh.parent().unwrap().to_str().unwrap()]);
+    assert_eq!((output.status.code(), stdout(&output).as_str()), (Some(0), "1\n"), "{}", stderr(&output));
+}
+
+#[test]
+fn progress_without_a_terminal_is_plain_lines() {
+    let home = folder("progress", &flight("sim.run_to(1e6);"));
+    let mut child = conserva(&home, &["run", "main.rhai"]).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for_rows(&home, &mut child);
+    std::thread::sleep(Duration::from_secs(1));
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert!(!stderr(&output).contains('\u{1b}'), "no escape codes: {}", stderr(&output));
+}

@@ -1,0 +1,300 @@
+//! The language from outside: every function with a working example, modules, closures, states, parameters, and what `check` says.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use conserva::script::{Class, Diagnostic, Form, Ink, Kind, Mode, Observer, Progress, Report, Session, Settings};
+
+#[derive(Default)]
+struct Recorder {
+    lines: RefCell<Vec<String>>,
+    warnings: RefCell<Vec<String>>,
+}
+
+impl Observer for Recorder {
+    fn print(&self, line: &str) {
+        self.lines.borrow_mut().push(line.into());
+    }
+    fn passed(&self, _: &str) {}
+    fn warn(&self, warning: &Diagnostic) {
+        self.warnings.borrow_mut().push(warning.title.clone());
+    }
+    fn advanced(&self, _: &Progress) {}
+    fn began(&self, _: &str) {}
+    fn ended(&self) {}
+}
+
+/// A folder of its own for a test.
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("language-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Runs a script with settings in a folder: what it printed, what it was warned of, how it ended.
+fn run_in(folder: &Path, text: &str, settings: Settings) -> (Vec<String>, Vec<String>, Report) {
+    let script = folder.join("main.rhai");
+    std::fs::write(&script, text).unwrap();
+    let recorder = Rc::new(Recorder::default());
+    let mut session = Session::new(settings, folder, recorder.clone()).unwrap();
+    let report = session.run_file(&script);
+    drop(session);
+    (recorder.lines.take(), recorder.warnings.take(), report)
+}
+
+/// Runs a script that must not fail: what it printed.
+fn run(name: &str, text: &str) -> Vec<String> {
+    let (lines, _, report) = run_in(&folder(name), text, Settings::default());
+    assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+    lines
+}
+
+const FLIGHT: &str = r#"
+    let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });
+    let flight = model("flight");
+    let plate = flight.add_body("plate", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), rubber);
+    flight.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });
+"#;
+
+fn flight(rest: &str) -> String {
+    format!("{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01 }});\n{rest}")
+}
+
+#[test]
+fn every_function_says_what_it_is_and_its_example_runs() {
+    let session = Session::new(Settings::default(), Path::new("."), Rc::new(Recorder::default())).unwrap();
+    let functions: Vec<_> = session.registry().functions().to_vec();
+    assert!(functions.len() > 90, "{}", functions.len());
+    let home = folder("examples");
+    for function in functions {
+        let name = function.signature();
+        assert!(!function.summary.is_empty() && !function.example.is_empty(), "{name} has a summary and an example");
+        let by_any_name = matches!(function.form, Form::Column(_));
+        assert!(by_any_name || function.example.contains(function.name), "the example of {name} uses it");
+        for parameter in &function.parameters {
+            let inner = match &parameter.kind {
+                Kind::Options(keys) => keys.clone(),
+                _ => vec![parameter.clone()],
+            };
+            assert!(inner.iter().all(|key| !key.summary.is_empty()), "every parameter of {name} has a summary");
+        }
+        for other in function.see_also {
+            assert!(session.registry().named(other).next().is_some(), "{name} refers to {other}");
+        }
+        let settings = Settings { output: Some(home.join("out")), ..Settings::default() };
+        let (_, _, report) = run_in(&home, &function.example, settings);
+        assert!(report.error.is_none(), "the example of {name}:\n{}", report.error.unwrap().render(Ink::Plain));
+    }
+}
+
+#[test]
+fn every_object_prints_something_useful() {
+    let lines = run(
+        "print",
+        &flight(
+            r#"
+            sim.step();
+            print(rubber); print(flight); print(plate); print(plate.mesh); print(plate.boundary("top")); print(hat(0, 1, 2));
+            print(energy_momentum()); print(mortar()); print(sim); print(sim.save()); print(sim.history);
+            print(`${plate}`); print([hat(0, 1, 2)]);
+            "#,
+        ),
+    );
+    let beginnings = [
+        "neo_hookean(#{ youngs_modulus: 100,",
+        "model \"flight\"",
+        "body \"plate\"",
+        "mesh of 8 quad4 cells and 15 nodes",
+        "boundary \"plate.top\" of 4 facets and length 2",
+        "hat(0, 1, 2)",
+        "energy_momentum()",
+        "mortar()",
+        "simulation \"flight\" at t = 0.01, step 1",
+        "state of simulation",
+        "history of 2 rows",
+        "body \"plate\"",
+        "[hat(0, 1, 2)]",
+    ];
+    assert_eq!(lines.len(), beginnings.len());
+    for (line, beginning) in lines.iter().zip(beginnings) {
+        assert!(line.starts_with(beginning), "{line}");
+    }
+}
+
+#[test]
+fn going_back_and_forward_again_gives_the_same_bytes() {
+    let home = folder("branches");
+    let text = flight(
+        "sim.run_to(0.05); let here = sim.save(); sim.run_to(0.1); let first = sim.energy.strain; let rows = sim.history.total;\n\
+         sim.restore(here); expect(sim.time == 0.05); expect(sim.history.time.len() == 6);\n\
+         sim.run_to(0.1); expect(sim.energy.strain == first); expect(sim.history.total == rows);",
+    );
+    let (_, _, report) = run_in(&home, &text, Settings { output: Some(home.join("out")), ..Settings::default() });
+    assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+    let csv = std::fs::read_to_string(home.join("out/history.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 12, "header, beginning and 10 steps:\n{csv}");
+}
+
+#[test]
+fn closures_made_in_a_module_work_when_the_solver_calls_them() {
+    let home = folder("modules");
+    std::fs::create_dir(home.join("lib")).unwrap();
+    std::fs::write(
+        home.join("lib/loads.rhai"),
+        "import \"lib/shapes\" as shapes;\nconst STRENGTH = 3.0;\nfn half(x) { 0.5 * x }\n\
+         fn push(factor) { |t| factor * half(global::STRENGTH) * shapes::rise(t) }",
+    )
+    .unwrap();
+    std::fs::write(home.join("lib/shapes.rhai"), "fn rise(t) { if t < 0.5 { 2.0 * t } else { 1.0 } }").unwrap();
+    let text = "import \"lib/loads\" as loads;\n".to_string()
+        + FLIGHT
+        + "flight.force(plate.boundary(\"right\"), [1.0, 0.0], loads::push(2.0));\n\
+           let sim = simulate(flight, #{ integrator: energy_momentum(), dt: 0.01 });\n\
+           let before = sim.momentum[0]; sim.run_to(0.2);\n\
+           // the integral of 2 * 1.5 * 2 t from 0 to 0.2; the midpoint rule is exact for a linear function\n\
+           expect_close(sim.momentum[0] - before, 0.12, #{ relative: 1e-10 });";
+    let (_, _, report) = run_in(&home, &text, Settings::default());
+    assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+}
+
+#[test]
+fn on_step_sees_every_step_and_may_collect() {
+    let lines = run(
+        "on_step",
+        &flight("let times = []; sim.on_step(|s| times.push(s.time)); sim.run_to(0.03); print(times.len()); print(times[-1] == sim.time);"),
+    );
+    assert_eq!(lines, ["3", "true"]);
+}
+
+#[test]
+fn parameters_come_from_outside() {
+    let home = folder("parameters");
+    let set = |name: &str, value: &str| Settings { overrides: vec![(name.into(), value.into())], ..Settings::default() };
+    let text = "let n = param(\"n\", 2); let name = param(\"name\", \"a\"); print(n * 1.5); print(name);";
+    assert_eq!(run_in(&home, text, Settings::default()).0, ["3.0", "a"]);
+    assert_eq!(run_in(&home, text, set("n", "4")).0, ["6.0", "a"]);
+    assert_eq!(run_in(&home, text, set("name", "a b")).0, ["3.0", "a b"]);
+    // An unknown name is refused before a long computation begins.
+    let late = flight("print(\"never\"); let dt = param(\"dt\", 1.0);").replace("let sim", "param(\"known\", 1); let sim");
+    let (lines, _, report) = run_in(&home, &late, set("unknown", "1"));
+    assert!(lines.is_empty());
+    assert!(report.error.unwrap().title.contains("unknown"));
+}
+
+#[test]
+fn a_parameter_after_the_simulation_must_still_be_found() {
+    // `simulate` refuses names that nobody has asked for yet, so parameters stand in front of it.
+    let home = folder("late-parameter");
+    let settings = Settings { overrides: vec![("late".into(), "1".into())], ..Settings::default() };
+    let error = run_in(&home, &flight("param(\"late\", 2);"), settings).2.error.unwrap();
+    assert!(error.title.contains("`late`"), "{}", error.title);
+}
+
+#[test]
+fn check_lists_everything_and_takes_no_step() {
+    let home = folder("check");
+    let settings = || Settings { mode: Mode::Check, output: Some(home.join("out")), ..Settings::default() };
+    let text = flight("sim.settle(); sim.run_to(1e9); expect_conserved(sim, \"energy\", #{ tolerance: 1e-9 });");
+    let (_, _, report) = run_in(&home, &text, settings());
+    assert!(report.error.is_none());
+    let findings = report.findings.join("\n");
+    for part in ["simulation \"flight\": energy_momentum, dt = 0.01, 30 unknowns", "body \"plate\"", "drifts by at most 1e-9"] {
+        assert!(findings.contains(part), "{findings}");
+    }
+    assert!(!home.join("out").exists());
+
+    let text = flight("sim.run_to(1.0); if sim.energy.total > 0.0 { nonsense(); }");
+    let (_, _, report) = run_in(&home, &text, settings());
+    assert!(report.error.is_none());
+    assert!(report.findings.last().unwrap().contains("the script uses `energy`"), "{:?}", report.findings);
+
+    let text = flight("sim.run_to(1.0); nonsense();");
+    assert_eq!(run_in(&home, &text, settings()).2.error.unwrap().class, Class::Script);
+}
+
+#[test]
+fn errors_can_be_caught_and_looked_at() {
+    let lines = run(
+        "caught",
+        "try { ring(#{ inner_radius: -1, outer_radius: 1, cells: [1, 8] }); } catch (error) { print(error); print(type_of(error)); }",
+    );
+    assert!(lines[0].starts_with("`inner_radius` of `ring` must be greater than 0"), "{lines:?}");
+    assert_eq!(lines[1], "Error");
+}
+
+#[test]
+fn an_interrupt_cannot_be_caught() {
+    let home = folder("interrupt");
+    let settings = Settings::default();
+    let interrupt = settings.interrupt.clone();
+    interrupt.store(true, std::sync::atomic::Ordering::Relaxed);
+    let (lines, _, report) = run_in(&home, "try { loop { } } catch { print(\"caught\"); }", settings);
+    assert!(lines.is_empty());
+    assert_eq!(report.error.unwrap().class, Class::Interrupted);
+}
+
+#[test]
+fn boundaries_found_by_a_condition_work_on_meshes_and_bodies() {
+    let lines = run(
+        "where",
+        r#"
+        let steel = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.3, density: 1.0 });
+        let mesh = rectangle(#{ size: [2.0, 1.0], cells: [4, 2] });
+        mesh.boundary_where("corner", |x, y| x < 0.51 && y < 0.01);
+        let m = model("m");
+        let body = m.add_body("b", mesh, steel);
+        print(body.boundary("corner").facets);
+        let side = body.boundary_where("side", |x, y| x > 1.99);
+        m.fix(side, "x");
+        print(body.boundary("side").measure);
+        let solid = block(#{ size: [1.0, 1.0, 1.0], cells: [2, 2, 2] });
+        print(solid.boundary_where("lid", |x, y, z| z > 0.99).boundary("lid").facets);
+        "#,
+    );
+    assert_eq!(lines, ["1", "1.0", "4"]);
+}
+
+#[test]
+fn warnings_name_what_never_happened() {
+    let home = folder("idle");
+    let text = flight("sim.step(2);").replace("let sim", "flight.force(plate.boundary(\"top\"), [1, 0], ramp(5, 6, 1)); let sim");
+    let warnings = run_in(&home, &text, Settings::default()).1;
+    assert_eq!(warnings, ["the force [1, 0] on \"plate.top\" with amplitude ramp(5, 6, 1) never acted"]);
+}
+
+#[test]
+fn several_simulations_have_folders_of_their_own() {
+    let home = folder("several");
+    let text = flight("sim.step(2); let again = simulate(flight, #{ integrator: midpoint(), dt: 0.02 }); again.step();");
+    let (_, _, report) = run_in(&home, &text, Settings { output: Some(home.join("out")), ..Settings::default() });
+    assert!(report.error.is_none());
+    for (file, rows) in [("out/history.csv", 4), ("out/flight-2/history.csv", 3)] {
+        assert_eq!(std::fs::read_to_string(home.join(file)).unwrap().lines().count(), rows, "{file}");
+    }
+    for file in ["summary.json", "history.svg", "fields.pvd", "flight-2/summary.json"] {
+        assert!(home.join("out").join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
+fn frames_come_at_the_interval_that_the_script_chooses() {
+    let home = folder("frames");
+    let text = flight("sim.run_to(0.1);").replace("dt: 0.01", "dt: 0.01, fields_every: 0.03");
+    let (_, _, report) = run_in(&home, &text, Settings { output: Some(home.join("out")), ..Settings::default() });
+    assert!(report.error.is_none());
+    let list = std::fs::read_to_string(home.join("out/fields.pvd")).unwrap();
+    let times: Vec<f64> = list.split("timestep=\"").skip(1).map(|rest| rest.split('"').next().unwrap().parse().unwrap()).collect();
+    // beginning, every 0.03, end
+    assert_eq!(times.len(), 5, "{times:?}");
+    for (time, expected) in times.iter().zip([0.0, 0.03, 0.06, 0.09, 0.1]) {
+        assert!((time - expected).abs() < 1e-12, "{times:?}");
+    }
+}
+
+#[test]
+fn scripts_are_reproducible_to_the_last_bit() {
+    let text = flight("sim.run_to(0.1); print(sim.history.total); print(sim.energy);");
+    assert_eq!(run("first", &text), run("second", &text));
+}
