@@ -124,7 +124,7 @@ fn exit_codes_tell_how_it_went() {
     assert!(message.contains("error: too early\n --> main.rhai:7:20\n"), "{message}");
     let (exit, message) = code("script-wrong", "let a = ringg();", &["run", "main.rhai"]);
     assert_eq!(exit, 2);
-    assert!(message.contains("did you mean `ring`?"), "{message}");
+    assert!(message.contains("did you mean `ring`"), "{message}");
     let (exit, message) = code("no-script", "", &["run", "man.rhai"]);
     assert_eq!(exit, 2);
     assert!(message.contains("the script man.rhai cannot be read"), "{message}");

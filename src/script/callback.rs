@@ -43,13 +43,13 @@ impl Callback {
     }
 
     /// Wraps an error of the closure for its way through the kernels.
-    pub fn wrap(&self, error: Box<EvalAltResult>) -> ScriptError {
-        ScriptError { error: Rc::new(*error), source: self.context.global.source.as_ref().map(ToString::to_string).unwrap_or_default() }
+    pub fn wrap(&self, error: EvalAltResult) -> ScriptError {
+        ScriptError { error: Rc::new(error), source: self.context.global.source.as_ref().map(ToString::to_string).unwrap_or_default() }
     }
 
     /// The error of a closure that gave a wrong value.
     pub fn refuse(&self, failure: Failure) -> ScriptError {
-        self.wrap(failure.raise(self.context.pos))
+        self.wrap(*failure.raise(self.context.pos))
     }
 }
 

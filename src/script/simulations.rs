@@ -336,7 +336,7 @@ impl SimulationHandle {
 
 /// An error of a closure that a step called, with its own place first.
 fn passed_on(callback: &Callback, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
-    if error.is_catchable() { Failure::script("in a step that this call took").caused_by(callback.wrap(error)).into() } else { error }
+    if error.is_catchable() { Failure::script("in a step that this call took").caused_by(callback.wrap(*error)).into() } else { error }
 }
 
 fn busy(call: &Call) -> Failure {

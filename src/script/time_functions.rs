@@ -41,7 +41,7 @@ struct ScriptFunction {
 
 impl TimeFunction for ScriptFunction {
     fn value(&self, time: f64) -> Result<f64, Box<dyn std::error::Error>> {
-        let value = self.callback.call([Dynamic::from(time)]).map_err(|error| self.callback.wrap(error))?;
+        let value = self.callback.call([Dynamic::from(time)]).map_err(|error| self.callback.wrap(*error))?;
         match as_number(&value) {
             Some(number) if number.is_finite() => Ok(number),
             _ => {
