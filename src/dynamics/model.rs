@@ -81,6 +81,29 @@ pub enum ContactMethod {
     NodeToSegment,
 }
 
+impl ContactMethod {
+    /// All methods, in the order of the reference.
+    pub const ALL: &'static [ContactMethod] = &[ContactMethod::Mortar, ContactMethod::NodeToSegment];
+
+    /// Name as written in a script.
+    pub fn name(self) -> &'static str {
+        match self {
+            ContactMethod::Mortar => "mortar",
+            ContactMethod::NodeToSegment => "node_to_segment",
+        }
+    }
+
+    /// One sentence for the reference.
+    pub fn summary(self) -> &'static str {
+        match self {
+            ContactMethod::Mortar => "mortar method: pressures at the secondary nodes, gaps integrated over the common surface",
+            ContactMethod::NodeToSegment => {
+                "node-to-segment method: no secondary node enters the primary side; locks where both are polygons"
+            }
+        }
+    }
+}
+
 /// The condition that an active contact node fulfils over a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum UpdateRule {

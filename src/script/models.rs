@@ -122,9 +122,7 @@ impl Handle for ContactMethodHandle {
     const NAME: &'static str = "ContactMethod";
 
     fn describe(&self) -> String {
-        match self.0 {
-            ContactMethod::Mortar => "mortar()".into(),
-        }
+        format!("{}()", self.0.name())
     }
 }
 
@@ -574,73 +572,80 @@ fn update_names() -> &'static [&'static str] {
 }
 
 fn contacts() -> Vec<Function> {
-    vec![
+    let method = |method: &ContactMethod| {
+        let method = *method;
         Function {
-            name: "add_contact",
-            form: Form::Method(ModelHandle::receiver()),
-            topic: Topic::Contact,
-            summary: "lets two boundaries touch without friction",
-            parameters: vec![
-                Parameter::new("name", Kind::Text, "its name, unique in the model"),
-                Parameter::new(
-                    "options",
-                    Kind::Options(vec![
-                        Parameter::new(
-                            "secondary",
-                            Kind::Handle(BoundaryHandle::NAME),
-                            "the side that carries the contact pressure (slave, nonmortar)",
-                        ),
-                        Parameter::new("primary", Kind::Handle(BoundaryHandle::NAME), "the other side (master, mortar)"),
-                        Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretised")
-                            .or(Absent::Means("`mortar()`")),
-                        Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")
-                            .or(Absent::Text(UpdateRule::Gap.name())),
-                        Parameter::number("penalty", "1", Interval::Positive, "a stiffness, relative to a facet's, instead of multipliers")
-                            .or(Absent::Means("multipliers: the update rule holds exactly")),
-                        Parameter::new(
-                            "equality",
-                            Kind::Flag,
-                            "whether every covered node is closed and tension allowed (the bilateral constraints of the paper)",
-                        )
-                        .or(Absent::Flag(false)),
-                    ]),
-                    "sides and method",
-                ),
-            ],
-            returns: "",
-            example: example(TOUCH),
-            see_also: &["mortar"],
-            body: body(|call| {
-                let model = call.receiver::<ModelHandle>();
-                let (name, options) = (call.text("name")?, call.options("options")?);
-                let secondary = boundary_of(&options.argument("secondary"), &model)?;
-                let primary = boundary_of(&options.argument("primary"), &model)?;
-                let method = options.argument("method");
-                let method = if method.is_given() { method.handle::<ContactMethodHandle>()?.0 } else { ContactMethod::Mortar };
-                let update = options.text("update")?;
-                let update = UpdateRule::ALL.iter().copied().find(|rule| rule.name() == update).unwrap_or(UpdateRule::Gap);
-                let penalty = options.optional_number("penalty")?;
-                let enforcement = penalty.map_or(Enforcement::Multiplier, |factor| Enforcement::Penalty { factor });
-                let (equality, place) = (options.flag("equality")?, call.place(&Default::default()));
-                change(call, &model, |data| {
-                    data.model.contacts.push(ContactDefinition { name, secondary, primary, method, update, enforcement, equality });
-                    data.contacts.push(place);
-                })?;
-                Ok(Dynamic::UNIT)
-            }),
-        },
-        Function {
-            name: "mortar",
+            name: method.name(),
             form: Form::Function,
             topic: Topic::Contact,
-            summary: "the mortar method: pressures at the secondary nodes, gaps integrated over the common surface",
+            summary: method.summary(),
             parameters: Vec::new(),
             returns: ContactMethodHandle::NAME,
-            example: "print(mortar());".into(),
+            example: format!("print({}());", method.name()).into(),
             see_also: &["add_contact"],
-            body: body(|_| Ok(Dynamic::from(ContactMethodHandle(ContactMethod::Mortar)))),
-        },
-    ]
+            body: body(move |_| Ok(Dynamic::from(ContactMethodHandle(method)))),
+        }
+    };
+    let mut all: Vec<Function> = ContactMethod::ALL.iter().map(method).collect();
+    all.push(add_contact());
+    all
+}
+
+fn add_contact() -> Function {
+    Function {
+        name: "add_contact",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Contact,
+        summary: "lets two boundaries touch without friction",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "its name, unique in the model"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new(
+                        "secondary",
+                        Kind::Handle(BoundaryHandle::NAME),
+                        "the side that carries the contact pressure (slave, nonmortar)",
+                    ),
+                    Parameter::new("primary", Kind::Handle(BoundaryHandle::NAME), "the other side (master, mortar)"),
+                    Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretised")
+                        .or(Absent::Means("`mortar()`")),
+                    Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")
+                        .or(Absent::Text(UpdateRule::Gap.name())),
+                    Parameter::number("penalty", "1", Interval::Positive, "a stiffness, relative to a facet's, instead of multipliers")
+                        .or(Absent::Means("multipliers: the update rule holds exactly")),
+                    Parameter::new(
+                        "equality",
+                        Kind::Flag,
+                        "whether every covered node is closed and tension allowed (the bilateral constraints of the paper)",
+                    )
+                    .or(Absent::Flag(false)),
+                ]),
+                "sides and method",
+            ),
+        ],
+        returns: "",
+        example: example(TOUCH),
+        see_also: &["mortar"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.text("name")?, call.options("options")?);
+            let secondary = boundary_of(&options.argument("secondary"), &model)?;
+            let primary = boundary_of(&options.argument("primary"), &model)?;
+            let method = options.argument("method");
+            let method = if method.is_given() { method.handle::<ContactMethodHandle>()?.0 } else { ContactMethod::Mortar };
+            let update = options.text("update")?;
+            let update = UpdateRule::ALL.iter().copied().find(|rule| rule.name() == update).unwrap_or(UpdateRule::Gap);
+            let penalty = options.optional_number("penalty")?;
+            let enforcement = penalty.map_or(Enforcement::Multiplier, |factor| Enforcement::Penalty { factor });
+            let (equality, place) = (options.flag("equality")?, call.place(&Default::default()));
+            change(call, &model, |data| {
+                data.model.contacts.push(ContactDefinition { name, secondary, primary, method, update, enforcement, equality });
+                data.contacts.push(place);
+            })?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
 }
 
 fn body_functions() -> Vec<Function> {
