@@ -1,12 +1,13 @@
 //! Order of elimination: nested dissection or minimum degree on the graph of nodes and multipliers, whichever gives less work.
 //!
-//! Vertices, not unknowns, are ordered: the graph is a few times smaller and all unknowns of a node stay together. A multiplier is a vertex of
-//! its own, so that a separator may run through multipliers alone, which are the cheapest cut of an interface. A multiplier has no diagonal
-//! entry; the elimination of a neighbor fills it. So where the dissection puts it before its *anchor* (the node whose motion it opposes), it
-//! moves to the place directly behind.
+//! Vertices, not unknowns, are ordered: the graph is a few times smaller and all unknowns of a node stay together. A multiplier is a vertex
+//! of its own, so that a separator may run through multipliers alone, which are the cheapest cut of an interface. A multiplier has no
+//! diagonal entry; the elimination of a neighbor fills it. So where the dissection puts it before its *anchor* (the node whose motion it
+//! opposes), it moves to the place directly behind.
 //!
-//! Dissection by the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis and
-//! Duff 1996). Dissection wins on large meshes; on a bearing of 2 000 unknowns with wide contact candidates minimum degree needs a third less.
+//! Dissection by the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis
+//! and Duff 1996). Dissection wins on large meshes; on a bearing of 2 000 unknowns with wide contact candidates minimum degree needs a
+//! third less.
 
 use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 

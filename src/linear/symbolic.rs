@@ -2,7 +2,8 @@
 //!
 //! A *front* is a dense matrix of a few pivots and of the unknowns that their elimination couples. Its remainder after elimination, the
 //! *update*, is added to the front of its parent in the tree (multifrontal method: Duff and Reid 1983, Liu 1992). All graph work is done on
-//! vertices. Vertices are merged into one front where that costs next to no zeros or where the fronts would be too small to be worth a call.
+//! vertices. Vertices are merged into one front where that costs next to no zeros or where the fronts would be too small to be worth a
+//! call.
 
 use std::ops::Range;
 
