@@ -1,8 +1,7 @@
 //! The linear solver beside faer's sparse LU, on systems like those of the bearing: two rings of quadrilaterals tied by multipliers.
 //!
 //! `cargo bench --bench linear -- [refine ...]` (1 2 4 without arguments; 8 takes a minute). Milliseconds of processor time of one thread,
-//! the least of several repetitions, both solvers in one run, so that ratios hold on a loaded machine. The matrices: bilinear quadrilaterals
-//! with stiffness and mass of the bearing's size, disturbed unsymmetrically by 1 %, one multiplier per node of the inner ring's surface.
+//! the least of several repetitions, both solvers in one run, so that ratios hold on a loaded machine. The matrices: quadrilaterals with stiffness and mass of the bearing's size, disturbed unsymmetrically by 1 %, one multiplier per node of the inner ring's surface.
 
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -138,7 +137,7 @@ fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
     let operations = factorization.operations();
     factorization.renew(&rings(refine, 1).0).expect("it fits into memory");
     println!(
-        "refine {refine}: {unknowns} unknowns, order {order:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid by an element",
+        "refine {refine}: {unknowns} unknowns, order {order:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid",
         1e-6 * operations,
         1e-6 * operations / factor,
         factorization.operations() / operations,
