@@ -1,7 +1,8 @@
 //! The linear solver beside faer's sparse LU, on systems like those of the bearing: two rings of quadrilaterals tied by multipliers.
 //!
 //! `cargo bench --bench linear -- [refine ...]` (1 2 4 without arguments; 8 takes a minute). Milliseconds of processor time of one thread,
-//! the least of several repetitions, both solvers in one run: ratios hold on a loaded machine. The matrices: quadrilaterals with stiffness and mass of the bearing's size, disturbed unsymmetrically by 1 %, one multiplier per node of the inner ring's surface.
+//! the least of several repetitions, both solvers in one run: ratios hold on a loaded machine. The matrices: quadrilaterals with
+//! stiffness and mass of the bearing's size, disturbed unsymmetrically by 1 %, one multiplier per node of the inner ring's surface.
 
 use std::f64::consts::TAU;
 use std::time::Instant;
