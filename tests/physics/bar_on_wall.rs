@@ -19,7 +19,7 @@ const HEIGHT: f64 = 0.05;
 const SPEED: f64 = 1e-3;
 
 /// The bar from x = gap to gap + 1 in cells of 1/100, wave speed 1, density 1, and the wall x <= 0.
-fn collide(moving_wall: bool, update: UpdateRule, enforcement: Enforcement, until: f64) -> Vec<LedgerRow> {
+fn collide(integrator: Integrator, moving_wall: bool, update: UpdateRule, enforcement: Enforcement, until: f64) -> Vec<LedgerRow> {
     let (cells, dt) = (100, 0.005);
     // The touch falls into the middle of a step.
     let gap = SPEED * 10.5 * dt;
@@ -35,7 +35,7 @@ fn collide(moving_wall: bool, update: UpdateRule, enforcement: Enforcement, unti
         builder.throw(bar, [-SPEED, 0.0, 0.0], [0.0; 3]);
     }
     builder.model.obstacles.push(wall);
-    run(&mut builder.simulate(Integrator::EnergyMomentum, dt), until)
+    run(&mut builder.simulate(integrator, dt), until)
 }
 
 const RULES: [(UpdateRule, Enforcement); 4] = [
@@ -50,7 +50,7 @@ const RULES: [(UpdateRule, Enforcement); 4] = [
 fn contact_lasts_until_the_wave_returns_and_presses_with_the_impedance() {
     for moving_wall in [false, true] {
         for (update, enforcement) in RULES {
-            let rows = collide(moving_wall, update, enforcement, 2.5);
+            let rows = collide(Integrator::EnergyMomentum, moving_wall, update, enforcement, 2.5);
             let (h, mass) = (LENGTH / 100.0, LENGTH * HEIGHT);
             // Kinetic energy of the impact, or the work of the wall, which is four times that.
             let energy = 0.5 * mass * SPEED * SPEED;
@@ -92,5 +92,21 @@ fn contact_lasts_until_the_wave_returns_and_presses_with_the_impedance() {
                 assert_eq!(work, 0.0);
             }
         }
+    }
+}
+
+/// Whatever the integrator does to the energy: the wall's impulse explains the change of the momentum, and its work is impulse times speed.
+#[test]
+fn every_integrator_books_impulse_and_work_of_the_wall() {
+    for &integrator in Integrator::ALL {
+        let rows = collide(integrator, true, UpdateRule::Gap, Enforcement::Multiplier, 0.5);
+        let mass = LENGTH * HEIGHT;
+        let impulse = rows[rows.len() - 1].momentum[0];
+        let work: f64 = rows[1..].iter().map(|row| row.load_work).sum();
+        assert!(impulse > 0.1 * mass * SPEED, "{}: {impulse}", integrator.name());
+        assert!((work / (impulse * SPEED) - 1.0).abs() < 1e-9, "{}: {work} {impulse}", integrator.name());
+        // As above: a relative round-off of 1e-11.
+        let defect = worst(&rows, |row| row.momentum_defect);
+        assert!(defect < 1e-10 * mass * SPEED, "{}: {:.1e}", integrator.name(), defect / (mass * SPEED));
     }
 }
