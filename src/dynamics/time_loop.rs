@@ -588,7 +588,11 @@ where
 
     fn settle(&mut self) -> Result<SettleReport, StepError> {
         let before = self.state.clone();
-        let outcome = self.settle_from_here();
+        let mut outcome = self.settle_from_here();
+        if self.options.integrator == Integrator::Trapezoidal && self.state.row.step > 0 {
+            // The forces that the rule carries from step to step are those of the new equilibrium.
+            outcome = outcome.and_then(|report| self.start_trapezoidal().map(|()| report));
+        }
         if outcome.is_err() {
             self.state = before;
         }
