@@ -35,8 +35,9 @@ pub struct Candidates {
 /// of any search in a step that can converge.
 const BODY_REACH: f64 = 8.0;
 
-/// The list is made anew when its margin exceeds what is needed, with the spare, by this factor: after one fast step it would stay long.
-const EXCESSIVE: f64 = 4.0;
+/// The list is made anew when its margin exceeds what is needed, with the spare, by this factor: after one fast step, or after `settle`, it
+/// would stay long, and every pair that is not needed makes the matrix fuller.
+const EXCESSIVE: f64 = 1.5;
 
 impl Candidates {
     /// An empty list that will be made with `spare` `[length]` beyond the margin that is needed.
