@@ -57,9 +57,10 @@ fn held_bearing_agrees_with_the_prototype_and_keeps_its_energy() {
     assert!(relative(last.total(), SPUN_TOTAL) < 1e-6, "{:e}", last.total());
     assert!(relative(last.angular_momentum[2], SPUN_ANGULAR_MOMENTUM) < 1e-6, "{:e}", last.angular_momentum[2]);
     check_steps(&rows);
-    // Support reactions are booked; momenta are of order 0.01, and reactions of order 1e3 leave 1e-13 of themselves times dt.
-    assert!(worst(&rows, |row| row.angular_momentum_defect) < 1e-12);
-    assert!(worst(&rows, |row| row.momentum_defect) < 1e-12);
+    // Support reactions are booked. What is left is the residual of a converged step: round-off of 4e-11 (strains of 1e-16 times the modulus)
+    // at a thousand nodes with random signs, times dt: 6e-12 for the sums and for the moments about a point at distance 1.
+    assert!(worst(&rows, |row| row.angular_momentum_defect) < 6e-12);
+    assert!(worst(&rows, |row| row.momentum_defect) < 6e-12);
 
     let free = run(&mut sim, 0.7);
     let drift = worst(&free, |row| row.total() / last.total() - 1.0);
