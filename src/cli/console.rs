@@ -91,7 +91,8 @@ impl Console {
         let mut slot = self.bar.borrow_mut();
         let fresh = || {
             let bar = ProgressBar::with_draw_target(until.map(|_| BAR), ProgressDrawTarget::stderr_with_hz(10));
-            let template = if until.is_some() { "{bar:24} {percent:>3} %  {msg}  ({eta} left)" } else { "{spinner} {msg}" };
+            // The message gives way where the terminal is narrow.
+            let template = if until.is_some() { "{bar:16} {percent:>3} %, {eta} left  {wide_msg}" } else { "{spinner} {wide_msg}" };
             if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style);
             }

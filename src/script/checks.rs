@@ -129,16 +129,8 @@ fn expect_close() -> Function {
                     worst = (share, difference, index);
                 }
             }
-            passed(
-                call,
-                &format!(
-                    "ok  {} = {} within {} (relative {}; {tolerance})",
-                    texts[0],
-                    texts[1],
-                    significant(worst.1, 3),
-                    significant(worst.0, 3)
-                ),
-            )
+            let share = relative.map_or(String::new(), |_| format!(", relative {}", significant(worst.0, 3)));
+            passed(call, &format!("ok  {} = {}: largest difference {}{share}; {tolerance}", texts[0], texts[1], significant(worst.1, 3)))
         }),
     }
 }

@@ -114,8 +114,11 @@ impl Session {
         let host = &self.host;
         let error = error.map(|error| *error).filter(|error| error.class != Class::ResultUsed || !self.stopped_at(error));
         let error = error.or_else(|| host.overrides.check().err().map(|failure| explain_failure(&failure)));
-        for simulation in host.simulations.borrow().iter() {
-            simulation.warn_of_idle_parts(host);
+        // What never acted may be why a check fails; after any other error it says nothing.
+        if error.as_ref().is_none_or(|error| error.class == Class::Check) {
+            for simulation in host.simulations.borrow().iter() {
+                simulation.warn_of_idle_parts(host);
+            }
         }
         let outcome = match &error {
             None => "completed".to_string(),

@@ -48,8 +48,8 @@ pub struct SimulationData {
     pub history: RefCell<Vec<LedgerRow>>,
     /// Files of the run.
     pub artifacts: RefCell<Option<Artifacts>>,
-    /// Whether any contact was ever closed.
-    pub touched: Cell<bool>,
+    /// Whether each contact pair was ever closed.
+    touched: RefCell<Vec<bool>>,
     /// Time spent in the kernels.
     pub spent: Cell<Duration>,
     callbacks: RefCell<Vec<Callback>>,
@@ -180,8 +180,9 @@ impl SimulationHandle {
                 .hint("check its times and its size against the time that the simulation covers");
             host.warn(warning);
         }
-        if !self.0.touched.get() {
-            for (contact, place) in self.0.model.model.contacts.iter().zip(&self.0.model.contacts) {
+        let contacts = self.0.model.model.contacts.iter().zip(&self.0.model.contacts).zip(self.0.touched.borrow().clone());
+        for ((contact, place), touched) in contacts {
+            if !touched {
                 let warning = Diagnostic::warning(format!("contact \"{}\" never closed", contact.name), place.clone())
                     .cause("no node of its secondary side was active in any step")
                     .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
@@ -261,9 +262,21 @@ impl SimulationHandle {
         Ok(())
     }
 
+    /// Notes which contact pairs are closed.
+    fn note_contact(&self, row: &LedgerRow) {
+        let mut touched = self.0.touched.borrow_mut();
+        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
+        if row.active == 0 {
+            return;
+        }
+        for (contact, touched) in self.0.model.model.contacts.iter().zip(touched.iter_mut()).filter(|(_, touched)| !**touched) {
+            *touched = simulation.contact(&contact.name).is_some_and(|fields| fields.active.contains(&true));
+        }
+    }
+
     fn accept(&self, call: &Call, row: LedgerRow, from: f64, until: Option<f64>) -> Result<(), Failure> {
         let data = &self.0;
-        data.touched.set(data.touched.get() || row.active > 0);
+        self.note_contact(&row);
         data.scale.set(data.scale.get().max(row.total().abs()));
         call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get() });
         if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
@@ -282,6 +295,10 @@ impl SimulationHandle {
                 Ok(inner) => call.fail(title).caused_by(*inner),
                 Err(other) => call.fail(title).cause(other.to_string()).hint(cure),
             },
+            // A failure without a step size comes from `settle`.
+            StepError::NotConverged { dt: 0.0, cause, .. } => {
+                Failure::new(Class::Numerics, "no static equilibrium was found").cause(cause).hint(cure)
+            }
             StepError::NotConverged { time, step, dt, halvings, cause, .. } => {
                 let number = brief;
                 let title = format!(
@@ -307,7 +324,7 @@ impl SimulationHandle {
         call.host.observer.ended();
         let report = settled.map_err(|error| self.step_failure(call, error))?;
         let row = data.simulation.borrow().row().clone();
-        data.touched.set(data.touched.get() || row.active > 0);
+        self.note_contact(&row);
         data.scale.set(data.scale.get().max(row.total().abs()));
         let mut rows = data.history.borrow().clone();
         if rows.len() == 1 {
@@ -435,12 +452,13 @@ fn simulate() -> Function {
             let simulation = Simulation::new(&model.model, kernel).map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
             let name = unique_name(call.host, &model.model.name);
             let row = simulation.row().clone();
+            let touched = RefCell::new(vec![false; model.model.contacts.len()]);
             let data = SimulationData {
                 place: call.place(&Target::Call),
                 artifacts: RefCell::new(Artifacts::create(call.host, &model.model, &name, fields_every, &row)?),
                 model,
                 name,
-                touched: Cell::new(row.active > 0),
+                touched,
                 spent: Cell::new(begun.elapsed()),
                 scale: Cell::new(row.total().abs()),
                 simulation: RefCell::new(simulation),
@@ -699,6 +717,10 @@ fn properties() -> Vec<Function> {
                 let (HistoryHandle(handle), name) = (call.receiver::<HistoryHandle>(), call.text("name")?);
                 handle.results(call)?;
                 match handle.column(&name) {
+                    // Counts are whole numbers, so that they index arrays and print as such.
+                    Some(values) if COUNTS.contains(&name.as_str()) => {
+                        Ok(values.into_iter().map(|value| Dynamic::from(value as i64)).collect::<Array>().into())
+                    }
                     Some(values) => Ok(values.into_iter().map(Dynamic::from).collect::<Array>().into()),
                     None => Err(unknown_column(call, &handle, &name).into()),
                 }
@@ -761,6 +783,9 @@ fn contact() -> Vec<Function> {
         }),
     ]
 }
+
+/// Columns of the history that hold whole numbers.
+const COUNTS: &[&str] = &["step", "newton_iterations", "halvings", "active"];
 
 /// The failure of a column that does not exist.
 pub fn unknown_column(call: &Call, handle: &SimulationHandle, name: &str) -> Failure {
