@@ -298,3 +298,18 @@ fn scripts_are_reproducible_to_the_last_bit() {
     let text = flight("sim.run_to(0.1); print(sim.history.total); print(sim.energy);");
     assert_eq!(run("first", &text), run("second", &text));
 }
+
+#[test]
+fn the_shipped_scenarios_hold_their_checks() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/scenarios");
+    let mut checks = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let script = entry.unwrap().path();
+        let mut session = Session::new(Settings::default(), &folder, Rc::new(Recorder::default())).unwrap();
+        let report = session.run_file(&script);
+        assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+        assert!(report.checks > 0, "{} checks something", script.display());
+        checks += report.checks;
+    }
+    assert!(checks >= 15);
+}

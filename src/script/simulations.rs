@@ -54,6 +54,7 @@ pub struct SimulationData {
     pub spent: Cell<Duration>,
     callbacks: RefCell<Vec<Callback>>,
     scale: Cell<f64>,
+    advancing: Cell<bool>,
 }
 
 /// A simulation in a script.
@@ -217,8 +218,10 @@ impl SimulationHandle {
         if call.host.is_check() {
             return Ok(());
         }
+        self.refuse_nested(call)?;
         let from = self.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
         self.begin(call)?;
+        self.0.advancing.set(true);
         let reached = || end.is_some_and(|end| self.0.simulation.borrow().time() >= end);
         let mut outcome = Ok(());
         let mut taken = 0;
@@ -226,8 +229,20 @@ impl SimulationHandle {
             outcome = self.take_step(call, from, end);
             taken += 1;
         }
+        self.0.advancing.set(false);
         call.host.observer.ended();
         outcome
+    }
+
+    /// Steps inside a closure that runs after every step would never end.
+    fn refuse_nested(&self, call: &Call) -> Result<(), Failure> {
+        if !self.0.advancing.get() {
+            return Ok(());
+        }
+        let failure = call.fail(format!("{} cannot be called while the simulation advances", call.function.title()));
+        Err(failure
+            .cause("a closure given to `on_step` runs between two steps of a `step` or `run_to` that goes on")
+            .hint("look at the state in the closure; take further steps after that call"))
     }
 
     fn take_step(&self, call: &Call, from: f64, end: Option<f64>) -> Result<(), Box<EvalAltResult>> {
@@ -316,6 +331,7 @@ impl SimulationHandle {
         if call.host.is_check() {
             return Ok(Dynamic::UNIT);
         }
+        self.refuse_nested(call)?;
         call.host.overrides.check()?;
         call.host.observer.began(&format!("settling \"{}\"", data.name));
         let begun = Instant::now();
@@ -462,6 +478,7 @@ fn simulate() -> Function {
                 spent: Cell::new(begun.elapsed()),
                 scale: Cell::new(row.total().abs()),
                 simulation: RefCell::new(simulation),
+                advancing: Cell::new(false),
                 history: RefCell::new(vec![row]),
                 callbacks: RefCell::default(),
             };
@@ -597,6 +614,7 @@ fn methods() -> Vec<Function> {
                     let failure = failure.label(format!("this is a {}", state.describe()));
                     return Err(failure.hint("restore it where it was saved").into());
                 }
+                handle.refuse_nested(call)?;
                 handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&state.state);
                 handle.replace_history((*state.history).clone())?;
                 Ok(Dynamic::UNIT)
