@@ -1,8 +1,9 @@
 //! Milliseconds per Newton iteration of the bearing by phase, one thread, at refine 1, 2 and 4, and how each phase grows with the unknowns.
 //!
 //! A run is deterministic: step k costs the same work in every repetition. So each phase of each step is timed in every repetition and the
-//! least time is kept: what other programs on the machine took from single steps drops out as soon as one repetition of that step was left alone.
-//! What is summed up is `per step the minimum over repetitions`; it needs no quiet machine, only one that is quiet now and then.
+//! least time is kept: what other programs on the machine took from single steps drops out as soon as one repetition of that step was
+//! left alone. What is summed up is `per step the minimum over repetitions`; it needs no quiet machine, only one that is quiet now and
+//! then.
 //!
 //! `cargo bench --bench bearing -- [--refine 8] [--repetitions 5]` (`--refine n` adds a size)
 

@@ -1,10 +1,10 @@
-//! How robust the contact iteration is: seeded random collisions of two free rings, half of them one inside the other, with a secondary mesh
-//! finer or coarser than the primary. Prints the share of nominal steps that had to be halved, iterations of Newton's method, and the worst
-//! defects of the ledger and of the momenta.
+//! How robust the contact iteration is: seeded random collisions of two free rings, half of them one inside the other, with a secondary
+//! mesh finer or coarser than the primary. Prints the share of nominal steps that had to be halved, iterations of Newton's method, and
+//! the worst defects of the ledger and of the momenta.
 //!
-//! The set is that of the project's experiments on the contact iteration: speeds 2 to 40, spins -30 to 30, steps 0.001, 0.002 and 0.005, 60 steps;
-//! their recommended algorithm halved no step and took 3.6 iterations on it, and 3.8 with three times the step (a stress test: approach of
-//! up to one and a half facets a step), 40 steps.
+//! The set is that of the project's experiments on the contact iteration: speeds 2 to 40, spins -30 to 30, steps 0.001, 0.002 and 0.005,
+//! 60 steps; their recommended algorithm halved no step and took 3.6 iterations on it, and 3.8 with three times the step (a stress test:
+//! approach of up to one and a half facets a step), 40 steps.
 //!
 //! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty]`
 

@@ -454,14 +454,14 @@ where
 {
     let before = system.factorizations;
     let mut outcome = newton::solve(system, task, Strategy::InnerLoop, trace);
-    let done = |outcome: &Result<Solution, Failure>| matches!(outcome, Ok(_) | Err(Failure::Fatal(_) | Failure::Inverted { .. }));
-    if !done(&outcome) && system.multipliers > 0 {
-        system.share_corrections(true);
-        outcome = newton::solve(system, task, Strategy::InnerLoop, trace);
+    let retries = [(Strategy::InnerLoop, true), (Strategy::Backtracking, false), (Strategy::Backtracking, true)];
+    for (strategy, shared) in retries {
+        if system.multipliers == 0 || matches!(outcome, Ok(_) | Err(Failure::Fatal(_) | Failure::Inverted { .. })) {
+            break;
+        }
+        system.share_corrections(shared);
+        outcome = newton::solve(system, task, strategy, trace);
         system.share_corrections(false);
-    }
-    if !done(&outcome) && system.multipliers > 0 {
-        outcome = newton::solve(system, task, Strategy::Backtracking, trace);
     }
     *iterations += outcome.as_ref().map_or(system.factorizations - before, |solution| solution.iterations);
     outcome

@@ -117,7 +117,8 @@ where
             let (above, below) = (cells.assemble(integrator, &up).0, cells.assemble(integrator, &down).0);
             let differences: Vec<f64> = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * h)).collect();
             let error = difference(&differences, &cells.column(&values, unknown)) / MODULUS;
-            // Truncation h^2 times third derivatives (some hundred moduli where the step is small, by the quotient of the discrete gradient), round-off eps/h.
+            // Truncation h^2 times third derivatives (some hundred moduli where the step is small, by the quotient of the discrete
+            // gradient), round-off eps/h.
             assert!(error < 1e-6, "{name}: column {unknown} is off by {error:.1e} at step {step}");
         }
     }

@@ -1,5 +1,5 @@
-//! What a simulation promises for every integrator, material and cell kind: constants of free flight, order two in time, indifference to where
-//! the model stands, to the number of threads and to being stopped and resumed.
+//! What a simulation promises for every integrator, material and cell kind: constants of free flight, order two in time, indifference to
+//! where the model stands, to the number of threads and to being stopped and resumed.
 
 use conserva::dynamics::{LoadKind, Options, Simulation};
 use conserva::elements::CellKind;
@@ -58,7 +58,8 @@ fn free_flight_keeps_what_each_integrator_promises() {
         let angular_momentum = drift(&rows, |row| row.angular_momentum);
         let defect = worst(&rows, |row| row.energy_defect);
         let gain = (rows[40].total() - energy).abs();
-        // All quantities are of order ten. What a step leaves is set by Newton's tolerance, 1e-13 of the energy, and by round-off of the solve.
+        // All quantities are of order ten. What a step leaves is set by Newton's tolerance, 1e-13 of the energy, and by round-off of the
+        // solve.
         assert!(momentum < 1e-11, "{name}: linear momentum drifts by {momentum:.1e}");
         assert!(worst(&rows, |row| row.strain) > 1e-3 * energy, "{name}: the bar deforms");
         let (keeps_energy, keeps_angular_momentum) = match integrator {
@@ -180,7 +181,8 @@ fn a_restored_state_goes_on_as_the_run_did() {
             if builder.model.contacts.is_empty() {
                 assert!(sim.state() == other.state(), "{}: the same bytes", integrator.name());
             }
-            // The list of candidate pairs, and with it the order of elimination, depends on where the search began: equal to Newton's tolerance.
+            // The list of candidate pairs, and with it the order of elimination, depends on where the search began: equal to Newton's
+            // tolerance.
             assert!(difference(&sim.state().positions, &other.state().positions) < 1e-9, "{}", integrator.name());
         }
     }

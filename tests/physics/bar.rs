@@ -2,7 +2,8 @@
 //!
 //! Closed forms. Static: Saint Venant-Kirchhoff in plane strain, free to narrow, `a E/(1 - nu^2) (a^2 - 1)/2 = t` for the stretch `a`.
 //! Axial: `omega = pi/2 c/L`; the discrete bar (linear elements, consistent mass, a sine is its exact mode) has
-//! `omega_h^2 = (6 c^2/h^2)(1 - cos kh)/(2 + cos kh)` (Hughes, The Finite Element Method, 2000, section 7.4). Bending: Euler-Bernoulli cantilever,
+//! `omega_h^2 = (6 c^2/h^2)(1 - cos kh)/(2 + cos kh)` (Hughes, The Finite Element Method, 2000, section 7.4). Bending: Euler-Bernoulli
+//! cantilever,
 //! `omega = 1.8751041^2 sqrt(E I/(rho A L^4))`. In time every scheme here turns a frequency omega into `tan(w dt/2) = omega dt/2`.
 
 use std::f64::consts::FRAC_PI_2;
@@ -46,7 +47,8 @@ fn dead_traction_stretches_by_the_root_of_the_cubic() {
     }
 }
 
-/// Frequency of a simulation that vibrates in one mode: `s_(n-1) + s_(n+1) = 2 cos(w dt) s_n` by least squares, freed from the error in time.
+/// Frequency of a simulation that vibrates in one mode: `s_(n-1) + s_(n+1) = 2 cos(w dt) s_n` by least squares, freed from the error in
+/// time.
 fn frequency(sim: &mut Simulation, steps: usize, measure: impl Fn(&[f64]) -> f64) -> f64 {
     let dt = sim.options().dt;
     let mut samples = vec![measure(&sim.state().positions)];

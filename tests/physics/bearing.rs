@@ -1,7 +1,8 @@
 //! The bearing of Hesch and Betsch (PAMM 2007): press fit settled, spun up by a torque hat until 0.5, then free.
 //!
 //! Mesh, Young's modulus, Poisson's ratio, density, times and hat are the paper's; radii, peak and step are ours. Expected energies: an
-//! independent code, the project's prototype in NumPy, SciPy and JAX (`bearing.py --T 0.5`), written before this program from the same formulas.
+//! independent code, the project's prototype in NumPy, SciPy and JAX (`bearing.py --T 0.5`), written before this program from the same
+//! formulas.
 
 use conserva::dynamics::{Hat, LedgerRow, LoadKind, Simulation};
 use conserva::integrators::Integrator;
@@ -57,8 +58,8 @@ fn held_bearing_agrees_with_the_prototype_and_keeps_its_energy() {
     assert!(relative(last.total(), SPUN_TOTAL) < 1e-6, "{:e}", last.total());
     assert!(relative(last.angular_momentum[2], SPUN_ANGULAR_MOMENTUM) < 1e-6, "{:e}", last.angular_momentum[2]);
     check_steps(&rows);
-    // Support reactions are booked. What is left is the residual of a converged step: round-off of 4e-11 (strains of 1e-16 times the modulus)
-    // at a thousand nodes with random signs, times dt: 6e-12 for the sums and for the moments about a point at distance 1.
+    // Support reactions are booked. What is left is the residual of a converged step: round-off of 4e-11 (strains of 1e-16 times the
+    // modulus) at a thousand nodes with random signs, times dt: 6e-12 for the sums and for the moments about a point at distance 1.
     assert!(worst(&rows, |row| row.angular_momentum_defect) < 6e-12);
     assert!(worst(&rows, |row| row.momentum_defect) < 6e-12);
 

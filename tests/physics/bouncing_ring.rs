@@ -54,7 +54,8 @@ fn bounce(obstacle: Obstacle, gravity: f64, rule: (UpdateRule, Enforcement), unt
         assert!(change.abs() < 1e-10 * energy, "{rule:?}: {change:.1e} of {energy}");
     }
     println!(
-        "{rule:?}: {} steps, {closings} closings, {} iterations, {} halvings, booked {booked:.3e} of {energy:.1}, defect {:.1e}, penetration {:.1e}",
+        "{rule:?}: {} steps, {closings} closings, {} iterations, {} halvings, \
+         booked {booked:.3e} of {energy:.1}, defect {:.1e}, penetration {:.1e}",
         rows.len() - 1,
         rows[1..].iter().map(|row| row.newton_iterations).sum::<usize>(),
         rows[1..].iter().map(|row| row.halvings).sum::<usize>(),

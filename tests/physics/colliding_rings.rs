@@ -1,7 +1,8 @@
 //! Colliding rings, a known contact test (input `contact2D_initfield` of the code 4C): one ring flies at 20 into another at rest, glancing.
 //!
-//! Radii 8 to 10 around (-5, 0) and 10 to 12 around (15.8, -16), Saint Venant-Kirchhoff, E = 2250, nu = 0.125, density 0.1, step 0.01 to t = 1; the outer
-//! boundary of the second is secondary. Exact laws: momenta, and the ledger with the loss of the rule `gap`. Meshes of 2 x 50 cells instead of 4 x 100.
+//! Radii 8 to 10 around (-5, 0) and 10 to 12 around (15.8, -16), Saint Venant-Kirchhoff, E = 2250, nu = 0.125, density 0.1, step 0.01 to
+//! t = 1; the outer boundary of the second is secondary. Exact laws: momenta, and the ledger with the loss of the rule `gap`. Meshes of 2
+//! x 50 cells instead of 4 x 100.
 
 use conserva::integrators::Integrator;
 use conserva::mesh::ring;

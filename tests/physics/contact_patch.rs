@@ -1,7 +1,7 @@
 //! Contact patch test: two blocks with meshes that do not match, pressed together, carry one constant pressure.
 //!
-//! Taylor and Papadopoulos (1991); mortar methods pass it whatever the meshes (Puso and Laursen, CMAME 193, 2004). Closed forms: the multiplier
-//! is the pressure per current length, so it is the dead traction times undeformed over deformed width; the stretch solves
+//! Taylor and Papadopoulos (1991); mortar methods pass it whatever the meshes (Puso and Laursen, CMAME 193, 2004). Closed forms: the
+//! multiplier is the pressure per current length, so it is the dead traction times undeformed over deformed width; the stretch solves
 //! `a E' (a^2 - 1)/2 = -t` with `E' = E/(1 - nu^2)` (Saint Venant-Kirchhoff, plane strain, free to widen).
 
 use conserva::dynamics::{Constant, LoadKind, Simulation};

@@ -44,7 +44,8 @@ fn the_inner_wall_touches_itself_and_the_ledger_closes() {
         let wall = sim.contact("inner wall").expect("it is there");
         let touching = wall.active.iter().filter(|active| **active).count();
         println!(
-            "{method:?}: work {work:.4}, stored {:.4}, lost {:.2e}, {touching} nodes of the inner wall, {} iterations, {} halvings in {} steps, defect {:.1e}",
+            "{method:?}: work {work:.4}, stored {:.4}, lost {:.2e}, {touching} nodes of the inner wall, \
+             {} iterations, {} halvings in {} steps, defect {:.1e}",
             last.total(),
             -booked,
             rows[1..].iter().map(|row| row.newton_iterations).sum::<usize>(),

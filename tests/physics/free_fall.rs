@@ -1,7 +1,7 @@
 //! Free fall: the parabola, exactly.
 //!
-//! Closed form. All three schemes integrate a constant acceleration exactly: `v_1 = v_0 + dt g`, `q_1 = q_0 + dt (v_0 + v_1)/2`, at any step size,
-//! so positions differ from the parabola by round-off alone, and kinetic plus potential energy stays.
+//! Closed form. All three schemes integrate a constant acceleration exactly: `v_1 = v_0 + dt g`, `q_1 = q_0 + dt (v_0 + v_1)/2`, at any
+//! step size, so positions differ from the parabola by round-off alone, and kinetic plus potential energy stays.
 
 use conserva::dynamics::LoadKind;
 use conserva::integrators::Integrator;

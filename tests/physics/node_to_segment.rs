@@ -41,7 +41,8 @@ fn rings_with_clearance_keep_energy_and_momenta() {
             let closings = rows.windows(2).filter(|pair| pair[1].active > 0 && pair[0].active == 0).count();
             let booked: f64 = rows[1..].iter().map(|row| row.contact_work).sum();
             println!(
-                "{name}: {closings} closings, {} steps, {} iterations, {} halvings, booked {booked:.2e} of {energy:.2e}, defect {:.1e}, penetration {:.1e}",
+                "{name}: {closings} closings, {} steps, {} iterations, {} halvings, \
+                 booked {booked:.2e} of {energy:.2e}, defect {:.1e}, penetration {:.1e}",
                 rows.len() - 1,
                 rows[1..].iter().map(|row| row.newton_iterations).sum::<usize>(),
                 rows[1..].iter().map(|row| row.halvings).sum::<usize>(),

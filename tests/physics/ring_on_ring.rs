@@ -1,8 +1,8 @@
 //! A free spinning ring meets the inside of a free ring: impacts and releases, with every update rule and with the penalty.
 //!
-//! Exact laws: momenta are constant; `gap` loses energy at each closing, never gains, and the ledger books the loss as contact work, so that the
-//! rest closes; the other rules and the penalty keep the energy through impact and release (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997;
-//! Laursen and Love, IJNME 53, 2002). The case is the prototype's own: clearance 0.05, speed 5, spin 20.
+//! Exact laws: momenta are constant; `gap` loses energy at each closing, never gains, and the ledger books the loss as contact work, so
+//! that the rest closes; the other rules and the penalty keep the energy through impact and release (Hesch and Betsch 2007; Laursen and
+//! Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002). The case is the prototype's own: clearance 0.05, speed 5, spin 20.
 
 use conserva::dynamics::{Enforcement, LedgerRow, UpdateRule};
 use conserva::integrators::Integrator;

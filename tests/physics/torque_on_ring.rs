@@ -1,7 +1,8 @@
 //! A torque on a free ring: its angular momentum is the integral of the torque, exactly, and the energy comes from the torque's work alone.
 //!
 //! Exact laws. The hat's kinks fall on steps, so that both the mid-step and the end-point sum of the torque equal its integral.
-//! The comparison shows what the conserving scheme buys: on the same steps the midpoint and the trapezoidal rule leave an energy error in the ledger.
+//! The comparison shows what the conserving scheme buys: on the same steps the midpoint and the trapezoidal rule leave an energy error in
+//! the ledger.
 
 use conserva::dynamics::{Hat, LedgerRow, LoadKind};
 use conserva::integrators::Integrator;

@@ -1,7 +1,7 @@
 //! A block thrown spinning, free of all forces: energy and both momenta are constants of motion, whatever the step.
 //!
-//! Exact laws. In space it turns about its middle axis, where rigid rotation is unstable (Euler), so that the motion is a true tumbling. A benchmark
-//! of this kind: Simo and Tarnow, ZAMP 43 (1992), section 6.
+//! Exact laws. In space it turns about its middle axis, where rigid rotation is unstable (Euler), so that the motion is a true tumbling.
+//! A benchmark of this kind: Simo and Tarnow, ZAMP 43 (1992), section 6.
 
 use conserva::integrators::Integrator;
 use conserva::mesh::{Mesh, block, rectangle};
