@@ -38,7 +38,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("rstar", &["contact"]),
     ("rustyline", &["cli"]),
     ("serde", &["dynamics", "output", "script", "cli"]),
-    ("serde_json", &["output"]),
+    ("serde_json", &["output", "script"]),
     ("signal-hook", &["cli"]),
     ("strsim", &["mesh", "script", "cli"]),
     ("thiserror", &[]),

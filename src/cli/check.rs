@@ -5,9 +5,8 @@ use std::rc::Rc;
 use clap::Args;
 
 use super::console::{Console, complain, ink};
-use super::run::home;
 use super::{ScriptArguments, exit_code};
-use crate::script::{Mode, Session, Settings};
+use crate::script::{Mode, Session, Settings, home};
 
 /// Arguments of `conserva check`.
 #[derive(Args)]

@@ -2,7 +2,11 @@
 
 mod check;
 mod console;
+mod doc;
+mod junit;
+mod new;
 mod run;
+mod test;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,6 +29,12 @@ enum Command {
     Run(run::Arguments),
     /// Build a script's models and report what it would do and what is wrong; takes no step
     Check(check::Arguments),
+    /// Run every function `test_…` of scripts, and scenarios as tests of their own checks
+    Test(test::Arguments),
+    /// Show the reference of the language, or one entry of it
+    Doc(doc::Arguments),
+    /// Start a scenario from a commented template
+    New(new::Arguments),
 }
 
 /// What every command that runs a script takes.
@@ -61,6 +71,9 @@ pub fn main() -> ExitCode {
     let work = move || match arguments.command {
         Command::Run(arguments) => run::run(arguments),
         Command::Check(arguments) => check::check(arguments),
+        Command::Test(arguments) => test::test(arguments),
+        Command::Doc(arguments) => doc::doc(arguments),
+        Command::New(arguments) => new::new(arguments),
     };
     match std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join()) {
         Ok(Ok(code)) => ExitCode::from(code),

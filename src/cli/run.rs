@@ -11,7 +11,7 @@ use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
 use super::{ScriptArguments, exit_code};
-use crate::script::{Class, Mode, Session, Settings};
+use crate::script::{Class, Mode, Session, Settings, home};
 
 /// Arguments of `conserva run`.
 #[derive(Args)]
@@ -29,13 +29,8 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// The folder in which a script stands.
-pub fn home(script: &Path) -> &Path {
-    script.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 /// A flag that becomes true at the first interrupt; the second one ends the process.
-fn interrupt() -> std::io::Result<Arc<AtomicBool>> {
+pub fn interrupt() -> std::io::Result<Arc<AtomicBool>> {
     let interrupt = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         flag::register_conditional_shutdown(signal, i32::from(exit_code(Class::Interrupted)), interrupt.clone())?;

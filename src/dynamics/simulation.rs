@@ -123,6 +123,7 @@ pub(super) trait Steps {
     fn settle(&mut self) -> Result<SettleReport, StepError>;
     fn fields(&self) -> Vec<BodyFields>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
+    fn closed_nodes(&self) -> Vec<usize>;
     fn failure(&self) -> Option<&FailureReport>;
     fn failed_fields(&self) -> Option<Vec<BodyFields>>;
     fn statistics(&self) -> Statistics;
@@ -204,6 +205,11 @@ impl Simulation {
     /// Quantities of the contact pair of that name; `None` when there is none.
     pub fn contact(&self, name: &str) -> Option<ContactFields> {
         self.steps.contact(name)
+    }
+
+    /// Number of closed nodes of each contact pair, in the order of the model.
+    pub fn closed_nodes(&self) -> Vec<usize> {
+        self.steps.closed_nodes()
     }
 
     /// Why the last step that failed for good did so; `None` when none has failed.

@@ -653,6 +653,11 @@ where
         })
     }
 
+    fn closed_nodes(&self) -> Vec<usize> {
+        let count = |rows: std::ops::Range<usize>| self.state.active[rows].iter().filter(|active| **active).count();
+        self.system.pairs.iter().map(|pair| count(pair.rows.clone())).collect()
+    }
+
     fn statistics(&self) -> Statistics {
         Statistics { factorizations: self.system.factorizations, times: self.system.times, ..self.statistics }
     }

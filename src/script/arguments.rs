@@ -139,6 +139,19 @@ impl<'a> Call<'a> {
                 None => failure.hint("remove the option, or look up its name in the list above"),
             });
         }
+        for key in keys {
+            if let (Kind::Options(inner), Some(value)) = (&key.kind, map.get(key.name)) {
+                let target = Target::Key { argument: index, key: key.name.into(), value: true };
+                match value.read_lock::<Map>() {
+                    Some(map) => self.check_nested(key, inner, &map, target)?,
+                    None => {
+                        let given = describe(self.engine(), value);
+                        let failure = self.fail(format!("`{}` of {title} must be {}", key.name, key.requirement())).at(target);
+                        return Err(failure.label(format!("this is {given}")).hint(format!("write `{}: #{{ name: value, … }}`", key.name)));
+                    }
+                }
+            }
+        }
         let missing: Vec<&Parameter> = keys.iter().filter(|key| !key.is_optional() && !map.contains_key(key.name)).collect();
         let Some(first) = missing.first().copied() else { return Ok(()) };
         let missing_names: Vec<&str> = missing.iter().map(|key| key.name).collect();
@@ -150,6 +163,15 @@ impl<'a> Call<'a> {
             failure = failure.cause(format!("`{}`: {}, {}", key.name, key.summary, key.requirement()));
         }
         Err(failure.hint(format!("write `{}(#{{ {}: …, … }})`", self.function.name, first.name)))
+    }
+
+    /// Checks the keys of a map inside an options map; all of them are optional.
+    fn check_nested(&self, outer: &Parameter, keys: &[Parameter], map: &Map, target: Target) -> Result<(), Failure> {
+        let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
+        let Some(unknown) = map.keys().find(|key| !names.contains(&key.as_str())) else { return Ok(()) };
+        let failure = self.fail(format!("`{}` of {} has no entry `{unknown}`", outer.name, self.function.title())).at(target);
+        let failure = failure.label(format!("`{unknown}` is unknown")).cause(format!("its entries are {}", listed(&names, "and")));
+        Err(failure.hint(did_you_mean(unknown, names.iter().copied()).unwrap_or_else(|| "remove the entry".into())))
     }
 
     fn value(&self, index: usize) -> Option<&Dynamic> {
@@ -169,7 +191,7 @@ impl<'a> Call<'a> {
             None => Map::new(),
             Some(value) => value.read_lock::<Map>().map(|map| map.clone()).ok_or_else(|| self.argument(name).wrong_type())?,
         };
-        Ok(Options { call: self, argument: index, keys, map })
+        Ok(Options { call: self, argument: index, keys, map, within: None })
     }
 
     fn index(&self, name: &str) -> usize {
@@ -196,6 +218,26 @@ pub struct Options<'a> {
     argument: usize,
     keys: &'a [Parameter],
     map: Map,
+    /// The key whose value this map is, inside another.
+    within: Option<&'static str>,
+}
+
+impl<'a> Options<'a> {
+    /// The map that is the value of a key; empty when it is not given.
+    ///
+    /// # Errors
+    /// Something else was given.
+    pub fn nested(&self, name: &str) -> Result<Options<'a>, Failure> {
+        let key = self.keys.iter().find(|key| key.name == name);
+        let Some((key, Kind::Options(inner))) = key.map(|key| (key, &key.kind)) else {
+            panic!("`{name}` of `{}` is declared as options", self.call.function.name)
+        };
+        let map = match self.map.get(name) {
+            None => Map::new(),
+            Some(value) => value.read_lock::<Map>().map(|map| map.clone()).ok_or_else(|| self.argument(name).wrong_type())?,
+        };
+        Ok(Options { call: self.call, argument: self.argument, keys: inner, map, within: Some(key.name) })
+    }
 }
 
 impl Arguments for Options<'_> {
@@ -205,7 +247,7 @@ impl Arguments for Options<'_> {
         Argument {
             call: self.call,
             parameter,
-            target: Target::Key { argument: self.argument, key: name.to_string(), value: true },
+            target: Target::Key { argument: self.argument, key: self.within.unwrap_or(name).to_string(), value: true },
             value: self.map.get(name).cloned(),
         }
     }

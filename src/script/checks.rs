@@ -13,18 +13,19 @@ use crate::dynamics::LedgerRow;
 use crate::math::catalogue::Interval;
 use crate::output::Inertia;
 
-fn failed(call: &Call, title: impl Into<String>) -> Failure {
+/// The failure of a check.
+pub fn failed(call: &Call, title: impl Into<String>) -> Failure {
     Failure::new(Class::Check, title).in_method(call.function.form.receiver().is_some())
 }
 
 /// Reports a check that holds.
-fn passed(call: &Call, line: &str) -> Result<Dynamic, Box<EvalAltResult>> {
+pub fn passed(call: &Call, line: &str) -> Result<Dynamic, Box<EvalAltResult>> {
     call.host.passed(line, call.place(&Target::Call).as_ref());
     Ok(Dynamic::UNIT)
 }
 
 /// In `conserva check`: lists the check instead of evaluating it.
-fn listed(call: &Call, line: &str) -> bool {
+pub fn listed(call: &Call, line: &str) -> bool {
     if call.host.is_check() {
         let place = call.place(&Target::Call).map(|place| format!("{place}: ")).unwrap_or_default();
         call.host.findings.borrow_mut().push(format!("check: {place}{line}"));
@@ -34,7 +35,7 @@ fn listed(call: &Call, line: &str) -> bool {
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
-    vec![expect(), expect_close(), expect_conserved(), expect_error()]
+    vec![expect(), expect_close(), expect_conserved(), expect_contact(), expect_error()]
 }
 
 fn expect() -> Function {
@@ -81,7 +82,7 @@ fn expect_close() -> Function {
                 Kind::Options(vec![
                     Parameter::number("relative", "1", Interval::NonNegative, "the largest difference, relative to the larger of the two")
                         .or(Absent::Means("1e-9 when `absolute` is not given either")),
-                    Parameter::number("absolute", "", Interval::NonNegative, "the largest difference")
+                    Parameter::number("absolute", "any", Interval::NonNegative, "the largest difference")
                         .or(Absent::Means("no absolute tolerance")),
                 ]),
                 "the tolerances; one that holds is enough",
@@ -220,6 +221,62 @@ fn expect_conserved() -> Function {
     }
 }
 
+fn expect_contact() -> Function {
+    Function {
+        name: "expect_contact",
+        form: Form::Function,
+        topic: Topic::Checks,
+        summary: "ends the script with an error unless a contact pair was closed after some step (or is closed now)",
+        parameters: vec![
+            Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
+            Parameter::new("name", Kind::Text, "the name of the contact pair"),
+            Parameter::new("when", Kind::Choice(&["ever", "now"]), "whether it must have been closed at any time, or must be closed now")
+                .or(Absent::Text("ever")),
+        ],
+        returns: "",
+        example: super::models::contact_example(
+            "press.gravity([0.0, -10.0]);\nlet sim = simulate(press, #{ integrator: energy_momentum(), \
+                                                 dt: 0.001 });\nsim.step(3);\nexpect_contact(sim, \"foot\");",
+        ),
+        see_also: &["contact", "add_contact"],
+        body: body(|call| {
+            let (handle, argument, when) = (call.handle::<SimulationHandle>("simulation")?, call.argument("name"), call.text("when")?);
+            let name = argument.text()?;
+            let contacts = &handle.0.model.model.contacts;
+            let Some(index) = contacts.iter().position(|contact| contact.name == name) else {
+                let names: Vec<&str> = contacts.iter().map(|contact| contact.name.as_str()).collect();
+                return Err(argument.unknown_name(&name, &names).into());
+            };
+            if listed(call, &format!("contact \"{name}\" of \"{}\" closes", handle.0.name)) {
+                return Ok(Dynamic::UNIT);
+            }
+            let (nodes, time) = handle.with(call, |simulation| (simulation.closed_nodes()[index], simulation.time()))?;
+            let time = handle.0.history.borrow().last().map_or(time, |row| row.time);
+            let since = handle.0.closed_since.borrow()[index];
+            match (when.as_str(), since) {
+                ("now", _) if nodes > 0 => {
+                    passed(call, &format!("ok  contact \"{name}\" is closed at {nodes} nodes at t = {}", brief(time)))
+                }
+                ("now", Some(since)) => Err(failed(call, format!("contact \"{name}\" is open at t = {}", brief(time)))
+                    .cause(format!("it was first closed at t = {}", brief(since)))
+                    .hint("ask whether it was closed at any time with \"ever\"")
+                    .into()),
+                (_, Some(since)) => passed(call, &format!("ok  contact \"{name}\" closed, first seen at t = {}", brief(since))),
+                (_, None) => {
+                    let failure = failed(call, format!("contact \"{name}\" never closed until t = {}", brief(time)));
+                    let gaps = handle.with(call, |simulation| simulation.contact(&name))?.map(|fields| fields.gap).unwrap_or_default();
+                    let least = gaps.into_iter().filter(|gap| gap.is_finite()).reduce(f64::min);
+                    let failure = failure.cause(match least {
+                        Some(least) => format!("the smallest gap at this time is {}", brief(least)),
+                        None => "no node of its secondary side lies opposite its primary side".into(),
+                    });
+                    Err(failure.hint("check the positions and velocities of the two bodies, and how far the simulation runs").into())
+                }
+            }
+        }),
+    }
+}
+
 struct Drift {
     size: f64,
     scale: f64,
@@ -308,8 +365,7 @@ fn expect_error() -> Function {
                 Err(error) => error,
             };
             let diagnostic = explain(call.host, call.engine(), &error, &call.source());
-            let parts = [&diagnostic.title, &diagnostic.label].into_iter().chain(&diagnostic.causes).chain(&diagnostic.hints);
-            if parts.into_iter().any(|part| part.contains(&text)) {
+            if diagnostic.contains(&text) {
                 return passed(call, &format!("ok  fails as expected: {}", diagnostic.title));
             }
             let failure =

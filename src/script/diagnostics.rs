@@ -98,6 +98,11 @@ impl Diagnostic {
         self
     }
 
+    /// Whether a part of the message contains a text.
+    pub fn contains(&self, text: &str) -> bool {
+        [&self.title, &self.label].into_iter().chain(&self.causes).chain(&self.hints).any(|part| part.contains(text))
+    }
+
     /// The drawn message, with a newline at its end.
     pub fn render(&self, ink: Ink) -> String {
         let title = normalize_untrusted_str(&self.title);

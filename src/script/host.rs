@@ -2,7 +2,7 @@
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::{Rc, Weak};
@@ -14,6 +14,7 @@ use rhai::{Engine, NativeCallContextStore, Position};
 use super::arguments::{Call, interrupted};
 use super::diagnostics::Diagnostic;
 use super::failure::Failure;
+use super::motion::Motion;
 use super::overrides::Overrides;
 use super::registry::Registry;
 use super::sandbox::Sandbox;
@@ -135,6 +136,25 @@ pub struct Host {
     loading: RefCell<Vec<Vec<String>>>,
     warned: RefCell<Vec<String>>,
     passed: RefCell<Vec<String>>,
+    study: Cell<Option<Study>>,
+}
+
+/// What holds while a check runs a scenario for itself.
+#[derive(Clone, Copy)]
+struct Study {
+    motion: Option<Motion>,
+}
+
+/// Ends a study when it goes out of scope.
+pub struct Aside<'a> {
+    host: &'a Host,
+    before: Option<Study>,
+}
+
+impl Drop for Aside<'_> {
+    fn drop(&mut self) {
+        self.host.study.set(self.before);
+    }
 }
 
 impl Host {
@@ -155,6 +175,7 @@ impl Host {
             loading: RefCell::default(),
             warned: RefCell::default(),
             passed: RefCell::default(),
+            study: Cell::default(),
         }
     }
 
@@ -166,6 +187,24 @@ impl Host {
     /// Tells the host its engine.
     pub fn attach(&self, engine: &Rc<RefCell<Engine>>) {
         *self.engine.borrow_mut() = Rc::downgrade(engine);
+    }
+
+    /// While the returned value lives, simulations are aside of the run: no files, no summary, and moved if a motion is given (or was
+    /// already).
+    pub fn study(&self, motion: Option<Motion>) -> Aside<'_> {
+        let before = self.study.get();
+        self.study.set(Some(Study { motion: motion.or(self.motion()) }));
+        Aside { host: self, before }
+    }
+
+    /// Whether simulations are made for a check only.
+    pub fn is_study(&self) -> bool {
+        self.study.get().is_some()
+    }
+
+    /// How models are moved now.
+    pub fn motion(&self) -> Option<Motion> {
+        self.study.get().and_then(|study| study.motion)
     }
 
     /// Whether this is `conserva check`.

@@ -306,7 +306,7 @@ fn transforms() -> Vec<Function> {
             parameters: vec![
                 Parameter::number("angle", "rad", Interval::Finite, "how far it is turned; `deg(30)` converts degrees"),
                 Parameter::new("center", Kind::Vector, "the point that stays").of("length").or(Absent::Means("the origin")),
-                Parameter::new("axis", Kind::Vector, "the direction of the axis, in space").or(Absent::Means("[0, 0, 1]")),
+                Parameter::new("axis", Kind::Vector, "the direction of the axis, in space").of("1").or(Absent::Means("[0, 0, 1]")),
             ],
             returns: MeshHandle::NAME,
             example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).rotate(deg(30), [1.0, 0.5]);".into(),

@@ -16,8 +16,10 @@ mod materials;
 mod meshes;
 mod models;
 mod modules;
+mod motion;
 mod numbers;
 mod overrides;
+mod reference;
 mod registry;
 mod results;
 mod run;
@@ -26,14 +28,20 @@ mod scan;
 mod session;
 mod simulations;
 mod sources;
+mod studies;
+mod testing;
 mod time_functions;
+mod units;
 
 pub use diagnostics::{Diagnostic, Frame, Ink, Severity};
 pub use failure::Class;
 pub use host::{MAX_OPERATIONS, Mode, Observer, Progress, Settings, Silent};
+pub use reference::{Entry, Reference, Word};
 pub use registry::{Absent, Form, Function, Kind, Parameter, Receiver, Registry, Topic};
-pub use session::{Report, Session};
+pub use session::{Outline, Report, Session};
 pub use sources::Place;
+pub use testing::{TestCase, TestOutcome, home, script_files, tests_of};
+pub use units::Dimension;
 
 use rhai::Scope;
 

@@ -154,7 +154,7 @@ pub struct Parameter {
     pub name: &'static str,
     /// What it takes.
     pub kind: Kind,
-    /// Physical dimension, `1` for a pure number, empty where it makes no sense.
+    /// Physical dimension, `1` for a pure number, `any` where it depends on the use, empty for what is no number.
     pub dimension: &'static str,
     /// Admissible values of a number.
     pub range: Interval,
@@ -201,7 +201,7 @@ impl Parameter {
         if matches!(self.kind, Kind::Number | Kind::Integer) && self.range != Interval::Finite {
             text = format!("{text} {}", self.range);
         }
-        if !self.dimension.is_empty() && self.dimension != "1" {
+        if !matches!(self.dimension, "" | "1" | "any") {
             text = format!("{text} [{}]", self.dimension);
         }
         text

@@ -29,7 +29,8 @@ impl Artifacts {
     /// # Errors
     /// A folder or file that cannot be written.
     pub fn create(host: &Host, model: &Model, name: &str, every: Option<f64>, row: &LedgerRow) -> Result<Option<Self>, Failure> {
-        let Some(folder) = host.settings.output.as_ref().filter(|_| host.settings.mode == Mode::Run) else { return Ok(None) };
+        let wanted = host.settings.mode == Mode::Run && !host.is_study();
+        let Some(folder) = host.settings.output.as_ref().filter(|_| wanted) else { return Ok(None) };
         let begun = Instant::now();
         let first = host.simulations.borrow().is_empty();
         let folder = if first { folder.clone() } else { folder.join(file_name(name)) };

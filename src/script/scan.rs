@@ -158,6 +158,15 @@ pub fn truncating_divisions(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)>
     found
 }
 
+/// Functions that a text defines, each with its first byte.
+pub fn functions(lexemes: &[Lexeme]) -> Vec<(String, usize)> {
+    let name = |pair: &[Lexeme]| match (&pair[0].token, &pair[1].token) {
+        (Token::Fn, Token::Identifier(name)) => Some((name.to_string(), pair[0].range.start)),
+        _ => None,
+    };
+    lexemes.windows(2).filter_map(name).collect()
+}
+
 /// Names that a text declares: variables, functions, parameters, imports.
 pub fn declared(lexemes: &[Lexeme]) -> Vec<String> {
     let mut names = Vec::new();

@@ -21,9 +21,10 @@ use super::modules::{KEEP_CONTEXT, Modules};
 use super::registry::{Form, Function, Registry, Topic, body};
 use super::run;
 use super::sandbox::{Sandbox, reason};
+use super::scan;
 use super::simulations::{self, ContactHandle, HistoryHandle, IntegratorHandle, SimulationHandle, StateHandle};
 use super::time_functions::{self, TimeFunctionHandle};
-use super::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING, checks, constants, numbers, overrides, results};
+use super::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING, checks, constants, numbers, overrides, results, studies};
 
 /// How a script ended.
 #[derive(Clone, Debug)]
@@ -34,6 +35,30 @@ pub struct Report {
     pub findings: Vec<String>,
     /// Number of checks that held.
     pub checks: usize,
+}
+
+/// What a text consists of.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    /// Name, least number of parameters and first byte of each function, in the order in which they are written.
+    pub functions: Vec<(String, usize, usize)>,
+    /// Whether there are statements outside of functions.
+    pub has_statements: bool,
+}
+
+/// The text of a script file.
+///
+/// # Errors
+/// A file that cannot be read or is not text.
+pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
+    let text = match std::fs::read(path) {
+        Ok(bytes) => String::from_utf8(bytes).map_err(|_| "it is not text (UTF-8)".to_string()),
+        Err(error) => Err(reason(&error)),
+    };
+    text.map_err(|cause| {
+        let error = Diagnostic::error(Class::Script, format!("the script {} cannot be read", path.display()));
+        Box::new(error.cause(cause).hint("check the path of the script"))
+    })
 }
 
 /// An engine with its scope and its host.
@@ -63,27 +88,50 @@ impl Session {
         self.host.registry.borrow()
     }
 
+    /// The definition file of the language for its language server.
+    pub fn definitions(&self) -> String {
+        self.engine.borrow().definitions().include_standard_packages(false).single_file()
+    }
+
     /// Runs a script file to its end and writes the files of the run.
     pub fn run_file(&mut self, path: &Path) -> Report {
         let name = path.display().to_string();
         *self.host.main.borrow_mut() = name.clone();
-        let text = match std::fs::read(path) {
-            Ok(bytes) => String::from_utf8(bytes).map_err(|_| "it is not text (UTF-8)".to_string()),
-            Err(error) => Err(reason(&error)),
-        };
-        let error = match text {
-            Ok(text) => self.guarded(&name, &text),
-            Err(cause) => {
-                let error = Diagnostic::error(Class::Script, format!("the script {name} cannot be read"));
-                Some(Box::new(error.cause(cause).hint("check the path of the script")))
-            }
+        let error = match read_script(path) {
+            Ok(text) => self.guarded(|session| session.evaluate(&name, &text)),
+            Err(error) => Some(error),
         };
         self.finish(error)
     }
 
+    /// Runs a script as a test: its statements and then, if one is named, one of its functions.
+    pub fn run_test(&mut self, name: &str, text: &str, function: Option<&str>) -> Report {
+        let error = self.guarded(|session| match function {
+            None => session.evaluate(name, text),
+            Some(function) => session.call(name, text, function),
+        });
+        self.finish(error)
+    }
+
+    /// Functions of a text and whether it has statements, without running it.
+    ///
+    /// # Errors
+    /// A text that does not parse.
+    pub fn outline(&self, name: &str, text: &str) -> Result<Outline, Box<Diagnostic>> {
+        *self.host.main.borrow_mut() = name.to_string();
+        self.host.sources.insert(name, text);
+        let engine = self.engine.borrow();
+        let tree = compile(&engine, &self.scope, name, text).map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))?;
+        let starts = scan::functions(&scan::lexemes(&engine, text));
+        let parameters =
+            |function: &str| tree.iter_functions().filter(|known| known.name == function).map(|known| known.params.len()).min();
+        let functions = starts.into_iter().filter_map(|(function, start)| parameters(&function).map(|count| (function, count, start)));
+        Ok(Outline { functions: functions.collect(), has_statements: !tree.statements().is_empty() })
+    }
+
     /// Evaluates, and turns a defect of the program into a message, so that the files of the run are still completed.
-    fn guarded(&mut self, name: &str, text: &str) -> Option<Box<Diagnostic>> {
-        match catch_unwind(AssertUnwindSafe(|| self.evaluate(name, text))) {
+    fn guarded(&mut self, work: impl FnOnce(&mut Self) -> Result<Dynamic, Box<Diagnostic>>) -> Option<Box<Diagnostic>> {
+        match catch_unwind(AssertUnwindSafe(|| work(self))) {
             Ok(outcome) => outcome.err(),
             Err(panic) => {
                 let what = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
@@ -106,6 +154,17 @@ impl Session {
         self.host.lint(&engine, name);
         let outcome =
             compile(&engine, &self.scope, name, text).and_then(|tree| engine.eval_ast_with_scope::<Dynamic>(&mut self.scope, &tree));
+        outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
+    }
+
+    /// Runs the statements of a text under a name, then one of its functions, which has no parameters.
+    fn call(&mut self, name: &str, text: &str, function: &str) -> Result<Dynamic, Box<Diagnostic>> {
+        *self.host.main.borrow_mut() = name.to_string();
+        self.host.sources.insert(name, text);
+        let engine = self.engine.borrow();
+        self.host.lint(&engine, name);
+        let outcome =
+            compile(&engine, &self.scope, name, text).and_then(|tree| engine.call_fn::<Dynamic>(&mut self.scope, &tree, function, ()));
         outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
     }
 
@@ -161,6 +220,7 @@ fn functions() -> Vec<Function> {
         simulations::functions(),
         results::functions(),
         checks::functions(),
+        studies::functions(),
         overrides::functions(),
         numbers::functions(),
     ]

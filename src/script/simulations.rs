@@ -12,6 +12,7 @@ use super::diagnostics::Diagnostic;
 use super::failure::{Class, Failure, ScriptError, did_you_mean, listed};
 use super::host::{Host, Progress};
 use super::models::{BodyHandle, ModelData, ModelHandle};
+use super::motion::Motion;
 use super::numbers::brief;
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
 use super::run::Artifacts;
@@ -48,8 +49,10 @@ pub struct SimulationData {
     pub history: RefCell<Vec<LedgerRow>>,
     /// Files of the run.
     pub artifacts: RefCell<Option<Artifacts>>,
-    /// Whether each contact pair was ever closed.
-    touched: RefCell<Vec<bool>>,
+    /// For each contact pair of the model: the time at which it was first seen closed.
+    pub closed_since: RefCell<Vec<Option<f64>>>,
+    /// How the model was moved when the simulation was made; only a check that compares moved runs does that.
+    pub motion: Option<Motion>,
     /// Time spent in the kernels.
     pub spent: Cell<Duration>,
     callbacks: RefCell<Vec<Callback>>,
@@ -158,6 +161,25 @@ fn angular_text(row: &LedgerRow, dimension: usize) -> String {
     if dimension == 2 { brief(row.angular_momentum[2]) } else { vector_of(row.angular_momentum, 3) }
 }
 
+impl SimulationData {
+    /// A time of the kernels on the clock of the script; they differ only in other units ([`Motion`]).
+    fn script_time(&self, time: f64) -> f64 {
+        self.motion.map_or(time, |motion| time / motion.units.time)
+    }
+
+    /// A time of the script on the clock of the kernels.
+    fn kernel_time(&self, time: f64) -> f64 {
+        self.motion.map_or(time, |motion| time * motion.units.time)
+    }
+
+    fn script_row(&self, row: LedgerRow) -> LedgerRow {
+        match self.motion {
+            Some(motion) => motion.on_script_clock(row),
+            None => row,
+        }
+    }
+}
+
 impl SimulationHandle {
     /// Names of the columns of its history.
     pub fn columns(&self) -> Vec<&'static str> {
@@ -181,14 +203,14 @@ impl SimulationHandle {
                 .hint("check its times and its size against the time that the simulation covers");
             host.warn(warning);
         }
-        let contacts = self.0.model.model.contacts.iter().zip(&self.0.model.contacts).zip(self.0.touched.borrow().clone());
-        for ((contact, place), touched) in contacts {
-            if !touched {
-                let warning = Diagnostic::warning(format!("contact \"{}\" never closed", contact.name), place.clone())
-                    .cause("no node of its secondary side was active in any step")
-                    .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
-                host.warn(warning);
-            }
+        let closed = self.0.closed_since.borrow();
+        for ((contact, place), _) in
+            self.0.model.model.contacts.iter().zip(&self.0.model.contacts).zip(&*closed).filter(|(_, since)| since.is_none())
+        {
+            let warning = Diagnostic::warning(format!("contact \"{}\" never closed", contact.name), place.clone())
+                .cause("no node of its secondary side was active in any step")
+                .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
+            host.warn(warning);
         }
     }
 
@@ -210,6 +232,19 @@ impl SimulationHandle {
         match self.0.simulation.try_borrow() {
             Ok(simulation) => Ok(read(&simulation)),
             Err(_) => Err(busy(call)),
+        }
+    }
+
+    /// Notes which contact pairs are closed now.
+    fn note_contact(&self) {
+        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
+        if simulation.row().active > 0 {
+            let time = self.0.script_time(simulation.time());
+            for (since, nodes) in self.0.closed_since.borrow_mut().iter_mut().zip(simulation.closed_nodes()) {
+                if nodes > 0 && since.is_none() {
+                    *since = Some(time);
+                }
+            }
         }
     }
 
@@ -254,6 +289,7 @@ impl SimulationHandle {
         for row in rows {
             self.accept(call, row, from, end)?;
         }
+        self.note_contact();
         stepped.map_err(|error| self.step_failure(call, error))?;
         // Called without a borrow: a closure may look at everything, and hand over further closures.
         let callbacks = data.callbacks.borrow().clone();
@@ -277,21 +313,9 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// Notes which contact pairs are closed.
-    fn note_contact(&self, row: &LedgerRow) {
-        let mut touched = self.0.touched.borrow_mut();
-        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
-        if row.active == 0 {
-            return;
-        }
-        for (contact, touched) in self.0.model.model.contacts.iter().zip(touched.iter_mut()).filter(|(_, touched)| !**touched) {
-            *touched = simulation.contact(&contact.name).is_some_and(|fields| fields.active.contains(&true));
-        }
-    }
-
     fn accept(&self, call: &Call, row: LedgerRow, from: f64, until: Option<f64>) -> Result<(), Failure> {
         let data = &self.0;
-        self.note_contact(&row);
+        let row = data.script_row(row);
         data.scale.set(data.scale.get().max(row.total().abs()));
         call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get() });
         if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
@@ -339,8 +363,8 @@ impl SimulationHandle {
         data.spent.set(data.spent.get() + begun.elapsed());
         call.host.observer.ended();
         let report = settled.map_err(|error| self.step_failure(call, error))?;
-        let row = data.simulation.borrow().row().clone();
-        self.note_contact(&row);
+        let row = data.script_row(data.simulation.borrow().row().clone());
+        self.note_contact();
         data.scale.set(data.scale.get().max(row.total().abs()));
         let mut rows = data.history.borrow().clone();
         if rows.len() == 1 {
@@ -465,16 +489,20 @@ fn simulate() -> Function {
             call.host.overrides.check()?;
             let model = model.borrow().clone();
             let begun = Instant::now();
-            let simulation = Simulation::new(&model.model, kernel).map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
+            let motion = call.host.motion();
+            let moved = motion.map(|motion| motion.model(&model.model)).transpose().map_err(|cause| call.fail(cause))?;
+            kernel.dt *= motion.map_or(1.0, |motion| motion.units.time);
+            let simulation = Simulation::new(moved.as_ref().unwrap_or(&model.model), kernel);
+            let simulation = simulation.map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
             let name = unique_name(call.host, &model.model.name);
             let row = simulation.row().clone();
-            let touched = RefCell::new(vec![false; model.model.contacts.len()]);
             let data = SimulationData {
                 place: call.place(&Target::Call),
                 artifacts: RefCell::new(Artifacts::create(call.host, &model.model, &name, fields_every, &row)?),
                 model,
                 name,
-                touched,
+                closed_since: RefCell::new(vec![None; simulation.closed_nodes().len()]),
+                motion,
                 spent: Cell::new(begun.elapsed()),
                 scale: Cell::new(row.total().abs()),
                 simulation: RefCell::new(simulation),
@@ -483,10 +511,13 @@ fn simulate() -> Function {
                 callbacks: RefCell::default(),
             };
             let handle = SimulationHandle(Rc::new(data));
+            handle.note_contact();
             if call.host.is_check() {
                 call.host.findings.borrow_mut().push(finding(&handle));
             }
-            call.host.simulations.borrow_mut().push(handle.clone());
+            if !call.host.is_study() {
+                call.host.simulations.borrow_mut().push(handle.clone());
+            }
             Ok(Dynamic::from(handle))
         }),
     }
@@ -542,6 +573,7 @@ fn methods() -> Vec<Function> {
             see_also: &["step", "on_step"],
             body: body(|call| {
                 let (handle, end) = (call.receiver::<SimulationHandle>(), call.number("time")?);
+                let end = handle.0.kernel_time(end);
                 let now = handle.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
                 if end < now {
                     let failure = call.argument("time").fail(format!("`run_to` goes forward, but {} has passed", number_text(end)));
@@ -637,7 +669,21 @@ fn properties() -> Vec<Function> {
         body: body(move |call| Ok(call.receiver::<SimulationHandle>().with(call, read)?)),
     };
     vec![
-        property("time", "the time reached", "number", |simulation| simulation.time().into()),
+        Function {
+            name: "time",
+            form: Form::Property(receiver),
+            topic: Topic::Simulation,
+            summary: "the time reached",
+            parameters: Vec::new(),
+            returns: "number",
+            example: example("print(sim.time);"),
+            see_also: &["history", "run_to"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let time = handle.with(call, Simulation::time)?;
+                Ok(handle.0.script_time(time).into())
+            }),
+        },
         property("steps", "the number of accepted steps", "int", |simulation| Dynamic::from(simulation.row().step as i64)),
         property("energy", "a map with `kinetic`, `strain`, `potential`, `total`", "Map", |simulation| {
             let row = simulation.row();

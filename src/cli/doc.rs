@@ -1,0 +1,65 @@
+//! `conserva doc`: the reference of the language, from the registered functions.
+
+use std::path::Path;
+use std::rc::Rc;
+
+use clap::{Args, ValueEnum};
+
+use super::console::{Console, complain, ink};
+use super::exit_code;
+use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent};
+
+/// Arguments of `conserva doc`.
+#[derive(Args)]
+pub struct Arguments {
+    /// A function, method, word, topic or type [default: everything]
+    name: Option<String>,
+    /// How it is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// How the reference is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For a terminal
+    Text,
+    /// As docs/reference.md
+    Markdown,
+    /// For programs
+    Json,
+    /// Definition file for the language server of Rhai (always everything)
+    Definitions,
+}
+
+/// Shows the reference; the exit code.
+pub fn doc(arguments: Arguments) -> u8 {
+    let session = match Session::new(Settings::default(), Path::new("."), Rc::new(Silent)) {
+        Ok(session) => session,
+        Err(error) => {
+            complain(&error.render(ink()));
+            return exit_code(error.class);
+        }
+    };
+    let reference = Reference::new(&session.registry());
+    let entries = match arguments.name.as_deref().map(|name| (name, reference.find(name))) {
+        None => None,
+        Some((_, Ok(entries))) => Some(entries),
+        Some((name, Err(suggestion))) => {
+            let error = Diagnostic::error(Class::Script, format!("the reference has no entry `{name}`"));
+            complain(&error.hint(suggestion).render(ink()));
+            return exit_code(Class::Script);
+        }
+    };
+    let text = match (arguments.format, entries) {
+        (Format::Definitions, _) => session.definitions(),
+        (Format::Text, None) => reference.overview(),
+        (Format::Text, Some(entries)) => entries.iter().map(|entry| entry.text()).collect::<Vec<_>>().join("\n\n"),
+        (Format::Markdown, None) => reference.markdown(),
+        (Format::Markdown, Some(entries)) => entries.iter().map(|entry| reference.entry_markdown(entry)).collect(),
+        (Format::Json, None) => reference.json(),
+        (Format::Json, Some(entries)) => reference.entries_json(&entries),
+    };
+    Console::new(true).say(text.trim_end());
+    0
+}

@@ -1,0 +1,117 @@
+//! The reference of the language: complete, current, and every example in it runs.
+
+use std::path::Path;
+use std::rc::Rc;
+
+use conserva::script::{Absent, Dimension, Entry, Form, Function, Kind, Parameter, Reference, Session, Settings, Silent};
+
+fn session() -> Session {
+    let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
+    Session::new(Settings::default(), &home, Rc::new(Silent)).unwrap()
+}
+
+fn functions() -> Vec<Rc<Function>> {
+    session().registry().functions().to_vec()
+}
+
+/// Parameters and the keys of options, those inside other keys, too.
+fn parameters(of: &[Parameter]) -> Vec<&Parameter> {
+    of.iter()
+        .flat_map(|parameter| {
+            let keys = match &parameter.kind {
+                Kind::Options(keys) => parameters(keys),
+                _ => Vec::new(),
+            };
+            std::iter::once(parameter).chain(keys)
+        })
+        .collect()
+}
+
+#[test]
+fn every_function_says_what_it_is() {
+    let all = functions();
+    assert!(all.len() > 80, "the registry is not filled");
+    for function in &all {
+        let title = function.signature();
+        assert!(function.summary.len() > 10 && !function.summary.ends_with('.'), "{title}: one sentence without its full stop");
+        assert!(
+            function.example.contains(function.name) || matches!(function.form, Form::Column(_)),
+            "{title}: its example does not use it"
+        );
+        for parameter in parameters(&function.parameters) {
+            assert!(parameter.summary.len() > 4, "{title}: `{}` has no text", parameter.name);
+            let number = matches!(parameter.kind, Kind::Number | Kind::Vector);
+            assert!(
+                !number || !parameter.dimension.is_empty(),
+                "{title}: `{}` has no dimension (`1` or `any` where it fits)",
+                parameter.name
+            );
+            let known = matches!(parameter.dimension, "" | "any" | "pixels") || Dimension::parse(parameter.dimension).is_some();
+            assert!(known, "{title}: `{}` has the unknown dimension {}", parameter.name, parameter.dimension);
+            if let Absent::Number(value) = parameter.absent {
+                assert!(parameter.range.contains(value), "{title}: the default of `{}` is out of its range", parameter.name);
+            }
+        }
+        for name in function.see_also {
+            assert!(all.iter().any(|other| other.name == *name), "{title}: see also {name}, which does not exist");
+        }
+    }
+}
+
+#[test]
+fn every_registered_name_is_in_the_reference() {
+    let session = session();
+    let definitions = session.definitions();
+    let names = definitions.lines().filter_map(|line| line.strip_prefix("fn ")).map(|line| line.strip_prefix("get ").unwrap_or(line));
+    let mut count = 0;
+    for name in names.filter_map(|line| line.split('(').next()) {
+        let known = session.registry().named(name).next().is_some();
+        assert!(known || matches!(name, "to_string" | "to_debug"), "{name} is registered without a description");
+        count += 1;
+    }
+    assert!(count > 80, "the definitions are not read");
+}
+
+#[test]
+fn every_example_runs() {
+    let mut failures = Vec::new();
+    for function in functions() {
+        if let Err(error) = session().evaluate("example", &function.example) {
+            failures.push(format!("{}:\n{}", function.signature(), error.render(conserva::script::Ink::Plain)));
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn every_word_has_its_sentence_and_is_found() {
+    let session = session();
+    let reference = Reference::new(&session.registry());
+    for word in reference.words() {
+        assert!(word.summary.len() > 4, "`{}`, a {}, has no text", word.name, word.group);
+        assert!(reference.find(word.name).is_ok());
+    }
+    for function in functions() {
+        let found = reference.find(function.name).unwrap_or_default();
+        assert!(found.iter().any(|entry| matches!(entry, Entry::Function(_))), "{} is not found", function.name);
+    }
+    assert!(matches!(reference.find("Model").as_deref(), Ok([Entry::Topic(..), Entry::Type(..)])));
+    assert!(matches!(reference.find("Body.mass").as_deref(), Ok([Entry::Function(_)])));
+    assert!(reference.find("rectangel").err().unwrap().contains("rectangle"));
+    let json: serde_json::Value = serde_json::from_str(&reference.json()).unwrap();
+    assert_eq!(json["functions"].as_array().unwrap().len(), functions().len());
+}
+
+#[test]
+fn the_files_of_the_reference_are_current() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let session = session();
+    let files = [
+        ("reference.md", "markdown", Reference::new(&session.registry()).markdown()),
+        ("definitions/conserva.d.rhai", "definitions", format!("{}\n", session.definitions().trim_end())),
+    ];
+    for (file, format, text) in files {
+        let kept = std::fs::read_to_string(docs.join(file)).unwrap_or_default();
+        assert!(kept == text, "docs/{file} is not current: write it with `conserva doc --format {format} > docs/{file}`");
+    }
+}
