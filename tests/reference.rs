@@ -66,7 +66,7 @@ fn every_registered_name_is_in_the_reference() {
     let mut count = 0;
     for name in names.filter_map(|line| line.split('(').next()) {
         let known = session.registry().named(name).next().is_some();
-        assert!(known || matches!(name, "to_string" | "to_debug"), "{name} is registered without a description");
+        assert!(known || matches!(name, "to_string" | "to_debug" | "index$get$"), "{name} is registered without a description");
         count += 1;
     }
     assert!(count > 80, "the definitions are not read");

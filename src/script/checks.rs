@@ -235,7 +235,7 @@ fn expect_contact() -> Function {
         ],
         returns: "",
         example: super::models::contact_example(
-            "press.gravity([0.0, -10.0]);\nlet sim = simulate(press, #{ integrator: energy_momentum(), \
+            "press.initial_velocity(plate, #{ linear: [0.0, -1.0] });\nlet sim = simulate(press, #{ integrator: energy_momentum(), \
                                                  dt: 0.001 });\nsim.step(3);\nexpect_contact(sim, \"foot\");",
         ),
         see_also: &["contact", "add_contact"],
@@ -245,7 +245,7 @@ fn expect_contact() -> Function {
             let contacts = &handle.0.model.model.contacts;
             let Some(index) = contacts.iter().position(|contact| contact.name == name) else {
                 let names: Vec<&str> = contacts.iter().map(|contact| contact.name.as_str()).collect();
-                return Err(argument.unknown_name(&name, &names).into());
+                return Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into());
             };
             if listed(call, &format!("contact \"{name}\" of \"{}\" closes", handle.0.name)) {
                 return Ok(Dynamic::UNIT);

@@ -7,7 +7,8 @@ use std::rc::Rc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use rhai::{AST, Dynamic, Engine, EvalAltResult, FuncRegistration, Module, NativeCallContext, OptimizationLevel, RhaiFunc, Scope};
+use rhai::packages::{Package, StandardPackage};
+use rhai::{AST, Dynamic, Engine, EvalAltResult, FuncRegistration, Module, NativeCallContext, OptimizationLevel, RhaiFunc, Scope, Shared};
 
 use super::arguments::Call;
 use super::diagnostics::Diagnostic;
@@ -229,8 +230,18 @@ fn functions() -> Vec<Function> {
     .collect()
 }
 
+/// Strings of which an engine keeps one copy; as many as a default engine.
+const STRINGS_INTERNED: usize = 256;
+
+thread_local! {
+    /// The functions that the engine brings with it. Describing them is most of the work of making an engine, and tests make many.
+    static STANDARD: Shared<Module> = StandardPackage::new().as_shared_module();
+}
+
 fn engine(host: &Rc<Host>) -> Engine {
-    let mut engine = Engine::new();
+    let mut engine = Engine::new_raw();
+    engine.set_max_strings_interned(STRINGS_INTERNED);
+    STANDARD.with(|standard| engine.register_global_module(standard.clone()));
     engine.set_optimization_level(OptimizationLevel::Simple);
     engine.set_strict_variables(true);
     engine.set_fail_on_invalid_map_property(true);
