@@ -97,13 +97,16 @@ fn two_hundred_small_tests_take_less_than_five_seconds() {
         let tests: Vec<String> = (0..20).map(|number| format!("fn test_{number}() {test}\n")).collect();
         std::fs::write(folder.join(format!("file_{file}.rhai")), tests.concat()).unwrap();
     }
-    let begun = Instant::now();
-    let output = conserva(&folder, &["test", ".", "--threads", "2"]);
-    let time = begun.elapsed();
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-    assert!(said(&output).contains("200 tests in 10 files: 200 passed, 0 failed"));
-    // about 1 s on two cores that do nothing else
-    assert!(time < Duration::from_secs(5), "{time:?}");
+    let mut times = Vec::new();
+    // about 1 s on two cores that do nothing else; other work on the machine gets three chances to be elsewhere
+    while times.len() < 3 && times.last().is_none_or(|time| *time >= Duration::from_secs(5)) {
+        let begun = Instant::now();
+        let output = conserva(&folder, &["test", ".", "--threads", "2"]);
+        times.push(begun.elapsed());
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        assert!(said(&output).contains("200 tests in 10 files: 200 passed, 0 failed"));
+    }
+    assert!(times.iter().any(|time| *time < Duration::from_secs(5)), "{times:?}");
     std::fs::remove_dir_all(folder).unwrap();
 }
 
