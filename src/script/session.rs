@@ -91,7 +91,8 @@ impl Session {
 
     /// The definition file of the language for its language server.
     pub fn definitions(&self) -> String {
-        self.engine.borrow().definitions().include_standard_packages(false).single_file()
+        let all = self.engine.borrow().definitions().include_standard_packages(false).single_file();
+        all.split("\n\n").filter(|block| !block.contains(KEEP_CONTEXT)).collect::<Vec<_>>().join("\n\n")
     }
 
     /// Runs a script file to its end and writes the files of the run.
