@@ -189,8 +189,8 @@ impl Reference {
         let mut page = String::from(
             "# Reference\n\nEvery function of the language, from the descriptions it is registered with. This page is written by\n\
              `conserva doc --format markdown`; a test fails when it is not current, and another one runs every example.\n\n\
-             `name?` may be left out. Dimensions stand in brackets; any consistent set of units will do. `any` depends on what the number is\n\
-             used for.\n\n",
+             `name?` may be left out. Dimensions stand in brackets; any consistent set of units will do. `any`\n\
+             depends on what the number is used for.\n\n",
         );
         for (topic, title) in TOPICS {
             let _ = writeln!(page, "## {title}\n");

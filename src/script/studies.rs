@@ -29,7 +29,8 @@ fn expect_order() -> Function {
         name: "expect_order",
         form: Form::Function,
         topic: Topic::Checks,
-        summary: "runs a closure with smaller and smaller steps and ends the script with an error unless its result converges with an order",
+        summary: "runs a closure with smaller and smaller steps and ends the script with an error unless its result converges \
+                  with an order",
         parameters: vec![
             Parameter::new(
                 "action",
@@ -46,15 +47,25 @@ fn expect_order() -> Function {
                         .or(Absent::Integer(4)),
                     Parameter::new("exact", Kind::Any, "the exact result, a number or an array of numbers")
                         .or(Absent::Means("results of successive step sizes are compared")),
-                    Parameter::number("tolerance", "1", Interval::Positive, "the largest deviation of the last order from the expected one")
-                        .or(Absent::Number(0.2)),
+                    Parameter::number(
+                        "tolerance",
+                        "1",
+                        Interval::Positive,
+                        "the largest deviation of the last order from the expected one",
+                    )
+                    .or(Absent::Number(0.2)),
                 ]),
                 "the step sizes",
             ),
         ],
         returns: "",
-        example: "// the midpoint rule for y' = y, from 0 to 1\nfn exponential(dt) {\n    let y = 1.0;\n    for step in 0..round(1.0 / dt).to_int() \
-                  { y *= (1.0 + dt / 2.0) / (1.0 - dt / 2.0); }\n    y\n}\nexpect_order(|dt| exponential(dt), 2.0, #{ dt: 0.1, exact: exp(1.0) });"
+        example: "// the midpoint rule for y' = y, from 0 to 1\n\
+                  fn exponential(dt) {\n    \
+                      let y = 1.0;\n    \
+                      for step in 0..round(1.0 / dt).to_int() { y *= (1.0 + dt / 2.0) / (1.0 - dt / 2.0); }\n    \
+                      y\n\
+                  }\n\
+                  expect_order(|dt| exponential(dt), 2.0, #{ dt: 0.1, exact: exp(1.0) });"
             .into(),
         see_also: &["expect_close", "expect_invariant"],
         body: body(|call| {
@@ -158,8 +169,8 @@ fn expect_invariant() -> Function {
         name: "expect_invariant",
         form: Form::Function,
         topic: Topic::Checks,
-        summary: "runs a scenario as it is and again turned, moved or in other units, each by itself, and ends the script with an error when \
-                  it moves otherwise",
+        summary: "runs a scenario as it is and again turned, moved or in other units, each by itself, and ends the script with an \
+                  error when it moves otherwise",
         parameters: vec![
             Parameter::new(
                 "action",

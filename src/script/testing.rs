@@ -276,7 +276,8 @@ mod tests {
 
     #[test]
     fn functions_without_parameters_are_tests_and_so_is_a_file_of_statements() {
-        let text = "const K = 2;\nfn double(x) { x * 2 }\nfn test_b() { expect(double(1) == 2); }\nfn test_of(x) { x }\nfn test_a() { expect(false); }\n";
+        let text = "const K = 2;\nfn double(x) { x * 2 }\nfn test_b() { expect(double(1) == 2); }\nfn test_of(x) { x }\n\
+                    fn test_a() { expect(false); }\n";
         let found = cases("functions.rhai", text);
         assert_eq!(found.iter().map(|case| case.function.as_deref().unwrap()).collect::<Vec<_>>(), ["test_b", "test_a"]);
         assert_eq!(failure(&found[0]), "passed");
