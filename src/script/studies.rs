@@ -296,7 +296,7 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
     let mut worst = (0.0, String::new());
     let mut note = |difference: f64, scale: f64, what: String| {
         let size = if difference == 0.0 { 0.0 } else { difference / scale };
-        if !(size <= worst.0) {
+        if size.is_nan() || size > worst.0 {
             worst = (size, format!("{what} differs by {} relative to {}", significant(size, 3), brief(scale)));
         }
     };
