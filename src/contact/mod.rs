@@ -68,6 +68,12 @@ pub trait ContactKernel: Send + Sync {
     /// matrix pattern made from it must then be made anew). `margin` `[length]`: reach plus the largest relative motion of the step.
     fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool;
 
+    /// The candidates, for a method that searches: all that it keeps from one step to the next.
+    fn candidates(&self) -> Option<&Candidates>;
+
+    /// Puts earlier candidates of this pair in place of the present ones, and keeps what depends on `q`, where a step may start.
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]);
+
     /// The patches of the present candidates.
     fn patches(&self) -> &Patches;
 

@@ -74,6 +74,16 @@ impl Mortar {
         }
     }
 
+    /// Makes the patches of the present candidates.
+    fn list_patches(&mut self) {
+        self.patches.clear();
+        for &[secondary, primary] in self.candidates.pairs() {
+            let [x_1, x_2] = self.secondary.facets()[secondary as usize];
+            let [y_1, y_2] = self.primary.facets()[primary as usize];
+            self.patches.push(&[x_1, x_2, y_1, y_2], &self.secondary.local_facets()[secondary as usize]);
+        }
+    }
+
     /// Searches candidates with this margin `[length]` beyond what a step needs, in place of two shortest secondary facets.
     pub fn with_spare(mut self, spare: f64) -> Self {
         self.candidates = self.candidates.with_spare(spare);
@@ -196,15 +206,21 @@ impl ContactKernel for Mortar {
     fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
         let changed = self.candidates.update(&self.secondary, &self.primary, q, margin);
         if changed {
-            self.patches.clear();
-            for &[secondary, primary] in self.candidates.pairs() {
-                let [x_1, x_2] = self.secondary.facets()[secondary as usize];
-                let [y_1, y_2] = self.primary.facets()[primary as usize];
-                self.patches.push(&[x_1, x_2, y_1, y_2], &self.secondary.local_facets()[secondary as usize]);
-            }
+            self.list_patches();
         }
         self.near = near(self.candidates.pairs(), &self.secondary, &self.primary, q, margin);
         changed
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        Some(&self.candidates)
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.candidates = candidates.clone();
+        self.list_patches();
+        self.near = near(self.candidates.pairs(), &self.secondary, &self.primary, q, self.facet_size);
+        self.begin_step(q);
     }
 
     fn patches(&self) -> &Patches {

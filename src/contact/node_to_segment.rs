@@ -88,6 +88,36 @@ impl NodeToSegment {
         }
     }
 
+    /// Makes the patches of the present candidates, one for each node that has any.
+    fn list_patches(&mut self) {
+        self.patches.clear();
+        self.chains.clear();
+        self.start.clear();
+        self.first.clear();
+        let mut first = 0;
+        for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
+            let row = pairs[0][0];
+            let mut nodes = vec![self.secondary.nodes()[row as usize]];
+            let mut facets = Vec::with_capacity(pairs.len());
+            for &[_, facet] in pairs {
+                facets.push(self.primary.facets()[facet as usize].map(|node| {
+                    let known = nodes[1..].iter().position(|&other| other == node);
+                    known.map_or_else(
+                        || {
+                            nodes.push(node);
+                            nodes.len() as u32 - 1
+                        },
+                        |index| index as u32 + 1,
+                    )
+                }));
+            }
+            self.first.push(first);
+            first += pairs.len();
+            self.patches.push(&nodes, &[row]);
+            self.chains.push(Chain::new(facets));
+        }
+    }
+
     /// Positions of the nodes of patch `p` into `z`.
     fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
         z.clear();
@@ -169,35 +199,21 @@ impl ContactKernel for NodeToSegment {
     fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
         let changed = self.candidates.update(&self.points, &self.primary, q, margin);
         if changed {
-            self.patches.clear();
-            self.chains.clear();
-            self.start.clear();
-            self.first.clear();
-            let mut first = 0;
-            for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
-                let row = pairs[0][0];
-                let mut nodes = vec![self.secondary.nodes()[row as usize]];
-                let mut facets = Vec::with_capacity(pairs.len());
-                for &[_, facet] in pairs {
-                    facets.push(self.primary.facets()[facet as usize].map(|node| {
-                        let known = nodes[1..].iter().position(|&other| other == node);
-                        known.map_or_else(
-                            || {
-                                nodes.push(node);
-                                nodes.len() as u32 - 1
-                            },
-                            |index| index as u32 + 1,
-                        )
-                    }));
-                }
-                self.first.push(first);
-                first += pairs.len();
-                self.patches.push(&nodes, &[row]);
-                self.chains.push(Chain::new(facets));
-            }
+            self.list_patches();
         }
         self.near = near(self.candidates.pairs(), &self.points, &self.primary, q, margin);
         changed
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        Some(&self.candidates)
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.candidates = candidates.clone();
+        self.list_patches();
+        self.near = near(self.candidates.pairs(), &self.points, &self.primary, q, self.facet_size);
+        self.begin_step(q);
     }
 
     fn patches(&self) -> &Patches {

@@ -18,6 +18,7 @@ use rstar::primitives::{GeomWithData, Line};
 use super::ContactKernel;
 use super::chain::Chain;
 use super::patches::{Evaluation, Patches};
+use super::search::Candidates;
 use super::surface::Surface;
 use crate::integrators::Integrator;
 use crate::math::tolerances::PROJECTED_INCREMENT;
@@ -298,6 +299,12 @@ impl ContactKernel for RigidContact {
         }
         first
     }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        None
+    }
+
+    fn restore_candidates(&mut self, _candidates: &Candidates, _q: &[f64]) {}
 
     fn patches(&self) -> &Patches {
         &self.patches

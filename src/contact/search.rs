@@ -18,7 +18,7 @@ use rstar::{AABB, RTree};
 use super::surface::Surface;
 
 /// A list of facet pairs that contains every pair within a margin, valid for a bounded relative motion.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Candidates {
     pairs: Vec<[u32; 2]>,
     spare: f64,

@@ -176,6 +176,12 @@ impl ContactKernel for Tie {
         first
     }
 
+    fn candidates(&self) -> Option<&Candidates> {
+        None
+    }
+
+    fn restore_candidates(&mut self, _candidates: &Candidates, _q: &[f64]) {}
+
     fn patches(&self) -> &Patches {
         &self.patches
     }

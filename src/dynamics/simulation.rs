@@ -9,6 +9,7 @@ use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::Model;
 use super::report::FailureReport;
+use super::system::SearchHistory;
 use super::time_loop::TimeLoop;
 use crate::integrators::Integrator;
 
@@ -99,12 +100,25 @@ pub struct State {
     pub(super) active: Vec<bool>,
     /// Half of the forces that are not inertial (trapezoidal rule).
     pub(super) half_force: Vec<f64>,
-    /// Time from which steps are counted, and their number: times are products, not sums.
-    pub(super) clock: (f64, usize),
+    /// Counts steps.
+    pub(super) clock: Clock,
+    /// What the search for contact takes over from the steps before.
+    pub(super) search: Arc<SearchHistory>,
     /// Halvings with which the next nominal step begins.
     pub(super) level: usize,
     /// End of the last step in which a load acted.
     pub(super) loads_ended: f64,
+}
+
+/// Times are products of a step size, not sums of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Clock {
+    /// Time from which steps are counted `[time]`.
+    pub(super) origin: f64,
+    /// Steps since then.
+    pub(super) count: usize,
+    /// Their size `[time]`.
+    pub(super) dt: f64,
 }
 
 /// A running simulation.
@@ -116,6 +130,7 @@ pub struct Simulation {
 pub(super) trait Steps {
     fn dimension(&self) -> usize;
     fn options(&self) -> &Options;
+    fn options_mut(&mut self) -> &mut Options;
     fn unknowns(&self) -> usize;
     fn state(&self) -> &State;
     fn restore(&mut self, state: &State);
@@ -152,6 +167,12 @@ impl Simulation {
         self.steps.options()
     }
 
+    /// Changes how the next steps are taken: nominal size `[time]`, Newton's tolerance, halvings at most. States keep none of the three.
+    pub fn set_steps(&mut self, dt: f64, tolerance: f64, max_halvings: usize) {
+        let options = self.steps.options_mut();
+        *options = Options { dt, tolerance, max_halvings, ..options.clone() };
+    }
+
     /// Number of free displacement components.
     pub fn unknowns(&self) -> usize {
         self.steps.unknowns()
@@ -167,11 +188,17 @@ impl Simulation {
         &self.steps.state().row
     }
 
+    /// Bytes that a state takes.
+    pub fn state_size(&self) -> usize {
+        let state = self.steps.state();
+        8 * (state.positions.len() + state.velocities.len() + state.half_force.len() + state.lambda.len()) + state.active.len()
+    }
+
     /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in pieces where it must be halved.
     /// `accepted` is called with the ledger's row of every accepted piece.
     ///
     /// # Errors
-    /// The step that failed; the simulation then stands at its last accepted piece.
+    /// The step that failed; the simulation then stands at its last accepted piece, and goes on from there as a restored state does.
     pub fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         self.steps.step(end, accepted)
     }

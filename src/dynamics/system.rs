@@ -11,15 +11,16 @@
 //! (Hesch and Betsch 2007, equation 3). The constraint rows of nodes that are not active read `lambda = 0`; switching them does not change
 //! the pattern.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::error::{ModelError, StepError};
 use super::model::{BodyBoundary, ContactMethod, Enforcement, LoadKind, Model, UpdateRule};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, Workers, nodal_areas, torque_forces};
-use crate::contact::{ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
+use crate::contact::{Candidates, ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
 use crate::integrators::Integrator;
-use crate::linear::{Block, Factorization, LinearError, NodeMatrix, Pattern};
+use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern};
 use crate::math::tolerances;
 
 /// A body in the numbering of the model.
@@ -182,7 +183,19 @@ pub(super) struct System<const D: usize> {
     zero_places: Vec<u32>,
     diagonal_places: Vec<u32>,
     factorization: Factorization,
+    /// Whether pattern and factorisation are those of other candidates.
+    stale: bool,
+    /// What the next step takes over from the ones before, as it was asked for last.
+    search: Arc<SearchHistory>,
     workers: Workers,
+}
+
+/// What a system keeps from one step to the next. Sums depend on it in their last bits, so it belongs to the state.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct SearchHistory {
+    /// One for each contact pair that searches.
+    candidates: Vec<Option<Candidates>>,
+    order: Option<EliminationOrder>,
 }
 
 impl<const D: usize> System<D>
@@ -292,6 +305,8 @@ where
             zero_places: Vec::new(),
             diagonal_places: Vec::new(),
             factorization,
+            stale: false,
+            search: Arc::default(),
             workers: Workers::new(threads),
             reference,
         };
@@ -416,6 +431,35 @@ where
         Ok(())
     }
 
+    /// What the next step takes over from the ones before; the same value as long as nothing has changed.
+    pub(super) fn search(&mut self) -> Arc<SearchHistory> {
+        let is_same = self.search.order.as_ref() == Some(self.factorization.order())
+            && self.search.candidates.len() == self.pairs.len()
+            && self.pairs.iter().zip(&self.search.candidates).all(|(pair, kept)| pair.kernel.candidates() == kept.as_ref());
+        if !is_same {
+            let candidates = self.pairs.iter().map(|pair| pair.kernel.candidates().cloned()).collect();
+            self.search = Arc::new(SearchHistory { candidates, order: Some(self.factorization.order().clone()) });
+        }
+        self.search.clone()
+    }
+
+    /// Puts the candidates of an earlier step in place, at its positions.
+    pub(super) fn restore_search(&mut self, search: &Arc<SearchHistory>, q: &[f64]) {
+        if *self.search() == **search {
+            return;
+        }
+        for (pair, candidates) in self.pairs.iter_mut().zip(&search.candidates) {
+            if let Some(candidates) = candidates {
+                pair.kernel.restore_candidates(candidates, q);
+            }
+        }
+        if let Some(order) = &search.order {
+            self.factorization.restore_order(order);
+        }
+        self.search = search.clone();
+        self.stale = true;
+    }
+
     /// Starts a step (or a piece of one) at `q_0`: candidate pairs within a margin for each contact, and what the kernels keep of the
     /// start.
     pub(super) fn begin_step(&mut self, q_0: &[f64], margins: &[f64]) -> Result<(), LinearError> {
@@ -425,11 +469,12 @@ where
             changed |= pair.kernel.update_candidates(q_0, margin);
         }
         self.times.search += clock.elapsed();
-        if changed {
+        if changed || self.stale {
             let clock = Instant::now();
             self.pattern = pattern_of(&self.fixed, self.multipliers, &self.bodies, &self.pairs);
             self.factorization.renew(&self.pattern)?;
             self.place();
+            self.stale = false;
             self.times.factorization += clock.elapsed();
         }
         let clock = Instant::now();

@@ -9,7 +9,7 @@ use super::model::{Model, UpdateRule};
 use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
 use super::predictor::{self, rigid_motion};
 use super::report::{FailureCause, FailureReport, IterationReport};
-use super::simulation::{Options, SettleReport, State, Statistics, Steps};
+use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, Conditions, Forces, PairKind, StepStart, System, moment, resultant};
 use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
@@ -52,7 +52,7 @@ where
     Space<D>: Elements<D>,
 {
     pub(super) fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
-        let system = System::<D>::new(model, options.threads)?;
+        let mut system = System::<D>::new(model, options.threads)?;
         let velocities = initial_velocities(&system, model);
         let mut row = LedgerRow::default();
         let positions = system.reference.clone();
@@ -64,7 +64,8 @@ where
             lambda: vec![0.0; system.multipliers],
             active: vec![false; system.multipliers],
             half_force: vec![0.0; positions.len()],
-            clock: (0.0, 0),
+            clock: Clock { origin: 0.0, count: 0, dt: options.dt },
+            search: system.search(),
             level: 0,
             loads_ended: 0.0,
             positions,
@@ -213,8 +214,9 @@ where
     }
 
     /// The state at the end of a converged step, with its row of the ledger.
-    fn accept(&self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
+    fn accept(&mut self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
         let Solution { q_1, mut lambda, active, forces, iterations } = solution;
+        let search = self.system.search();
         let (system, dt, unknowns) = (&self.system, start.dt, q_1.len());
         for (lambda, _) in lambda.iter_mut().zip(&active).filter(|(_, active)| !**active) {
             *lambda = 0.0;
@@ -319,6 +321,7 @@ where
             active,
             half_force,
             clock: self.state.clock,
+            search,
             level: self.state.level,
             loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
         }
@@ -516,6 +519,10 @@ where
         &self.options
     }
 
+    fn options_mut(&mut self) -> &mut Options {
+        &mut self.options
+    }
+
     fn unknowns(&self) -> usize {
         self.system.fixed.iter().filter(|fixed| !**fixed).count()
     }
@@ -531,59 +538,16 @@ where
             "the state is of the same model"
         );
         self.state = state.clone();
+        self.system.restore_search(&state.search, &state.positions);
     }
 
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        if self.options.integrator == Integrator::Trapezoidal && self.state.row.step == 0 {
-            self.start_trapezoidal()?;
+        let outcome = self.nominal_step(end, accepted);
+        if outcome.is_err() {
+            // Nothing of the pieces that failed stays: the state alone decides how it goes on.
+            self.system.restore_search(&self.state.search, &self.state.positions);
         }
-        let (origin, count) = self.state.clock;
-        let from = self.state.row.time;
-        let nominal_end = origin + self.options.dt * (count + 1) as f64;
-        // A last step that is within round-off of the nominal one is the nominal one.
-        let (target, whole) = match end {
-            Some(end) if end < nominal_end - 1e-9 * self.options.dt => (end, false),
-            Some(end) if end < nominal_end + 1e-9 * self.options.dt => (end, true),
-            _ => (nominal_end, true),
-        };
-        let dt = if whole { self.options.dt } else { target - from };
-        // The piece in units of dt / 2^level: done, and all.
-        let mut level = self.state.level;
-        let (mut done, mut halvings) = (0usize, 0);
-        let mut all = 1usize << level;
-        while done < all {
-            if self.options.interrupted() {
-                return Err(StepError::Interrupted { time: self.state.row.time });
-            }
-            match self.piece(dt / all as f64) {
-                Ok(mut state) => {
-                    done += 1;
-                    state.row.time = if done == all { target } else { from + dt * (done as f64 / all as f64) };
-                    state.row.halvings = std::mem::take(&mut halvings);
-                    if done == all {
-                        state.level = level.saturating_sub(1);
-                        state.clock = if whole { (origin, count + 1) } else { (target, 0) };
-                    } else {
-                        state.level = level;
-                        state.clock = (state.row.time, 0);
-                    }
-                    self.statistics.steps += 1;
-                    self.state = state;
-                    accepted(&self.state.row);
-                }
-                Err(Failure::Fatal(error)) => return Err(error),
-                Err(failure) => {
-                    if level >= self.options.max_halvings {
-                        return Err(self.failed(&failure, dt / all as f64, level));
-                    }
-                    level += 1;
-                    halvings += 1;
-                    self.statistics.halvings += 1;
-                    (done, all) = (2 * done, 2 * all);
-                }
-            }
-        }
-        Ok(())
+        outcome
     }
 
     fn settle(&mut self) -> Result<SettleReport, StepError> {
@@ -594,6 +558,7 @@ where
             outcome = outcome.and_then(|report| self.start_trapezoidal().map(|()| report));
         }
         if outcome.is_err() {
+            self.system.restore_search(&before.search, &before.positions);
             self.state = before;
         }
         outcome
@@ -667,6 +632,63 @@ impl<const D: usize> TimeLoop<D>
 where
     Space<D>: Elements<D>,
 {
+    /// A nominal step, in pieces where it must be halved.
+    fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
+        if self.options.integrator == Integrator::Trapezoidal && self.state.row.step == 0 {
+            self.start_trapezoidal()?;
+        }
+        let from = self.state.row.time;
+        let Clock { origin, count, dt } = self.state.clock;
+        // Steps of another size are counted from here.
+        let (origin, count) = if dt == self.options.dt { (origin, count) } else { (from, 0) };
+        let nominal_end = origin + self.options.dt * (count + 1) as f64;
+        // A last step that is within round-off of the nominal one is the nominal one.
+        let (target, whole) = match end {
+            Some(end) if end < nominal_end - 1e-9 * self.options.dt => (end, false),
+            Some(end) if end < nominal_end + 1e-9 * self.options.dt => (end, true),
+            _ => (nominal_end, true),
+        };
+        let dt = if whole { self.options.dt } else { target - from };
+        // The piece in units of dt / 2^level: done, and all.
+        let mut level = self.state.level;
+        let (mut done, mut halvings) = (0usize, 0);
+        let mut all = 1usize << level;
+        while done < all {
+            if self.options.interrupted() {
+                return Err(StepError::Interrupted { time: self.state.row.time });
+            }
+            match self.piece(dt / all as f64) {
+                Ok(mut state) => {
+                    done += 1;
+                    state.row.time = if done == all { target } else { from + dt * (done as f64 / all as f64) };
+                    state.row.halvings = std::mem::take(&mut halvings);
+                    if done == all {
+                        state.level = level.saturating_sub(1);
+                        let (origin, count) = if whole { (origin, count + 1) } else { (target, 0) };
+                        state.clock = Clock { origin, count, dt: self.options.dt };
+                    } else {
+                        state.level = level;
+                        state.clock = Clock { origin: state.row.time, count: 0, dt: self.options.dt };
+                    }
+                    self.statistics.steps += 1;
+                    self.state = state;
+                    accepted(&self.state.row);
+                }
+                Err(Failure::Fatal(error)) => return Err(error),
+                Err(failure) => {
+                    if level >= self.options.max_halvings {
+                        return Err(self.failed(&failure, dt / all as f64, level));
+                    }
+                    level += 1;
+                    halvings += 1;
+                    self.statistics.halvings += 1;
+                    (done, all) = (2 * done, 2 * all);
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn fields_at(&self, q: &[f64]) -> Vec<BodyFields> {
         let v = &self.state.velocities;
         let nodes = self.system.nodes();
@@ -764,6 +786,7 @@ where
             self.state.positions = solution.q_1;
             self.state.lambda = solution.lambda;
             self.state.active = solution.active;
+            self.state.search = self.system.search();
             if dissipated <= 1e-14 * strain.max(floor) {
                 break;
             }

@@ -4,6 +4,8 @@
 //! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
 //! inside a front only; where it had to replace one, or where the residual stays poor, the sparse LU with partial pivoting takes over.
 
+use std::sync::Arc;
+
 use super::error::LinearError;
 use super::multifrontal::Multifrontal;
 use super::ordering::{anchored, candidates};
@@ -18,12 +20,18 @@ const WORTH_A_NEW_ORDER: f64 = 1.3;
 /// Refinements at most. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
 
+/// An order of elimination, which outlives changes of the pattern: which one is in use depends on the patterns before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EliminationOrder {
+    vertices: Arc<Vec<u32>>,
+    best: f64,
+}
+
 /// The factorisation of a matrix: the order of elimination kept as long as it is good, the structure as long as the pattern stays, the
 /// factors computed for many values.
 pub struct Factorization {
     /// Vertices in the order that was found best, multipliers not yet moved, and the work of a factorisation when it was made.
-    order: Vec<u32>,
-    best: f64,
+    order: EliminationOrder,
     pattern: Pattern,
     symbolic: Symbolic,
     multifrontal: Multifrontal,
@@ -72,8 +80,7 @@ impl Factorization {
     /// [`LinearError::OutOfMemory`].
     pub fn new(pattern: &Pattern) -> Result<Self, LinearError> {
         let mut factorization = Factorization {
-            order: Vec::new(),
-            best: 0.0,
+            order: EliminationOrder { vertices: Arc::default(), best: 0.0 },
             pattern: Pattern::new(&[], std::iter::empty()),
             symbolic: Symbolic::default(),
             multifrontal: Multifrontal::default(),
@@ -97,16 +104,17 @@ impl Factorization {
         self.pattern = pattern.clone();
         self.fallback = None;
         self.fallen_back = false;
-        if self.order.len() == pattern.vertices() {
-            self.symbolic = Symbolic::new(pattern, &anchored(pattern, &self.order));
+        let fits = self.order.vertices.len() == pattern.vertices();
+        if fits {
+            self.symbolic = Symbolic::new(pattern, &anchored(pattern, &self.order.vertices));
         }
-        if self.order.len() != pattern.vertices() || self.symbolic.operations > WORTH_A_NEW_ORDER * self.best {
-            self.best = f64::INFINITY;
+        if !fits || self.symbolic.operations > WORTH_A_NEW_ORDER * self.order.best {
+            self.order.best = f64::INFINITY;
             for order in candidates(pattern) {
                 let symbolic = Symbolic::new(pattern, &anchored(pattern, &order));
-                if symbolic.operations < self.best {
-                    self.best = symbolic.operations;
-                    (self.order, self.symbolic) = (order, symbolic);
+                if symbolic.operations < self.order.best {
+                    self.order = EliminationOrder { best: symbolic.operations, vertices: Arc::new(order) };
+                    self.symbolic = symbolic;
                 }
             }
         }
@@ -115,6 +123,16 @@ impl Factorization {
             buffer.resize(pattern.unknowns(), 0.0);
         }
         self.multifrontal.reserve(&self.symbolic).map_err(|_| LinearError::OutOfMemory { unknowns: pattern.unknowns() })
+    }
+
+    /// The order of elimination that is in use.
+    pub fn order(&self) -> &EliminationOrder {
+        &self.order
+    }
+
+    /// Puts an earlier order of elimination in place; [`Self::renew`] must follow.
+    pub fn restore_order(&mut self, order: &EliminationOrder) {
+        self.order = order.clone();
     }
 
     /// Floating-point operations of one factorisation.

@@ -17,6 +17,6 @@ mod symbolic;
 mod tests;
 
 pub use error::LinearError;
-pub use factorization::Factorization;
+pub use factorization::{EliminationOrder, Factorization};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern};
