@@ -170,6 +170,10 @@ impl Observer for Console {
         }
     }
 
+    fn ink(&self) -> Ink {
+        if ink() == Ink::Colored && std::io::stdout().is_terminal() { Ink::Colored } else { Ink::Plain }
+    }
+
     fn ended(&self) {
         if let Some(bar) = self.bar.borrow_mut().take() {
             bar.finish_and_clear();

@@ -5,6 +5,7 @@ mod console;
 mod doc;
 mod junit;
 mod new;
+mod repl;
 mod run;
 mod test;
 
@@ -35,6 +36,8 @@ enum Command {
     Doc(doc::Arguments),
     /// Start a scenario from a commented template
     New(new::Arguments),
+    /// Try things out at a prompt, after running a script or not
+    Repl(repl::Arguments),
 }
 
 /// What every command that runs a script takes.
@@ -74,6 +77,7 @@ pub fn main() -> ExitCode {
         Command::Test(arguments) => test::test(arguments),
         Command::Doc(arguments) => doc::doc(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::Repl(arguments) => repl::repl(arguments),
     };
     match std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join()) {
         Ok(Ok(code)) => ExitCode::from(code),

@@ -60,6 +60,7 @@ pub fn run(arguments: Arguments) -> u8 {
         threads: usize::from(arguments.threads),
         max_operations,
         interrupt,
+        interactive: false,
     };
     let report = match Session::new(settings, home(&script), console.clone()) {
         Ok(mut session) => session.run_file(&script),

@@ -3,6 +3,7 @@
 //! Every file of a run passes through [`RunFiles`], which keeps it below the output directory and replaces it in one piece.
 
 mod axis;
+mod braille;
 mod colormap;
 mod contours;
 mod files;
@@ -16,6 +17,7 @@ mod vtu;
 #[cfg(test)]
 mod samples;
 
+pub use braille::braille_plot;
 pub use files::{OutputError, RunFiles, Stream};
 pub use history_csv::HistoryCsv;
 pub use history_svg::{energies, plot};

@@ -17,6 +17,9 @@ pub fn explain(host: &Host, engine: &Engine, error: &EvalAltResult, source: &str
     let mut frames = Vec::new();
     let mut diagnostic = Explainer { host, engine }.walk(error, source, &mut frames);
     frames.reverse();
+    let relocate = |place: &mut Option<Place>| *place = place.take().map(|place| host.sources.relocate(place));
+    frames.iter_mut().for_each(|frame| relocate(&mut frame.place));
+    relocate(&mut diagnostic.place);
     diagnostic.frames = frames;
     diagnostic
 }

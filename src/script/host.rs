@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rhai::{Engine, NativeCallContextStore, Position};
 
 use super::arguments::{Call, interrupted};
-use super::diagnostics::Diagnostic;
+use super::diagnostics::{Diagnostic, Ink};
 use super::failure::Failure;
 use super::motion::Motion;
 use super::overrides::Overrides;
@@ -49,6 +49,8 @@ pub struct Settings {
     pub max_operations: u64,
     /// Ends the run at the last accepted step when it becomes true.
     pub interrupt: Arc<AtomicBool>,
+    /// Whether somebody sits at a prompt, who can ask further.
+    pub interactive: bool,
 }
 
 /// Operations of a script at most by default: about a minute of pure script.
@@ -64,6 +66,7 @@ impl Default for Settings {
             threads: 1,
             max_operations: MAX_OPERATIONS,
             interrupt: Arc::default(),
+            interactive: false,
         }
     }
 }
@@ -97,6 +100,10 @@ pub trait Observer {
     fn began(&self, what: &str);
     /// A computation that reported progress has ended.
     fn ended(&self);
+    /// Whether printed lines may have colors.
+    fn ink(&self) -> Ink {
+        Ink::Plain
+    }
 }
 
 /// An observer that looks away.
@@ -137,6 +144,7 @@ pub struct Host {
     warned: RefCell<Vec<String>>,
     passed: RefCell<Vec<String>>,
     study: Cell<Option<Study>>,
+    effects: Cell<u64>,
 }
 
 /// What holds while a check runs a scenario for itself.
@@ -176,7 +184,18 @@ impl Host {
             warned: RefCell::default(),
             passed: RefCell::default(),
             study: Cell::default(),
+            effects: Cell::new(0),
         }
+    }
+
+    /// Counts changes of objects that scripts share: a call that failed without one can be left out of a record of the session.
+    pub fn count_effect(&self) {
+        self.effects.set(self.effects.get() + 1);
+    }
+
+    /// Changes of shared objects so far.
+    pub fn effects(&self) -> u64 {
+        self.effects.get()
     }
 
     /// The engine, while its session lives.
@@ -237,7 +256,8 @@ impl Host {
     }
 
     /// Shows a warning, once.
-    pub fn warn(&self, warning: Diagnostic) {
+    pub fn warn(&self, mut warning: Diagnostic) {
+        warning.place = warning.place.map(|place| self.sources.relocate(place));
         let key = format!("{} {}", warning.title, warning.place.as_ref().map(ToString::to_string).unwrap_or_default());
         if !self.warned.borrow().contains(&key) {
             self.warned.borrow_mut().push(key);
@@ -269,6 +289,7 @@ impl Host {
         let key = place.map_or_else(|| line.to_string(), ToString::to_string);
         if !self.passed.borrow().contains(&key) {
             self.passed.borrow_mut().push(key);
+            let place = place.map(|place| self.sources.relocate(place.clone()));
             let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
             self.observer.passed(&format!("{line}{place}"));
         }

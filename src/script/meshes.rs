@@ -13,8 +13,10 @@ use rhai::{Array, Dynamic, EvalAltResult, Map};
 use super::arguments::{Arguments, Call, describe};
 use super::diagnostics::Diagnostic;
 use super::failure::{Details, Failure};
+use super::numbers::brief;
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
 use super::scan::Target;
+use super::tables::table;
 use crate::math::catalogue::Interval;
 use crate::mesh::{Boundary, Mesh, MeshError, SelectionError, block, read_mesh, rectangle, ring};
 
@@ -31,6 +33,22 @@ impl MeshHandle {
     /// The mesh as it is now.
     pub fn mesh(&self) -> Rc<Mesh> {
         self.0.borrow().clone()
+    }
+
+    /// Counts, boundaries and parts as a table.
+    pub fn table(&self) -> String {
+        let mesh = self.mesh();
+        let title = format!("mesh of {} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+        let measure = if mesh.dimension() == 2 { "length" } else { "area" };
+        let boundaries = mesh
+            .boundaries
+            .iter()
+            .map(|boundary| vec![boundary.name.clone(), boundary.facets.len().to_string(), brief(mesh.boundary_measure(boundary))]);
+        let parts = mesh.parts.iter().map(|(name, cells)| vec![name.clone(), cells.len().to_string()]);
+        let (boundaries, parts): (Vec<_>, Vec<_>) = (boundaries.collect(), parts.collect());
+        let tables = [(vec!["boundary", "facets", measure], boundaries), (vec!["part", "cells"], parts)];
+        let tables = tables.iter().filter(|(_, rows)| !rows.is_empty()).map(|(header, rows)| table(header, rows));
+        std::iter::once(title).chain(tables).collect::<Vec<_>>().join("\n")
     }
 }
 
@@ -400,6 +418,7 @@ fn transforms() -> Vec<Function> {
             body: body(|call| {
                 let handle = call.receiver::<MeshHandle>();
                 let mesh = with_boundary_where(call, &handle.mesh())?;
+                call.host.count_effect();
                 *handle.0.borrow_mut() = Rc::new(mesh);
                 Ok(Dynamic::from(handle))
             }),

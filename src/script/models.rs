@@ -184,7 +184,7 @@ fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData))
     let before = handle.0.borrow().clone();
     apply(&mut handle.0.borrow_mut());
     let checked = handle.0.borrow().model.check();
-    checked.map_err(|error| {
+    checked.map(|()| call.host.count_effect()).map_err(|error| {
         *handle.0.borrow_mut() = before;
         call.fail(error.to_string()).hint(error.cure())
     })
@@ -476,6 +476,7 @@ fn model_functions() -> Vec<Function> {
 fn change_without_bodies(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Failure> {
     if handle.0.borrow().model.bodies.is_empty() {
         apply(&mut handle.0.borrow_mut());
+        call.host.count_effect();
         return Ok(());
     }
     change(call, handle, apply)

@@ -321,7 +321,11 @@ pub trait Handle: Clone + 'static {
 pub struct Registry {
     functions: Vec<Rc<Function>>,
     types: Vec<&'static str>,
+    printers: Vec<(TypeId, Printer)>,
 }
+
+/// Prints a value of one type.
+type Printer = fn(&Dynamic) -> Option<String>;
 
 impl Registry {
     /// The functions in the order of their registration.
@@ -337,6 +341,17 @@ impl Registry {
     /// Methods and properties of a type.
     pub fn members<'a>(&'a self, type_name: &'a str) -> impl Iterator<Item = &'a Rc<Function>> + 'a {
         self.functions.iter().filter(move |function| function.form.receiver().is_some_and(|receiver| receiver.name == type_name))
+    }
+
+    /// Names of the types of objects.
+    pub fn types(&self) -> &[&'static str] {
+        &self.types
+    }
+
+    /// What `print` shows of an object of the language.
+    pub fn print(&self, value: &Dynamic) -> Option<String> {
+        let (_, printer) = self.printers.iter().find(|(id, _)| *id == value.type_id())?;
+        printer(value)
     }
 
     /// Whether the language has objects of that type.
@@ -355,6 +370,7 @@ impl Registry {
                 .register_into_engine(engine, |object: &mut T| ImmutableString::from(object.describe()));
         }
         self.types.push(T::NAME);
+        self.printers.push((TypeId::of::<T>(), |value| value.clone().try_cast::<T>().map(|object| object.describe())));
     }
 
     /// Adds functions to a module and to the reference.

@@ -9,7 +9,7 @@ use super::failure::Failure;
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
 use super::simulations::{SimulationHandle, example, unknown_column};
 use crate::math::catalogue::Interval;
-use crate::output::{Field, Frame, OutputError, PictureOptions, picture, plot};
+use crate::output::{Field, Frame, OutputError, PictureOptions, braille_plot, picture, plot};
 
 /// The failure of a file that could not be written.
 pub fn output_failure(error: &OutputError) -> Failure {
@@ -17,7 +17,7 @@ pub fn output_failure(error: &OutputError) -> Failure {
 }
 
 /// Writes a file below the output folder, with the ending it must have; without an output folder nothing is written.
-fn write(
+pub fn write(
     call: &Call,
     handle: &SimulationHandle,
     ending: &str,
@@ -39,6 +39,27 @@ fn write(
         None => call.host.observer.print(&format!("{path} is not written: this session has no output folder")),
     }
     Ok(Dynamic::UNIT)
+}
+
+/// The columns of the history that the argument `columns` names.
+fn chosen_columns(call: &Call, handle: &SimulationHandle) -> Result<Vec<(String, Vec<f64>)>, Failure> {
+    let argument = call.argument("columns");
+    let value = if argument.is_given() { argument.value() } else { Dynamic::from("total") };
+    let names: Option<Vec<String>> = match value.read_lock::<Array>() {
+        Some(array) => array.iter().map(|name| name.clone().into_string().ok()).collect(),
+        None => value.clone().into_string().ok().map(|name| vec![name]),
+    };
+    let Some(names) = names.filter(|names| !names.is_empty()) else {
+        let failure = argument.fail(format!("{} must be a column's name or an array of names", argument.title()));
+        let given = super::arguments::describe(call.engine(), &value);
+        return Err(failure.label(format!("this is {given}")).hint("write `[\"kinetic\", \"total\"]`"));
+    };
+    let place = call.function.parameters.iter().position(|parameter| parameter.name == "columns").unwrap_or(0);
+    let column = |name: String| match handle.column(&name) {
+        Some(values) => Ok((name, values)),
+        None => Err(unknown_column(call, handle, &name).at(super::scan::Target::Argument(place))),
+    };
+    names.into_iter().map(column).collect()
 }
 
 /// Names of the fields.
@@ -81,28 +102,35 @@ pub fn functions() -> Vec<Function> {
             see_also: &["history"],
             body: body(|call| {
                 let handle = call.receiver::<SimulationHandle>();
-                let argument = call.argument("columns");
-                let value = argument.value();
-                let names: Option<Vec<String>> = match value.read_lock::<Array>() {
-                    Some(array) => array.iter().map(|name| name.clone().into_string().ok()).collect(),
-                    None => value.clone().into_string().ok().map(|name| vec![name]),
-                };
-                let Some(names) = names.filter(|names| !names.is_empty()) else {
-                    let failure = argument.fail(format!("{} must be a column's name or an array of names", argument.title()));
-                    let given = super::arguments::describe(call.engine(), &value);
-                    return Err(failure.label(format!("this is {given}")).hint("write `[\"kinetic\", \"total\"]`").into());
-                };
-                let mut columns = Vec::new();
-                for name in &names {
-                    match handle.column(name) {
-                        Some(values) => columns.push((name.as_str(), values)),
-                        None => return Err(unknown_column(call, &handle, name).at(super::scan::Target::Argument(1)).into()),
-                    }
+                let columns = chosen_columns(call, &handle)?;
+                let time = handle.column("time").unwrap_or_default();
+                let curves: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+                let label = if columns.len() == 1 { columns[0].0.as_str() } else { "" };
+                Ok(write(call, &handle, ".svg", || Ok(plot(&handle.0.name, ["time", label], &time, &curves).into_bytes()))?)
+            }),
+        },
+        Function {
+            name: "show",
+            form: Form::Method(receiver),
+            topic: Topic::Results,
+            summary: "draws columns of the history over time right here, with letters",
+            parameters: vec![
+                Parameter::new("columns", Kind::Any, "the name of a column, or an array of names").or(Absent::Means("\"total\"")),
+            ],
+            returns: "",
+            example: example("sim.run_to(0.05);\nsim.show([\"kinetic\", \"strain\", \"total\"]);"),
+            see_also: &["plot", "history"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let columns = chosen_columns(call, &handle)?;
+                if call.host.is_check() {
+                    return Ok(Dynamic::UNIT);
                 }
                 let time = handle.column("time").unwrap_or_default();
-                let curves: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (*name, values.as_slice())).collect();
-                let label = if names.len() == 1 { names[0].as_str() } else { "" };
-                Ok(write(call, &handle, ".svg", || Ok(plot(&handle.0.name, ["time", label], &time, &curves).into_bytes()))?)
+                let curves: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
+                let is_colored = call.host.observer.ink() == super::diagnostics::Ink::Colored;
+                call.host.observer.print(&braille_plot(&handle.0.name, "time", &time, &curves, is_colored));
+                Ok(Dynamic::UNIT)
             }),
         },
         Function {

@@ -14,6 +14,7 @@ use super::arguments::Call;
 use super::diagnostics::Diagnostic;
 use super::explain::{explain, explain_failure};
 use super::failure::{Class, Failure};
+use super::forensics::FailedStepHandle;
 use super::host::{Host, Observer, Settings};
 use super::materials::{self, MaterialHandle};
 use super::meshes::{self, MeshHandle};
@@ -25,7 +26,7 @@ use super::sandbox::{Sandbox, reason};
 use super::scan;
 use super::simulations::{self, ContactHandle, HistoryHandle, IntegratorHandle, SimulationHandle, StateHandle};
 use super::time_functions::{self, TimeFunctionHandle};
-use super::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING, checks, constants, numbers, overrides, results, studies};
+use super::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING, checks, constants, help, numbers, overrides, results, studies};
 
 /// How a script ended.
 #[derive(Clone, Debug)]
@@ -64,9 +65,9 @@ pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
 
 /// An engine with its scope and its host.
 pub struct Session {
-    engine: Rc<RefCell<Engine>>,
-    scope: Scope<'static>,
-    host: Rc<Host>,
+    pub(super) engine: Rc<RefCell<Engine>>,
+    pub(super) scope: Scope<'static>,
+    pub(super) host: Rc<Host>,
     begun: Instant,
 }
 
@@ -135,13 +136,7 @@ impl Session {
     fn guarded(&mut self, work: impl FnOnce(&mut Self) -> Result<Dynamic, Box<Diagnostic>>) -> Option<Box<Diagnostic>> {
         match catch_unwind(AssertUnwindSafe(|| work(self))) {
             Ok(outcome) => outcome.err(),
-            Err(panic) => {
-                let what = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
-                let error = Diagnostic::error(Class::Internal, "the program has a defect and had to stop")
-                    .cause(what.unwrap_or_else(|| "unknown".into()))
-                    .hint("please report it together with the script; results up to the last accepted step are kept");
-                Some(Box::new(error))
-            }
+            Err(panic) => Some(defect(&*panic)),
         }
     }
 
@@ -206,6 +201,15 @@ impl Drop for Session {
     }
 }
 
+/// The message of a panic, which is a defect of the program.
+pub(super) fn defect(panic: &(dyn std::any::Any + Send)) -> Box<Diagnostic> {
+    let what = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
+    let error = Diagnostic::error(Class::Internal, "the program has a defect and had to stop")
+        .cause(what.unwrap_or_else(|| "unknown".into()))
+        .hint("please report it together with the script; results up to the last accepted step are kept");
+    Box::new(error)
+}
+
 fn compile(engine: &Engine, scope: &Scope, name: &str, text: &str) -> Result<AST, Box<EvalAltResult>> {
     let mut tree = engine.compile_with_scope(scope, text)?;
     tree.set_source(name);
@@ -225,6 +229,7 @@ fn functions() -> Vec<Function> {
         studies::functions(),
         overrides::functions(),
         numbers::functions(),
+        help::functions(),
     ]
     .into_iter()
     .flatten()
@@ -279,6 +284,7 @@ fn engine(host: &Rc<Host>) -> Engine {
     registry.add_type::<SimulationHandle>(&mut engine);
     registry.add_type::<StateHandle>(&mut engine);
     registry.add_type::<HistoryHandle>(&mut engine);
+    registry.add_type::<FailedStepHandle>(&mut engine);
     registry.add_type::<Failure>(&mut engine);
     let mut module = Module::new();
     registry.add(&mut module, host, functions());

@@ -1,6 +1,7 @@
 //! Simulations in scripts: stepping, results, states as values, and the loads and contacts that never did anything.
 
 use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -18,7 +19,8 @@ use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, bo
 use super::run::Artifacts;
 use super::scan::Target;
 use super::sources::Place;
-use crate::dynamics::{ContactFields, LedgerRow, Options, Simulation, State, StepError};
+use super::tables::table;
+use crate::dynamics::{ContactFields, FailureCause, LedgerRow, Options, Simulation, State, StepError};
 use crate::integrators::Integrator;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -55,10 +57,29 @@ pub struct SimulationData {
     pub motion: Option<Motion>,
     /// Time spent in the kernels.
     pub spent: Cell<Duration>,
+    /// Time between two frames of the fields.
+    pub fields_every: Option<f64>,
+    /// How the failure of the last step that failed is mended.
+    pub cure: RefCell<String>,
+    /// States before the last steps, to go back to.
+    pub past: RefCell<VecDeque<Past>>,
     callbacks: RefCell<Vec<Callback>>,
     scale: Cell<f64>,
     advancing: Cell<bool>,
 }
+
+/// A state before a step, with the rows that the history had.
+#[derive(Clone)]
+pub struct Past {
+    /// The state.
+    pub state: Rc<State>,
+    /// Rows of the history.
+    pub rows: usize,
+}
+
+/// Bytes of memory that the states before the last steps of a simulation may take, and how many there are at most.
+const PAST_BYTES: usize = 64 << 20;
+const PAST_STATES: usize = 1000;
 
 /// A simulation in a script.
 #[derive(Clone)]
@@ -100,9 +121,12 @@ impl Handle for SimulationHandle {
 /// A state of a simulation, kept as a value.
 #[derive(Clone)]
 pub struct StateHandle {
-    state: Rc<State>,
-    history: Rc<Vec<LedgerRow>>,
-    simulation: SimulationHandle,
+    /// The state.
+    pub state: Rc<State>,
+    /// The history up to it.
+    pub history: Rc<Vec<LedgerRow>>,
+    /// Its simulation.
+    pub simulation: SimulationHandle,
 }
 
 impl Handle for StateHandle {
@@ -120,6 +144,8 @@ pub struct ContactHandle {
     time: f64,
     dimension: usize,
     fields: Rc<ContactFields>,
+    /// Nodes whose state changed in every iteration of the step that failed.
+    cycling: usize,
 }
 
 impl Handle for ContactHandle {
@@ -141,7 +167,7 @@ impl Handle for ContactHandle {
 
 /// The columns of a simulation's history.
 #[derive(Clone)]
-pub struct HistoryHandle(SimulationHandle);
+pub struct HistoryHandle(pub SimulationHandle);
 
 impl Handle for HistoryHandle {
     const NAME: &'static str = "History";
@@ -163,12 +189,12 @@ fn angular_text(row: &LedgerRow, dimension: usize) -> String {
 
 impl SimulationData {
     /// A time of the kernels on the clock of the script; they differ only in other units ([`Motion`]).
-    fn script_time(&self, time: f64) -> f64 {
+    pub fn script_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time / motion.units.time)
     }
 
     /// A time of the script on the clock of the kernels.
-    fn kernel_time(&self, time: f64) -> f64 {
+    pub fn kernel_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time * motion.units.time)
     }
 
@@ -189,6 +215,120 @@ impl SimulationHandle {
     /// A column of its history.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         self.columns().contains(&name).then(|| self.0.history.borrow().iter().filter_map(|row| row.column(name)).collect())
+    }
+
+    /// The kernels' simulation of a model, as an object of the language with its history so far.
+    pub fn create(
+        call: &Call,
+        model: ModelData,
+        simulation: Simulation,
+        motion: Option<Motion>,
+        fields_every: Option<f64>,
+        history: Vec<LedgerRow>,
+        spent: Duration,
+    ) -> Result<Self, Failure> {
+        let name = unique_name(call.host, &model.model.name);
+        let mut artifacts = Artifacts::create(call.host, &model.model, &name, fields_every, &history[0])?;
+        if let Some(artifacts) = &mut artifacts {
+            artifacts.rewrite(&history[..1], &history)?;
+        }
+        let data = SimulationData {
+            place: call.place(&Target::Call),
+            artifacts: RefCell::new(artifacts),
+            model,
+            name,
+            closed_since: RefCell::new(vec![None; simulation.closed_nodes().len()]),
+            motion,
+            spent: Cell::new(spent),
+            scale: Cell::new(simulation.row().total().abs()),
+            simulation: RefCell::new(simulation),
+            history: RefCell::new(history),
+            fields_every,
+            cure: RefCell::default(),
+            past: RefCell::default(),
+            callbacks: RefCell::default(),
+            advancing: Cell::new(false),
+        };
+        let handle = SimulationHandle(Rc::new(data));
+        if call.host.is_check() {
+            call.host.findings.borrow_mut().push(finding(&handle));
+        }
+        if !call.host.is_study() {
+            call.host.simulations.borrow_mut().push(handle.clone());
+        }
+        call.host.count_effect();
+        Ok(handle)
+    }
+
+    /// Whether both are the same simulation.
+    pub fn is(&self, other: &SimulationHandle) -> bool {
+        Rc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// Step and time reached.
+    pub fn position(&self) -> (usize, f64) {
+        self.0.simulation.try_borrow().map_or((0, f64::NAN), |simulation| (simulation.row().step, simulation.time()))
+    }
+
+    /// Time, ledger and contacts as tables.
+    pub fn table(&self) -> String {
+        let data = &self.0;
+        let Ok(simulation) = data.simulation.try_borrow() else { return self.describe() };
+        let (row, options) = (simulation.row(), simulation.options());
+        let title = format!("simulation \"{}\" at t = {}, step {}", data.name, number_text(row.time), row.step);
+        let method = format!("  {}, dt = {}, {} unknowns", options.integrator.name(), number_text(options.dt), simulation.unknowns());
+        let history = data.history.borrow();
+        let worst = history.iter().map(|row| row.energy_defect.abs()).fold(0.0, f64::max);
+        let ledger = [
+            ("kinetic", brief(row.kinetic)),
+            ("strain", brief(row.strain)),
+            ("potential", brief(row.potential)),
+            ("total", brief(row.total())),
+            ("largest energy defect", brief(worst)),
+            ("momentum", vector_of(row.momentum, simulation.dimension())),
+            ("angular momentum", angular_text(row, simulation.dimension())),
+        ];
+        let ledger: Vec<Vec<String>> = ledger.into_iter().map(|(name, value)| vec![name.to_string(), value]).collect();
+        let mut parts = vec![title, method, table(&["ledger", ""], &ledger)];
+        let contacts: Vec<Vec<String>> = data
+            .model
+            .model
+            .contacts
+            .iter()
+            .filter_map(|contact| {
+                let fields = simulation.contact(&contact.name)?;
+                let active = fields.active.iter().filter(|active| **active).count();
+                let pressure = fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
+                let force = vector_of(fields.force, simulation.dimension());
+                Some(vec![contact.name.clone(), active.to_string(), fields.active.len().to_string(), brief(pressure), force])
+            })
+            .collect();
+        if !contacts.is_empty() {
+            parts.push(table(&["contact", "active", "nodes", "largest pressure", "force"], &contacts));
+        }
+        parts.join("\n")
+    }
+
+    /// Goes to a state; the history is what it was then.
+    pub fn go_to(&self, call: &Call, state: &State, history: Vec<LedgerRow>) -> Result<(), Failure> {
+        self.refuse_nested(call)?;
+        self.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(state);
+        call.host.count_effect();
+        let known =
+            |past: &Past| past.rows < history.len() && history.get(past.rows - 1) == Some(&self.0.script_row(past.state.row.clone()));
+        self.0.past.borrow_mut().retain(known);
+        self.replace_history(history)
+    }
+
+    /// Keeps the state before a step, and forgets the oldest ones when they take too much memory.
+    fn keep_past(&self, state: State, rows: usize) {
+        let mut past = self.0.past.borrow_mut();
+        let size = self.0.simulation.try_borrow().map_or(0, |simulation| simulation.state_size());
+        let most = (PAST_BYTES / size.max(1)).clamp(1, PAST_STATES);
+        while past.len() >= most {
+            past.pop_front();
+        }
+        past.push_back(Past { state: Rc::new(state), rows });
     }
 
     /// Warns of loads that never acted and contact that never closed.
@@ -284,8 +424,19 @@ impl SimulationHandle {
         let data = &self.0;
         let mut rows = Vec::new();
         let begun = Instant::now();
+        let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.state(), data.history.borrow().len());
         let stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
         data.spent.set(data.spent.get() + begun.elapsed());
+        if matches!(stepped, Err(StepError::Interrupted { .. })) && !rows.is_empty() {
+            // Stopped between two pieces of a step that had to be halved: whole steps only, so that it can be gone on with exactly.
+            data.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&before);
+            let time = before.row.time;
+            return Err(interrupted(format!("interrupted at t = {}", number_text(time))).hint("everything up to this time is kept").into());
+        }
+        if !rows.is_empty() {
+            call.host.count_effect();
+            self.keep_past(before, known);
+        }
         for row in rows {
             self.accept(call, row, from, end)?;
         }
@@ -336,16 +487,19 @@ impl SimulationHandle {
             },
             // A failure without a step size comes from `settle`.
             StepError::NotConverged { dt: 0.0, cause, .. } => {
+                *self.0.cure.borrow_mut() = cure.clone();
                 Failure::new(Class::Numerics, "no static equilibrium was found").cause(cause).hint(cure)
             }
             StepError::NotConverged { time, step, dt, halvings, cause, .. } => {
+                *self.0.cure.borrow_mut() = cure.clone();
                 let number = brief;
                 let title = format!(
                     "Newton's method did not converge at t = {} (step {step}, dt = {}, after {halvings} halvings)",
                     number(time),
                     number(dt)
                 );
-                Failure::new(Class::Numerics, title).cause(cause).hint(cure)
+                let failure = Failure::new(Class::Numerics, title).cause(cause).hint(cure);
+                if call.host.settings.interactive { failure.hint("`sim.why()` shows the iterations") } else { failure }
             }
         }
     }
@@ -363,6 +517,8 @@ impl SimulationHandle {
         data.spent.set(data.spent.get() + begun.elapsed());
         call.host.observer.ended();
         let report = settled.map_err(|error| self.step_failure(call, error))?;
+        call.host.count_effect();
+        data.past.borrow_mut().clear();
         let row = data.script_row(data.simulation.borrow().row().clone());
         self.note_contact();
         data.scale.set(data.scale.get().max(row.total().abs()));
@@ -396,7 +552,8 @@ fn passed_on(callback: &Callback, error: Box<EvalAltResult>) -> Box<EvalAltResul
     if error.is_catchable() { Failure::script("in a step that this call took").caused_by(callback.wrap(*error)).into() } else { error }
 }
 
-fn busy(call: &Call) -> Failure {
+/// The failure of a call in the middle of a step.
+pub fn busy(call: &Call) -> Failure {
     call.fail("the simulation is in the middle of a step")
         .cause("a time function is asked while the step is computed, so there is no state to look at")
         .hint("compute with the parameter `t` only; `sim.on_step(|sim| …)` runs between steps")
@@ -407,6 +564,8 @@ pub fn functions() -> Vec<Function> {
     let mut all: Vec<Function> = Integrator::ALL.iter().map(|&integrator| integrator_function(integrator)).collect();
     all.push(simulate());
     all.extend(methods());
+    all.extend(super::states::functions());
+    all.extend(super::forensics::functions());
     all.extend(properties());
     all.extend(contact());
     all
@@ -494,30 +653,9 @@ fn simulate() -> Function {
             kernel.dt *= motion.map_or(1.0, |motion| motion.units.time);
             let simulation = Simulation::new(moved.as_ref().unwrap_or(&model.model), kernel);
             let simulation = simulation.map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
-            let name = unique_name(call.host, &model.model.name);
-            let row = simulation.row().clone();
-            let data = SimulationData {
-                place: call.place(&Target::Call),
-                artifacts: RefCell::new(Artifacts::create(call.host, &model.model, &name, fields_every, &row)?),
-                model,
-                name,
-                closed_since: RefCell::new(vec![None; simulation.closed_nodes().len()]),
-                motion,
-                spent: Cell::new(begun.elapsed()),
-                scale: Cell::new(row.total().abs()),
-                simulation: RefCell::new(simulation),
-                advancing: Cell::new(false),
-                history: RefCell::new(vec![row]),
-                callbacks: RefCell::default(),
-            };
-            let handle = SimulationHandle(Rc::new(data));
+            let history = vec![simulation.row().clone()];
+            let handle = SimulationHandle::create(call, model, simulation, motion, fields_every, history, begun.elapsed())?;
             handle.note_contact();
-            if call.host.is_check() {
-                call.host.findings.borrow_mut().push(finding(&handle));
-            }
-            if !call.host.is_study() {
-                call.host.simulations.borrow_mut().push(handle.clone());
-            }
             Ok(Dynamic::from(handle))
         }),
     }
@@ -607,6 +745,7 @@ fn methods() -> Vec<Function> {
             see_also: &["run_to", "history"],
             body: body(|call| {
                 let callback = call.callback("action")?;
+                call.host.count_effect();
                 call.receiver::<SimulationHandle>().0.callbacks.borrow_mut().push(callback);
                 Ok(Dynamic::UNIT)
             }),
@@ -619,7 +758,7 @@ fn methods() -> Vec<Function> {
             parameters: Vec::new(),
             returns: StateHandle::NAME,
             example: example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
-            see_also: &["restore"],
+            see_also: &["restore", "back", "branch"],
             body: body(|call| {
                 let handle = call.receiver::<SimulationHandle>();
                 let state = match handle.0.simulation.try_borrow() {
@@ -638,7 +777,7 @@ fn methods() -> Vec<Function> {
             parameters: vec![Parameter::new("state", Kind::Handle(StateHandle::NAME), "a state of this simulation")],
             returns: "",
             example: example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
-            see_also: &["save"],
+            see_also: &["save", "back"],
             body: body(|call| {
                 let (handle, state) = (call.receiver::<SimulationHandle>(), call.handle::<StateHandle>("state")?);
                 if !Rc::ptr_eq(&state.simulation.0, &handle.0) {
@@ -646,9 +785,7 @@ fn methods() -> Vec<Function> {
                     let failure = failure.label(format!("this is a {}", state.describe()));
                     return Err(failure.hint("restore it where it was saved").into());
                 }
-                handle.refuse_nested(call)?;
-                handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&state.state);
-                handle.replace_history((*state.history).clone())?;
+                handle.go_to(call, &state.state, (*state.history).clone())?;
                 Ok(Dynamic::UNIT)
             }),
         },
@@ -818,15 +955,34 @@ fn contact() -> Vec<Function> {
             body: body(|call| {
                 let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
                 let name = argument.text()?;
-                let found = handle.with(call, |simulation| (simulation.contact(&name), simulation.time(), simulation.dimension()))?;
+                let found = handle.with(call, |simulation| {
+                    let cycling = match simulation.failure().map(|report| &report.cause) {
+                        Some(FailureCause::CyclingContact { contact, changing, .. }) if *contact == name => *changing,
+                        _ => 0,
+                    };
+                    (simulation.contact(&name), simulation.time(), simulation.dimension(), cycling)
+                })?;
                 match found {
-                    (Some(fields), time, dimension) => Ok(Dynamic::from(ContactHandle { name, time, dimension, fields: Rc::new(fields) })),
+                    (Some(fields), time, dimension, cycling) => {
+                        Ok(Dynamic::from(ContactHandle { name, time, dimension, fields: Rc::new(fields), cycling }))
+                    }
                     (None, ..) => {
                         let names: Vec<&str> = handle.0.model.model.contacts.iter().map(|contact| contact.name.as_str()).collect();
                         Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())
                     }
                 }
             }),
+        },
+        Function {
+            name: "cycling",
+            form: Form::Property(ContactHandle::receiver()),
+            topic: Topic::Contact,
+            summary: "the number of nodes whose contact state changed in every one of the last iterations of the step that failed",
+            parameters: Vec::new(),
+            returns: "int",
+            example: super::models::contact_example("print(sim.contact(\"foot\").cycling);"),
+            see_also: &["contact", "why"],
+            body: body(|call| Ok(Dynamic::from(call.receiver::<ContactHandle>().cycling as i64))),
         },
         column("pressure", "the contact pressure at each secondary node", |contact| {
             contact.fields.pressure.iter().map(|&value| value.into()).collect()

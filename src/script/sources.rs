@@ -14,12 +14,40 @@ use rhai::Position;
 #[derive(Default)]
 pub struct Sources {
     texts: RefCell<BTreeMap<String, Arc<str>>>,
+    segments: RefCell<Vec<Segment>>,
+}
+
+/// A text with a name of its own that was appended to a source.
+struct Segment {
+    source: String,
+    start: usize,
+    name: String,
+    text: Arc<str>,
 }
 
 impl Sources {
     /// Adds or replaces a text.
     pub fn insert(&self, name: &str, text: &str) {
         self.texts.borrow_mut().insert(name.to_string(), text.into());
+    }
+
+    /// Appends a text with a name of its own to a source, on a new line: the engine numbers the lines of a session through, messages
+    /// show each text by itself (see [`Self::relocate`]).
+    pub fn append(&self, source: &str, name: &str, text: &str) {
+        let whole = self.text(source).map_or(String::new(), |text| text.to_string());
+        let start = whole.len();
+        self.insert(source, &format!("{whole}{text}\n"));
+        self.segments.borrow_mut().push(Segment { source: source.into(), start, name: name.into(), text: text.into() });
+    }
+
+    /// A place in the text that was appended there, if it was.
+    pub fn relocate(&self, place: Place) -> Place {
+        let segments = self.segments.borrow();
+        let inside = |segment: &&Segment| segment.source == place.source && segment.start <= place.range.start;
+        let Some(segment) = segments.iter().rev().find(inside) else { return place };
+        let shifted = |byte: usize| (byte - segment.start).min(segment.text.len());
+        let range = shifted(place.range.start)..shifted(place.range.end.max(place.range.start));
+        Place { source: segment.name.clone(), text: segment.text.clone(), range }
     }
 
     /// The text of that source.
@@ -86,5 +114,18 @@ mod tests {
         assert_eq!(offset(text, Position::NONE), None);
         let place = Place { source: "a.rhai".into(), text: text.into(), range: 19..20 };
         assert_eq!(place.to_string(), "a.rhai:2:7");
+    }
+
+    #[test]
+    fn appended_texts_are_shown_by_themselves() {
+        let sources = Sources::default();
+        sources.append("session", "entry 1", "let a = 1;\nlet b = 2;");
+        sources.append("session", "entry 2", "a + x");
+        let text = sources.text("session").unwrap();
+        let start = text.find('x').unwrap();
+        assert_eq!(offset(&text, Position::new(3, 5)), Some(start));
+        let place = sources.relocate(Place { source: "session".into(), text, range: start..start + 1 });
+        assert_eq!((place.to_string().as_str(), &*place.text), ("entry 2:1:5", "a + x"));
+        assert_eq!(sources.relocate(place.clone()), place);
     }
 }

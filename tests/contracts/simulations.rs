@@ -187,3 +187,36 @@ fn a_restored_state_goes_on_as_the_run_did() {
         }
     }
 }
+
+/// Sliding contact makes the search, the matrix pattern and the order of elimination change on the way; all of it belongs to the state.
+#[test]
+fn a_state_of_sliding_bodies_goes_on_to_the_same_bytes() {
+    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+    let mut builder = Builder::default();
+    let outer = builder.body("outer ring", ring(1.0, 1.5, [2, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
+    let inner = builder.body("inner ring", ring(0.5, 1.002, [2, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
+    builder.fix(outer, "outer", [true; 3]);
+    builder.contact((inner, "outer"), (outer, "inner"));
+    builder.throw(inner, [0.0; 3], [0.0, 0.0, 20.0]);
+    for &integrator in Integrator::ALL {
+        // Two thirds of a facet a step.
+        let mut sim = builder.simulate(integrator, 0.005);
+        sim.settle().expect("there is an equilibrium");
+        let advance = |sim: &mut Simulation, steps: usize| {
+            (0..steps).for_each(|_| sim.step(None, &mut |_| ()).expect("the step converges"));
+            sim.state()
+        };
+        let start = sim.state();
+        let kept = advance(&mut sim, 20);
+        let end = advance(&mut sim, 30);
+        assert!(start.row.active > 0 && kept.row.active > 0, "{}: the rings touch", integrator.name());
+        for (state, steps) in [(&kept, 30), (&start, 50)] {
+            sim.restore(state);
+            assert!(sim.state() == *state);
+            assert!(advance(&mut sim, steps) == end, "{}: {steps} steps again", integrator.name());
+            let mut branch = builder.simulate(integrator, 0.005);
+            branch.restore(state);
+            assert!(advance(&mut branch, steps) == end, "{}: {steps} steps of a branch", integrator.name());
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! `conserva repl`: the terminal around an interactive session. Line editing is `rustyline`'s business, the language the session's.
+//!
+//! Ctrl-C while editing clears the line; while something runs it sets the flag that the engine and the solver ask, so that everything stays
+//! usable. The history lasts across sessions in the state folder of the XDG base directory specification.
+
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use rustyline::completion::{Completer, FilenameCompleter, Pair};
+use rustyline::error::ReadlineError;
+use rustyline::highlight::{CmdKind, Highlighter};
+use rustyline::hint::{Hint, Hinter, HistoryHinter};
+use rustyline::history::FileHistory;
+use rustyline::validate::{ValidationContext, ValidationResult, Validator};
+use rustyline::{CompletionType, Config, Context, Editor, Helper};
+use signal_hook::consts::SIGINT;
+use signal_hook::flag;
+
+use super::console::{Console, complain, ink};
+use super::exit_code;
+use crate::script::{Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home};
+
+/// Arguments of `conserva repl`.
+#[derive(Args)]
+pub struct Arguments {
+    /// A script to run first
+    script: Option<PathBuf>,
+    /// Value of a parameter that the script asks for with `param(name, default)`
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = super::assignment)]
+    overrides: Vec<(String, String)>,
+    /// Let the session read files below this folder, too (it may read those below the script's, or the current one)
+    #[arg(long, value_name = "DIR")]
+    allow_read: Vec<PathBuf>,
+    /// Folder of the results [default: out/<script name>, or out/repl]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads of the element loop; results do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+}
+
+const PROMPT: &str = "conserva> ";
+
+/// What `:help` shows.
+const HELP: &str = "\
+  help()           topics and functions; help(\"topic\"), help(\"function\"), ?function, help(object)
+  ans              the last value; a semicolon at the end keeps a value from being shown
+  Tab              completes names, members, options, names and files in strings
+  Ctrl-R           searches the history, which lasts across sessions
+  Ctrl-C           clears the line, or stops what runs at a whole step; Ctrl-D quits
+  :time ENTRY      evaluates and tells how long it took
+  :vars            lists the variables
+  :load FILE       evaluates a file
+  :save FILE       writes the session as a script that runs from scratch to the same results
+  :help, :quit";
+
+/// The session as rustyline sees it.
+struct Prompt {
+    session: Rc<RefCell<Interactive>>,
+    history: HistoryHinter,
+    files: FilenameCompleter,
+    is_colored: bool,
+}
+
+/// The rest of a signature, which is only shown, or of an earlier entry, which the right arrow takes over.
+struct Suggestion {
+    text: String,
+    is_entry: bool,
+}
+
+impl Hint for Suggestion {
+    fn display(&self) -> &str {
+        &self.text
+    }
+
+    fn completion(&self) -> Option<&str> {
+        self.is_entry.then_some(&self.text)
+    }
+}
+
+impl Helper for Prompt {}
+
+impl Completer for Prompt {
+    type Candidate = Pair;
+
+    fn complete(&self, line: &str, position: usize, context: &Context<'_>) -> rustyline::Result<(usize, Vec<Pair>)> {
+        let before = &line[..position];
+        if let Some(command) = before.strip_prefix(':') {
+            if command.starts_with("load ") || command.starts_with("save ") {
+                return self.files.complete(line, position, context);
+            }
+            if let Some(entry) = command.strip_prefix("time ") {
+                let (start, found) = self.session.borrow().complete(entry);
+                return Ok((start + before.len() - entry.len(), found.into_iter().map(pair).collect()));
+            }
+            let names = ["help", "load ", "quit", "save ", "time ", "vars"].into_iter().filter(|name| name.starts_with(command));
+            return Ok((1, names.map(|name| Pair { display: format!(":{name}"), replacement: name.into() }).collect()));
+        }
+        let (start, found) = self.session.borrow().complete(before);
+        Ok((start, found.into_iter().map(pair).collect()))
+    }
+}
+
+fn pair(candidate: crate::script::Candidate) -> Pair {
+    Pair { display: candidate.display, replacement: candidate.text }
+}
+
+impl Hinter for Prompt {
+    type Hint = Suggestion;
+
+    fn hint(&self, line: &str, position: usize, context: &Context<'_>) -> Option<Suggestion> {
+        if position < line.len() || line.is_empty() {
+            return None;
+        }
+        if !line.starts_with(':')
+            && let Some(text) = self.session.borrow().hint(line)
+        {
+            return Some(Suggestion { text, is_entry: false });
+        }
+        self.history.hint(line, position, context).map(|text| Suggestion { text, is_entry: true })
+    }
+}
+
+impl Validator for Prompt {
+    fn validate(&self, context: &mut ValidationContext) -> rustyline::Result<ValidationResult> {
+        let input = context.input();
+        let is_command = input.starts_with([':', '?']);
+        let is_incomplete = !is_command && self.session.borrow().is_incomplete(input);
+        Ok(if is_incomplete { ValidationResult::Incomplete } else { ValidationResult::Valid(None) })
+    }
+}
+
+impl Highlighter for Prompt {
+    fn highlight<'l>(&self, line: &'l str, _: usize) -> Cow<'l, str> {
+        if !self.is_colored || line.starts_with(':') {
+            return line.into();
+        }
+        let mut text = String::with_capacity(2 * line.len());
+        let mut end = 0;
+        for (range, style) in self.session.borrow().styles(line) {
+            let code = match style {
+                Style::Keyword => "35",
+                Style::Function => "34",
+                Style::Number => "36",
+                Style::Text => "32",
+                Style::Comment => "90",
+            };
+            text += &line[end..range.start];
+            text += &format!("\x1b[{code}m{}\x1b[0m", &line[range.clone()]);
+            end = range.end;
+        }
+        text += &line[end..];
+        text.into()
+    }
+
+    fn highlight_prompt<'b, 's: 'b, 'p: 'b>(&'s self, prompt: &'p str, _: bool) -> Cow<'b, str> {
+        if self.is_colored { format!("\x1b[1m{prompt}\x1b[0m").into() } else { prompt.into() }
+    }
+
+    fn highlight_hint<'h>(&self, hint: &'h str) -> Cow<'h, str> {
+        if self.is_colored { format!("\x1b[90m{hint}\x1b[0m").into() } else { hint.into() }
+    }
+
+    fn highlight_char(&self, _: &str, _: usize, kind: CmdKind) -> bool {
+        self.is_colored && kind != CmdKind::MoveCursor
+    }
+}
+
+/// The file that keeps the history, its folder made.
+fn history_file() -> Option<PathBuf> {
+    let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let state = folder("XDG_STATE_HOME").or_else(|| Some(folder("HOME")?.join(".local/state")))?;
+    let folder = state.join("conserva");
+    std::fs::create_dir_all(&folder).ok()?;
+    Some(folder.join("history"))
+}
+
+/// Runs the prompt; the exit code.
+pub fn repl(arguments: Arguments) -> u8 {
+    let interrupt = Arc::new(AtomicBool::new(false));
+    if let Err(error) = flag::register(SIGINT, interrupt.clone()) {
+        complain(&format!("error: the interrupt key cannot be watched\n= cause: {error}\n"));
+        return exit_code(Class::Internal);
+    }
+    let stem = arguments.script.as_ref().and_then(|script| script.file_stem()).map(|stem| stem.to_string_lossy().into_owned());
+    let out = arguments.out.unwrap_or_else(|| Path::new("out").join(stem.unwrap_or_else(|| "repl".into())));
+    let console = Rc::new(Console::new(false));
+    let settings = Settings {
+        mode: Mode::Run,
+        overrides: arguments.overrides,
+        allow_read: arguments.allow_read,
+        output: Some(out),
+        threads: usize::from(arguments.threads),
+        max_operations: MAX_OPERATIONS,
+        interrupt: interrupt.clone(),
+        interactive: true,
+    };
+    let home = arguments.script.as_deref().map_or(Path::new("."), home);
+    let session = match Interactive::new(settings, home, console.clone()) {
+        Ok(session) => Rc::new(RefCell::new(session)),
+        Err(error) => {
+            complain(&error.render(ink()));
+            return exit_code(error.class);
+        }
+    };
+    let mut terminal = Terminal { session, console, interrupt };
+    if let Some(script) = &arguments.script {
+        terminal.load(script);
+    }
+    terminal.prompt();
+    let report = terminal.session.borrow_mut().finish();
+    match report.error {
+        None => 0,
+        Some(error) => {
+            terminal.console.report(&error);
+            exit_code(error.class)
+        }
+    }
+}
+
+/// A session with the terminal it talks to.
+struct Terminal {
+    session: Rc<RefCell<Interactive>>,
+    console: Rc<Console>,
+    interrupt: Arc<AtomicBool>,
+}
+
+impl Terminal {
+    /// Asks for entries until the user has had enough.
+    fn prompt(&mut self) {
+        let config = Config::builder().completion_type(CompletionType::List).auto_add_history(true).max_history_size(10_000);
+        let editor = config.map(|config| Editor::<Prompt, FileHistory>::with_config(config.build()));
+        let mut editor = match editor {
+            Ok(Ok(editor)) => editor,
+            Ok(Err(error)) | Err(error) => return complain(&format!("error: the terminal cannot be used\n= cause: {error}\n")),
+        };
+        let is_colored = self.console_ink() == Ink::Colored;
+        editor.set_helper(Some(Prompt {
+            session: self.session.clone(),
+            history: HistoryHinter::new(),
+            files: FilenameCompleter::new(),
+            is_colored,
+        }));
+        let history = history_file();
+        if let Some(file) = &history {
+            // The first session has none.
+            let _ = editor.load_history(file);
+        }
+        self.console.say(&format!("conserva {}   :help for help, Ctrl-D to quit", env!("CARGO_PKG_VERSION")));
+        loop {
+            match editor.readline(PROMPT) {
+                Ok(line) => {
+                    if let Some(file) = &history {
+                        let _ = editor.append_history(file);
+                    }
+                    if !self.answer(line.trim()) {
+                        return;
+                    }
+                }
+                Err(ReadlineError::Interrupted) => {}
+                Err(ReadlineError::Eof) => return,
+                Err(error) => return complain(&format!("error: the input ended\n= cause: {error}\n")),
+            }
+        }
+    }
+
+    fn console_ink(&self) -> Ink {
+        use crate::script::Observer;
+        self.console.ink()
+    }
+
+    /// Does what an entry asks for; whether there is to be another one.
+    fn answer(&mut self, line: &str) -> bool {
+        self.interrupt.store(false, Ordering::Relaxed);
+        if let Some(name) = line.strip_prefix('?') {
+            self.console.say(&self.session.borrow().help(name));
+            return true;
+        }
+        let Some(command) = line.strip_prefix(':') else {
+            self.evaluate(line, false);
+            return true;
+        };
+        let (command, rest) = command.split_once(char::is_whitespace).unwrap_or((command, ""));
+        let rest = rest.trim();
+        match command {
+            "quit" | "q" => return false,
+            "help" => self.console.say(HELP),
+            "vars" => self.variables(),
+            "time" if !rest.is_empty() => self.evaluate(rest, true),
+            "load" if !rest.is_empty() => self.load(Path::new(rest)),
+            "save" if !rest.is_empty() => self.save(Path::new(rest)),
+            "time" | "load" | "save" => {
+                complain(&format!("error: `:{command}` needs what follows it\n= hint: `:help` lists the commands\n"))
+            }
+            other => complain(&format!("error: there is no command `:{other}`\n= hint: `:help` lists the commands\n")),
+        }
+        true
+    }
+
+    fn evaluate(&self, text: &str, is_timed: bool) {
+        if text.is_empty() {
+            return;
+        }
+        let answer = self.session.borrow_mut().evaluate(text);
+        self.show(answer, is_timed);
+    }
+
+    fn show(&self, answer: Result<crate::script::Answer, Box<crate::script::Diagnostic>>, is_timed: bool) {
+        match answer {
+            Ok(answer) => {
+                if let Some(text) = answer.shown {
+                    self.console.say(&text);
+                }
+                if is_timed {
+                    self.console.say(&format!("{:.6} s", answer.elapsed.as_secs_f64()));
+                }
+            }
+            Err(error) => self.console.report(&error),
+        }
+    }
+
+    fn load(&self, path: &Path) {
+        let answer = self.session.borrow_mut().load(path);
+        self.show(answer, false);
+    }
+
+    fn save(&self, path: &Path) {
+        let script = self.session.borrow().script();
+        match std::fs::write(path, script) {
+            Ok(()) => self.console.say(&format!("written to {}", path.display())),
+            Err(error) => complain(&format!("error: {} cannot be written\n= cause: {error}\n= hint: check the path\n", path.display())),
+        }
+    }
+
+    fn variables(&self) {
+        let variables = self.session.borrow().variables();
+        let width = |text: fn(&crate::script::Variable) -> &str| variables.iter().map(|variable| text(variable).chars().count()).max();
+        let (name, kind) = (width(|variable| &variable.name).unwrap_or(0), width(|variable| &variable.kind).unwrap_or(0));
+        for variable in &variables {
+            self.console.say(&format!("  {:<name$}  {:<kind$}  {}", variable.name, variable.kind, variable.value));
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Why a step failed: its iterations as a table, the cause, and the iterate at which it was given up as a file.
+
+use std::rc::Rc;
+
+use rhai::Dynamic;
+
+use super::numbers::{brief, significant};
+use super::registry::{Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
+use super::results::write;
+use super::simulations::{SimulationHandle, example};
+use super::tables::table;
+use crate::dynamics::{FailureCause, FailureReport};
+use crate::output::Frame;
+
+/// The report on the last step that failed, if one has.
+#[derive(Clone)]
+pub struct FailedStepHandle {
+    report: Option<Rc<FailureReport>>,
+    simulation: String,
+    cure: String,
+}
+
+impl Handle for FailedStepHandle {
+    const NAME: &'static str = "FailedStep";
+
+    fn describe(&self) -> String {
+        let Some(report) = &self.report else { return format!("no step of simulation \"{}\" has failed", self.simulation) };
+        let what = if report.dt > 0.0 {
+            let times = if report.halvings == 1 { "halving" } else { "halvings" };
+            format!(
+                "step {} of simulation \"{}\" failed at t = {} with dt = {} after {} {times}: {}",
+                report.step,
+                self.simulation,
+                number_text(report.time),
+                brief(report.dt),
+                report.halvings,
+                name_of(&report.cause)
+            )
+        } else {
+            format!(
+                "simulation \"{}\" found no equilibrium at t = {}: {}",
+                self.simulation,
+                number_text(report.time),
+                name_of(&report.cause)
+            )
+        };
+        let number = |value: f64| significant(value, 3);
+        let rows: Vec<Vec<String>> = report
+            .iterations
+            .iter()
+            .enumerate()
+            .map(|(index, iteration)| {
+                vec![
+                    index.to_string(),
+                    number(iteration.residual),
+                    number(iteration.target),
+                    number(iteration.gap_violation),
+                    iteration.changes.to_string(),
+                    iteration.active.to_string(),
+                    format!("{} of \"{}\"", iteration.node, iteration.body),
+                    iteration.contact.as_ref().map_or(String::new(), |contact| format!("\"{contact}\"")),
+                ]
+            })
+            .collect();
+        let header = ["iteration", "residual", "target", "gap violation", "set changes", "active", "worst node", "worst contact"];
+        let mut parts = vec![what];
+        if !rows.is_empty() {
+            parts.push(table(&header, &rows));
+        }
+        parts.push(format!("cause: {}", report.explanation()));
+        if !self.cure.is_empty() {
+            parts.push(format!("hint:  {}", self.cure));
+        }
+        parts.join("\n")
+    }
+}
+
+/// The cause in two words.
+fn name_of(cause: &FailureCause) -> &'static str {
+    match cause {
+        FailureCause::CyclingContact { .. } => "cycling contact",
+        FailureCause::SlowConvergence => "slow convergence",
+        FailureCause::Divergence => "divergence",
+        FailureCause::InvertedCell { .. } => "inverted cell",
+        FailureCause::SingularSystem { .. } => "singular system",
+        FailureCause::TooFast { .. } => "motion too fast",
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    let receiver = SimulationHandle::receiver();
+    vec![
+        Function {
+            name: "why",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "why the last step that failed did so: its iterations with residual, gap violation and changes of the contact set, \
+                      the worst node, the cause, and how to mend it",
+            parameters: Vec::new(),
+            returns: FailedStepHandle::NAME,
+            example: example("print(sim.why());"),
+            see_also: &["write_failed", "cycling", "set"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let report = handle.with(call, |simulation| simulation.failure().cloned().map(Rc::new))?;
+                let (simulation, cure) = (handle.0.name.clone(), handle.0.cure.borrow().clone());
+                Ok(Dynamic::from(FailedStepHandle { report, simulation, cure }))
+            }),
+        },
+        Function {
+            name: "write_failed",
+            form: Form::Method(receiver),
+            topic: Topic::Results,
+            summary: "writes the fields of the iterate at which the last failed step was given up as VTU",
+            parameters: vec![Parameter::new("path", Kind::Text, "a `.vtu` file below the output folder")],
+            returns: "",
+            example: example("if sim.why().failed { sim.write_failed(\"failed.vtu\"); }"),
+            see_also: &["why", "write_fields"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let failed = handle.with(call, |simulation| (simulation.time(), simulation.failed_fields()))?;
+                let (time, Some(fields)) = failed else {
+                    let failure = call.fail(format!("no step of simulation \"{}\" has failed", handle.0.name));
+                    return Err(failure.hint("`sim.write_fields(path)` writes the state as it is").into());
+                };
+                Ok(write(call, &handle, ".vtu", || Ok(Frame::new(time, &fields).encode()))?)
+            }),
+        },
+        Function {
+            name: "failed",
+            form: Form::Property(FailedStepHandle::receiver()),
+            topic: Topic::Simulation,
+            summary: "whether a step has failed at all",
+            parameters: Vec::new(),
+            returns: "bool",
+            example: example("print(sim.why().failed);"),
+            see_also: &["why"],
+            body: body(|call| Ok(call.receiver::<FailedStepHandle>().report.is_some().into())),
+        },
+        Function {
+            name: "cause",
+            form: Form::Property(FailedStepHandle::receiver()),
+            topic: Topic::Simulation,
+            summary: "the cause in two words, such as `cycling contact`; empty when no step has failed",
+            parameters: Vec::new(),
+            returns: "String",
+            example: example("print(sim.why().cause);"),
+            see_also: &["why"],
+            body: body(|call| {
+                let handle = call.receiver::<FailedStepHandle>();
+                Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into())
+            }),
+        },
+    ]
+}

@@ -1,0 +1,125 @@
+//! States as values: step back, branch, change how the next steps are taken.
+//!
+//! A simulation keeps the states before its last steps as far as memory allows. Going on from a state gives the same bytes as before.
+
+use std::time::Instant;
+
+use rhai::Dynamic;
+
+use super::arguments::Arguments;
+use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body};
+use super::simulations::{SimulationHandle, busy, example};
+use crate::dynamics::Simulation;
+use crate::math::catalogue::Interval;
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    let receiver = SimulationHandle::receiver();
+    vec![
+        Function {
+            name: "back",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "goes back by one step, or by so many; the history is what it was then",
+            parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
+            returns: "",
+            example: example("sim.step(3);\nsim.back(2);\nprint(sim.steps);"),
+            see_also: &["save", "restore", "step"],
+            body: body(|call| {
+                let (handle, count) = (call.receiver::<SimulationHandle>(), call.integer("count")? as usize);
+                if call.host.is_check() || count == 0 {
+                    return Ok(Dynamic::UNIT);
+                }
+                let kept = handle.0.past.borrow().len();
+                if count > kept {
+                    let failure = call.argument("count").fail(format!("the simulation cannot go back by {count} steps"));
+                    let failure = failure.label(format!("{kept} are kept"));
+                    let failure = failure.cause("states are kept for the last steps since the simulation was made, settled or restored");
+                    return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
+                }
+                let past = handle.0.past.borrow()[kept - count].clone();
+                let history = handle.0.history.borrow()[..past.rows].to_vec();
+                handle.go_to(call, &past.state, history)?;
+                Ok(Dynamic::UNIT)
+            }),
+        },
+        Function {
+            name: "branch",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "an independent copy of the simulation as it is now, with its history; closures of `on_step` stay with the original",
+            parameters: Vec::new(),
+            returns: SimulationHandle::NAME,
+            example: example("sim.step(2);\nlet other = sim.branch();\nother.set(#{ dt: 0.005 });\nother.step(2);\nprint(sim.time);"),
+            see_also: &["save", "set"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                let begun = Instant::now();
+                let (state, options) = match handle.0.simulation.try_borrow() {
+                    Ok(simulation) => (simulation.state(), simulation.options().clone()),
+                    Err(_) => return Err(busy(call).into()),
+                };
+                let model = handle.0.model.clone();
+                let motion = handle.0.motion;
+                let moved = motion.map(|motion| motion.model(&model.model)).transpose().map_err(|cause| call.fail(cause))?;
+                let simulation = Simulation::new(moved.as_ref().unwrap_or(&model.model), options);
+                let mut simulation = simulation.map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
+                simulation.restore(&state);
+                let (every, history) = (handle.0.fields_every, handle.0.history.borrow().clone());
+                let branch = SimulationHandle::create(call, model, simulation, motion, every, history, begun.elapsed())?;
+                *branch.0.closed_since.borrow_mut() = handle.0.closed_since.borrow().clone();
+                Ok(Dynamic::from(branch))
+            }),
+        },
+        Function {
+            name: "set",
+            form: Form::Method(receiver),
+            topic: Topic::Simulation,
+            summary: "changes how the next steps are taken; what is left out stays as it is",
+            parameters: vec![Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("dt", "time", Interval::Positive, "the step size").or(Absent::Means("as before")),
+                    Parameter::number("tolerance", "1", Interval::Open(0.0, 1.0), "Newton's tolerance, see `simulate`")
+                        .or(Absent::Means("as before")),
+                    Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
+                        .within(Interval::Closed(0.0, 50.0))
+                        .or(Absent::Means("as before")),
+                ]),
+                "what changes",
+            )],
+            returns: "",
+            example: example("sim.step(2);\nsim.set(#{ dt: 0.002 });\nsim.step();\nprint(sim.time);"),
+            see_also: &["simulate", "branch"],
+            body: body(|call| {
+                let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+                let (dt, tolerance, halvings) =
+                    (options.optional_number("dt")?, options.optional_number("tolerance")?, options.argument("max_halvings"));
+                let halvings = if halvings.is_given() { Some(halvings.integer()? as usize) } else { None };
+                let mut simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+                let now = simulation.options().clone();
+                let dt = dt.map(|dt| handle.0.kernel_time(dt));
+                simulation.set_steps(dt.unwrap_or(now.dt), tolerance.unwrap_or(now.tolerance), halvings.unwrap_or(now.max_halvings));
+                call.host.count_effect();
+                Ok(Dynamic::UNIT)
+            }),
+        },
+        Function {
+            name: "dt",
+            form: Form::Property(receiver),
+            topic: Topic::Simulation,
+            summary: "the step size of the next steps",
+            parameters: Vec::new(),
+            returns: "number",
+            example: example("print(sim.dt);"),
+            see_also: &["set"],
+            body: body(|call| {
+                let handle = call.receiver::<SimulationHandle>();
+                match handle.0.simulation.try_borrow() {
+                    Ok(simulation) => Ok(handle.0.script_time(simulation.options().dt).into()),
+                    Err(_) => Err(busy(call).into()),
+                }
+            }),
+        },
+    ]
+}
