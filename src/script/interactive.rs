@@ -153,8 +153,7 @@ impl Interactive {
                     self.entries.push(Entry { text: text.trim().into(), fate: Fate::Done { value: has_value } });
                 }
                 let quiet = lexemes.last().is_some_and(|last| matches!(last.token, Token::SemiColon));
-                let shown =
-                    if quiet || !has_value { None } else { Some(shown(&self.session.engine.borrow(), &host.registry.borrow(), &value)) };
+                let shown = if quiet || !has_value { None } else { Some(shown(&host.registry.borrow(), &value)) };
                 if has_value {
                     self.session.scope.set_value(ANSWER, value);
                 }
@@ -404,7 +403,7 @@ impl Interactive {
                 continue;
             }
             let kind = format!("{}{}", if is_constant { "const " } else { "" }, kind_of(&engine, value));
-            let text = shown(&engine, &registry, &value.flatten_clone());
+            let text = shown(&registry, &value.flatten_clone());
             let line: String = text.lines().next().unwrap_or("").chars().take(90).collect();
             found.push(Variable { name: name.into(), kind, value: line });
         }

@@ -29,7 +29,7 @@ pub fn kind_of(engine: &Engine, value: &Dynamic) -> String {
 }
 
 /// A value at the prompt.
-pub fn shown(engine: &Engine, registry: &Registry, value: &Dynamic) -> String {
+pub fn shown(registry: &Registry, value: &Dynamic) -> String {
     if let Some(mesh) = value.clone().try_cast::<MeshHandle>() {
         return mesh.table();
     }
@@ -40,15 +40,15 @@ pub fn shown(engine: &Engine, registry: &Registry, value: &Dynamic) -> String {
         if map.is_empty() {
             return "#{}".into();
         }
-        let rows: Vec<Vec<String>> = map.iter().map(|(key, value)| vec![key.to_string(), short(engine, registry, value)]).collect();
+        let rows: Vec<Vec<String>> = map.iter().map(|(key, value)| vec![key.to_string(), short(registry, value)]).collect();
         let width = rows.iter().map(|row| row[0].chars().count()).max().unwrap_or(0);
         return rows.iter().map(|row| format!("  {:<width$}  {}", row[0], row[1])).collect::<Vec<_>>().join("\n");
     }
-    short(engine, registry, value)
+    short(registry, value)
 }
 
 /// A value in one line where that is possible.
-fn short(engine: &Engine, registry: &Registry, value: &Dynamic) -> String {
+fn short(registry: &Registry, value: &Dynamic) -> String {
     if let Some(text) = registry.print(value) {
         return text;
     }
@@ -64,11 +64,11 @@ fn short(engine: &Engine, registry: &Registry, value: &Dynamic) -> String {
         if is_table && array.len() <= SHOWN && array.len() > 1 {
             let rows: Vec<Vec<String>> = array
                 .iter()
-                .filter_map(|row| row.read_lock::<Array>().map(|row| row.iter().map(|value| short(engine, registry, value)).collect()))
+                .filter_map(|row| row.read_lock::<Array>().map(|row| row.iter().map(|value| short(registry, value)).collect()))
                 .collect();
             return table(&vec![""; rows.iter().map(Vec::len).max().unwrap_or(0)], &rows);
         }
-        let mut entries: Vec<String> = array.iter().take(SHOWN).map(|value| short(engine, registry, value)).collect();
+        let mut entries: Vec<String> = array.iter().take(SHOWN).map(|value| short(registry, value)).collect();
         if array.len() > SHOWN {
             entries.push(format!("… {} entries in all", array.len()));
         }
@@ -76,7 +76,7 @@ fn short(engine: &Engine, registry: &Registry, value: &Dynamic) -> String {
         return format!("[{}]", entries.join(joint));
     }
     if let Some(map) = value.read_lock::<Map>() {
-        let entries: Vec<String> = map.iter().map(|(key, value)| format!("{key}: {}", short(engine, registry, value))).collect();
+        let entries: Vec<String> = map.iter().map(|(key, value)| format!("{key}: {}", short(registry, value))).collect();
         return format!("#{{ {} }}", entries.join(", "));
     }
     match value.as_float() {
