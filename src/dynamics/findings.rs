@@ -3,7 +3,7 @@
 //! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
 
 use super::model::{BodyBoundary, Model};
-use super::system::{boundary_facets, tie_reach};
+use super::pairs::{boundary_facets, tie_reach};
 use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces};
 
 impl Model {

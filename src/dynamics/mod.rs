@@ -1,14 +1,20 @@
 //! Floor 5: model, numbering, supports, residual and tangent of one step, Newton, time loop, ledger.
 
+mod accept;
 mod amplitude;
 mod error;
+mod failed;
 mod fields;
 mod findings;
 mod ledger;
+mod loads;
 mod model;
 mod newton;
+mod pairs;
 mod predictor;
+mod quantities;
 mod report;
+mod settle;
 mod simulation;
 mod system;
 mod time_loop;

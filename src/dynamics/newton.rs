@@ -5,7 +5,8 @@
 //! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
 use super::error::StepError;
-use super::system::{AssemblyError, Conditions, ConstraintRows, Forces, Pair, StepStart, System};
+use super::pairs::{Conditions, Pair};
+use super::system::{AssemblyError, ConstraintRows, Forces, StepStart, System};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::linear::LinearError;
 use crate::math::tolerances;

@@ -1,0 +1,197 @@
+//! The end of a converged step: velocities, what an impact gives back, the row of the ledger.
+
+use super::ledger::LedgerRow;
+use super::model::UpdateRule;
+use super::newton::{Failure, Solution};
+use super::pairs::{Conditions, PairKind};
+use super::simulation::State;
+use super::system::{Forces, StepStart, moment, resultant};
+use super::time_loop::TimeLoop;
+use crate::bodies::{Elements, Space};
+use crate::integrators::Integrator;
+use crate::math::tolerances;
+
+/// A jump of the velocities at the end of a step.
+pub(super) struct Jump {
+    velocity: Vec<f64>,
+    /// Impulse of supports and obstacles.
+    impulse: Vec<f64>,
+    /// Kinetic energy that it gives back.
+    energy: f64,
+    /// Kinetic energy that moving obstacles add by their push: as seen from the obstacle, only the lost energy returns.
+    work: f64,
+}
+
+impl<const D: usize> TimeLoop<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The velocity jump that returns the energy `sum lambda Phi(q_0)` which closing pairs of the `velocity` rule lost, and its support
+    /// impulse.
+    ///
+    /// `v_1 + s w` with the root of `1/2 s^2 w.Mw + s (v_1.Mw - work) = lost`, `work` what moving obstacles do by the push of `w`.
+    pub(super) fn velocity_jump(&mut self, dt: f64, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {
+        let mut lambda = vec![0.0; self.system.multipliers];
+        let mut lost = 0.0;
+        for pair in self.system.pairs.iter().filter(|pair| pair.update == UpdateRule::Velocity && pair.penalty == 0.0) {
+            let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
+            for row in pair.rows.clone().filter(|&row| solution.active[row] && conditions.gap_n[row].abs() > closed) {
+                lambda[row] = solution.lambda[row];
+                lost += lambda[row] * conditions.gap_n[row];
+            }
+        }
+        if lost == 0.0 {
+            return Ok(None);
+        }
+        let (mut w, mut impulse, work) = self.system.smoothed_jump(&solution.q_1, dt, &lambda).map_err(Failure::Linear)?;
+        let state = &self.state;
+        let mut momentum = vec![0.0; w.len()];
+        self.system.mass.multiply_into::<D>(&w, &mut momentum);
+        let velocity = |k: usize| 2.0 / dt * (solution.q_1[k] - state.positions[k]) - state.velocities[k];
+        let (a, b) = (0..w.len()).fold((0.0, 0.0), |(a, b), k| (a + 0.5 * w[k] * momentum[k], b + velocity(k) * momentum[k]));
+        let b = b - work;
+        let discriminant = b * b + 4.0 * a * lost;
+        let divisor = b + discriminant.max(0.0).sqrt();
+        if discriminant < 0.0 || divisor <= 0.0 {
+            // A gain (a node that had sat out a step) larger than the jump can take away: it stays booked as contact work.
+            return Ok(None);
+        }
+        let s = 2.0 * lost / divisor;
+        w.iter_mut().for_each(|w| *w *= s);
+        impulse.iter_mut().for_each(|f| *f *= s);
+        Ok(Some(Jump { velocity: w, impulse, energy: lost, work: s * work }))
+    }
+
+    /// The state at the end of a converged step, with its row of the ledger.
+    pub(super) fn accept(&mut self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
+        let Solution { q_1, mut lambda, active, forces, iterations } = solution;
+        let search = self.system.search();
+        let (system, dt, unknowns) = (&self.system, start.dt, q_1.len());
+        for (lambda, _) in lambda.iter_mut().zip(&active).filter(|(_, active)| !**active) {
+            *lambda = 0.0;
+        }
+        let gaps: Vec<f64> = system.pairs.iter().flat_map(|pair| pair.evaluation.gap.iter().copied()).collect();
+        let mut v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
+        for (prescribed, v) in system.prescribed.iter().zip(start.prescribed_v_1) {
+            v_1[prescribed.unknown] = *v;
+        }
+        let half_force = if start.integrator == Integrator::Trapezoidal {
+            // r = inertia + new half + old half, so the new half is what is left after the inertia.
+            let rate: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / dt).collect();
+            let mut inertia = vec![0.0; unknowns];
+            system.mass.multiply_into::<D>(&rate, &mut inertia);
+            (0..unknowns).map(|k| forces.without_contact[k] - forces.contact[k] - inertia[k] - start.half_force[k]).collect()
+        } else {
+            self.state.half_force.clone()
+        };
+        if let Some(jump) = &jump {
+            v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
+        }
+        let old = &self.state.row;
+        let mut row = LedgerRow {
+            step: old.step + 1,
+            dt,
+            kinetic: system.kinetic_energy(&v_1),
+            strain: system.strain_energy(&q_1),
+            potential: system.potential_energy(&q_1) + system.penalty_energy(&gaps),
+            newton_iterations: iterations,
+            active: system.touching(&active),
+            ..LedgerRow::default()
+        };
+        (row.momentum, row.angular_momentum) = system.momenta(&q_1, &v_1);
+
+        // The trapezoidal rule's forces are the mean of both ends; the load of the start is part of the half force.
+        let weight = start.integrator.placement().weight;
+        let mut load = forces.load.clone();
+        if start.integrator == Integrator::Trapezoidal {
+            let mut load_n = vec![0.0; unknowns];
+            if system.loads_into(start.q_0, start.time, &mut load_n).is_ok() {
+                load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += 0.5 * n);
+            }
+        }
+        row.load_work = (0..unknowns).map(|k| load[k] * (q_1[k] - start.q_0[k])).sum();
+        // Rigid obstacles push from outside, and do work where they move.
+        let mut obstacle_force = vec![0.0; unknowns];
+        let mut obstacle_work = 0.0;
+        for pair in &system.pairs {
+            let (lambda_n, lambda) = (&self.state.lambda[pair.rows.clone()], &lambda[pair.rows.clone()]);
+            obstacle_work += pair.kernel.obstacle_force_into(start.integrator, &q_1, lambda_n, lambda, &mut obstacle_force);
+        }
+        obstacle_work += jump.as_ref().map_or(0.0, |jump| jump.work);
+        row.load_work += obstacle_work;
+        let mut slip_moment = [0.0; 3];
+        if !system.prescribed.is_empty() {
+            let (work, moment) = self.prescribed_work(start, &forces, &q_1, &v_1);
+            row.load_work += work;
+            slip_moment = moment;
+        }
+        let closing: f64 = system
+            .pairs
+            .iter()
+            .filter(|pair| pair.penalty == 0.0)
+            .flat_map(|pair| pair.rows.clone())
+            .map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row]))
+            .sum();
+        row.contact_work = weight * closing + jump.as_ref().map_or(0.0, |jump| jump.energy);
+        row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
+
+        // Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
+        let mut external = load.clone();
+        for k in 0..unknowns {
+            external[k] += system.weight[k] + obstacle_force[k];
+            if system.fixed[k] {
+                external[k] += forces.without_contact[k] - forces.contact[k];
+            }
+        }
+        let middle: Vec<f64> = (0..unknowns).map(|k| 0.5 * (q_1[k] + start.q_0[k])).collect();
+        let nothing = vec![0.0; unknowns];
+        let impulse = jump.as_ref().map_or(&nothing, |jump| &jump.impulse);
+        let unexplained = |new: [f64; 3], old: [f64; 3], rate: [f64; 3], impulse: [f64; 3]| {
+            (0..3).map(|i| (new[i] - old[i] - dt * rate[i] - impulse[i]).abs()).fold(0.0, f64::max)
+        };
+        row.momentum_defect = unexplained(row.momentum, old.momentum, resultant::<D>(&external), resultant::<D>(impulse));
+        let (rate, mut impulse) = (moment::<D>(&middle, &external), moment::<D>(&q_1, impulse));
+        (0..3).for_each(|i| impulse[i] += slip_moment[i]);
+        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, rate, impulse);
+
+        for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
+            for (node, (gap, covered)) in pair.evaluation.gap.iter().zip(&pair.evaluation.coverage).enumerate() {
+                if *covered > tolerances::SLIVER {
+                    row.max_penetration = row.max_penetration.max(-gap / (covered * pair.kernel.weights()[node]));
+                }
+            }
+        }
+        let acted = obstacle_work != 0.0 || load.iter().any(|f| *f != 0.0);
+        State {
+            row,
+            positions: q_1,
+            velocities: v_1,
+            lambda,
+            active,
+            half_force,
+            clock: self.state.clock,
+            search,
+            level: self.state.level,
+            loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
+        }
+    }
+
+    /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their
+    /// velocities are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
+    fn prescribed_work(&self, start: &StepStart, forces: &Forces, q_1: &[f64], v_1: &[f64]) -> (f64, [f64; 3]) {
+        let unknowns = q_1.len();
+        let change: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / start.dt).collect();
+        let mean: Vec<f64> = (0..unknowns).map(|k| 0.5 * (v_1[k] + start.v_0[k])).collect();
+        let (mut inertia, mut momentum, mut slip) = (vec![0.0; unknowns], vec![0.0; unknowns], vec![0.0; unknowns]);
+        self.system.mass.multiply_into::<D>(&change, &mut inertia);
+        self.system.mass.multiply_into::<D>(&mean, &mut momentum);
+        let mut work = 0.0;
+        for k in self.system.prescribed.iter().map(|prescribed| prescribed.unknown) {
+            let reaction = forces.without_contact[k] - forces.contact[k];
+            let moved = q_1[k] - start.q_0[k];
+            slip[k] = moved - start.dt * mean[k];
+            work += inertia[k] * start.dt * mean[k] + (reaction - inertia[k]) * moved;
+        }
+        (work, moment::<D>(&slip, &momentum))
+    }
+}

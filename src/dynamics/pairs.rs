@@ -1,0 +1,193 @@
+//! The contact pairs of a model in the numbering of the system, and the conditions that a step puts on them.
+
+use super::amplitude::Amplitude;
+use super::model::{BodyBoundary, ContactMethod, Enforcement, Model, UpdateRule};
+use super::system::System;
+use crate::contact::{ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
+use crate::integrators::Integrator;
+use crate::linear::Block;
+use crate::math::tolerances;
+
+/// What a pair consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PairKind {
+    /// Two surfaces, or one with itself.
+    Surfaces,
+    /// A surface and a rigid obstacle.
+    Obstacle,
+    /// Two surfaces that stay together: no contact at all.
+    Tie,
+}
+
+/// A contact pair with its place among the multipliers and in the matrix.
+pub(super) struct Pair {
+    pub(super) name: String,
+    pub(super) kind: PairKind,
+    /// Translation of the obstacle over time.
+    pub(super) motion: [Option<Amplitude>; 2],
+    /// Mean velocity of the obstacle in this step.
+    pub(super) obstacle_velocity: [f64; 2],
+    pub(super) kernel: Box<dyn ContactKernel>,
+    pub(super) evaluation: Evaluation,
+    pub(super) equality: bool,
+    pub(super) update: UpdateRule,
+    /// Stiffness `kappa` of a penalty potential; 0 with multipliers.
+    pub(super) penalty: f64,
+    /// Range of its multipliers among all multipliers.
+    pub(super) rows: std::ops::Range<usize>,
+    /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
+    pub(super) c: f64,
+    /// Weighted gap that counts as closed for Newton's method.
+    pub(super) gap_tolerance: f64,
+    /// Per patch: blocks of node pairs (row by row), then per constraint row and node the blocks in the multiplier's row and column.
+    pub(super) tangent_places: Vec<Block>,
+    pub(super) row_places: Vec<Block>,
+    pub(super) column_places: Vec<Block>,
+}
+
+/// The contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that presses or is zero.
+pub(super) struct Conditions {
+    /// Weighted gaps at the start of the step.
+    pub(super) gap_n: Vec<f64>,
+    /// What the weighted gap of an active node is at the end of the step.
+    pub(super) targets: Vec<f64>,
+    /// Whether a node takes part in this step.
+    pub(super) members: Vec<bool>,
+    /// Penalty pressures belong to the end of the step (statics, trapezoidal rule) instead of to its change of energy.
+    pub(super) end_point: bool,
+}
+
+impl Conditions {
+    /// Pressure of a pair's penalty potential at a constraint whose weighted gap is `gap`, and its derivative.
+    pub(super) fn penalty_pressure(&self, pair: &Pair, row: usize, gap: f64) -> (f64, f64) {
+        // From a start at zero the quotient is half the pressure of the end.
+        if self.end_point { penalty_pressure(2.0 * pair.penalty, 0.0, gap) } else { penalty_pressure(pair.penalty, self.gap_n[row], gap) }
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// The contact conditions of the step that has begun, by the pairs' update rules.
+    pub(super) fn conditions(&self, integrator: Integrator) -> Conditions {
+        let gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
+        let mut targets = vec![0.0; gap_n.len()];
+        let mut members = vec![true; gap_n.len()];
+        for pair in self.pairs.iter().filter(|pair| pair.update == UpdateRule::Persistency && pair.penalty == 0.0) {
+            let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
+            for row in pair.rows.clone() {
+                members[row] = pair.equality || gap_n[row] <= closed;
+                targets[row] = gap_n[row];
+            }
+        }
+        Conditions { gap_n, targets, members, end_point: integrator == Integrator::Trapezoidal }
+    }
+}
+
+/// Pressure of the penalty potential `kappa/2 min(Phi, 0)^2` over a step, `-(U_1 - U_0)/(Phi_1 - Phi_0)`, and its derivative with respect
+/// to `Phi_1`.
+fn penalty_pressure(kappa: f64, gap_n: f64, gap: f64) -> (f64, f64) {
+    if gap_n <= 0.0 && gap <= 0.0 {
+        (-0.5 * kappa * (gap_n + gap), -0.5 * kappa)
+    } else if gap_n >= 0.0 && gap >= 0.0 {
+        (0.0, 0.0)
+    } else {
+        // One end is open: the numerator is the other end's potential.
+        let (step, closed) = (gap - gap_n, gap.min(0.0).powi(2) - gap_n.min(0.0).powi(2));
+        (-0.5 * kappa * closed / step, -0.5 * kappa * (2.0 * gap.min(0.0) - closed / step) / step)
+    }
+}
+
+/// Facets of a boundary in the plane, in node numbers of the model.
+pub(super) fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
+    let mesh = &model.bodies[on.body].mesh;
+    let nodes = |facet| mesh.facet_nodes(facet).map(|node| node + first_node as u32).collect::<Vec<u32>>();
+    on.boundary.facets.iter().map(|&facet| nodes(facet)).map(|nodes| [nodes[0], nodes[1]]).collect()
+}
+
+/// Distance within which a tie holds when none is given: half of the shortest secondary facet.
+pub(super) fn tie_reach(secondary: &[[u32; 2]], reference: &[f64]) -> f64 {
+    0.5 * Surface::new(secondary).shortest_facet(reference)
+}
+
+/// All pairs of a model, `facets` a boundary's in the numbering of the model.
+pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>, reference: &[f64]) -> Vec<Pair> {
+    let mut pairs: Vec<Pair> = Vec::new();
+    let fresh = |name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>| {
+        let size = kernel.facet_size();
+        Pair {
+            name: name.into(),
+            kind,
+            motion: [None, None],
+            obstacle_velocity: [0.0; 2],
+            equality: kind == PairKind::Tie,
+            update: UpdateRule::Gap,
+            penalty: 0.0,
+            rows: 0..kernel.rows_per_node() * kernel.secondary().nodes().len(),
+            c: model.bodies[body].material.youngs_modulus() / (size * size),
+            gap_tolerance: tolerances::GAP * size * size,
+            kernel,
+            evaluation: Evaluation::default(),
+            tangent_places: Vec::new(),
+            row_places: Vec::new(),
+            column_places: Vec::new(),
+        }
+    };
+    let between = |method: ContactMethod, secondary: &BodyBoundary, primary: &BodyBoundary| -> Box<dyn ContactKernel> {
+        match method {
+            ContactMethod::Mortar => Box::new(Mortar::new(&facets(secondary), &facets(primary), reference)),
+            ContactMethod::NodeToSegment => Box::new(NodeToSegment::new(&facets(secondary), &facets(primary), reference)),
+        }
+    };
+    let rules = |mut pair: Pair, update: UpdateRule, enforcement: Enforcement, equality: bool| {
+        (pair.update, pair.equality) = (update, equality);
+        if let Enforcement::Penalty { factor } = enforcement {
+            pair.penalty = factor * pair.c;
+        }
+        pair
+    };
+    for contact in &model.contacts {
+        let kernel = between(contact.method, &contact.secondary, &contact.primary);
+        let pair = fresh(&contact.name, PairKind::Surfaces, contact.secondary.body, kernel);
+        pairs.push(rules(pair, contact.update, contact.enforcement, contact.equality));
+    }
+    for contact in &model.self_contacts {
+        let kernel = between(contact.method, &contact.surface, &contact.surface);
+        let pair = fresh(&contact.name, PairKind::Surfaces, contact.surface.body, kernel);
+        pairs.push(rules(pair, contact.update, contact.enforcement, false));
+    }
+    for obstacle in &model.obstacles {
+        let kernel = Box::new(RigidContact::new(&facets(&obstacle.secondary), &obstacle.obstacle, reference));
+        let pair = Pair { motion: obstacle.motion.clone(), ..fresh(&obstacle.name, PairKind::Obstacle, obstacle.secondary.body, kernel) };
+        pairs.push(rules(pair, obstacle.update, obstacle.enforcement, obstacle.equality));
+    }
+    for tie in &model.ties {
+        let secondary = facets(&tie.secondary);
+        let reach = tie.reach.unwrap_or_else(|| tie_reach(&secondary, reference));
+        let kernel = Box::new(Tie::new(&secondary, &facets(&tie.primary), reference, reach));
+        pairs.push(fresh(&tie.name, PairKind::Tie, tie.secondary.body, kernel));
+    }
+    let mut first = 0;
+    for pair in &mut pairs {
+        pair.rows = first..first + pair.rows.end;
+        first = pair.rows.end;
+    }
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::penalty_pressure;
+
+    #[test]
+    fn penalty_pressure_does_the_work_of_its_potential_and_has_an_exact_derivative() {
+        let energy = |gap: f64| 0.5 * 3.0 * gap.min(0.0).powi(2);
+        for (gap_n, gap) in [(-0.3, -0.1), (-0.3, 0.2), (0.4, -0.1), (0.4, 0.2), (0.0, -0.2), (-0.2, 0.0)] {
+            let (pressure, slope) = penalty_pressure(3.0, gap_n, gap);
+            assert!((pressure * (gap - gap_n) + energy(gap) - energy(gap_n)).abs() < 1e-16);
+            assert!(pressure >= 0.0);
+            let h = 1e-6;
+            let difference = (penalty_pressure(3.0, gap_n, gap + h).0 - penalty_pressure(3.0, gap_n, gap - h).0) / (2.0 * h);
+            // At a kink (gap = 0) the two sides differ by order kappa h.
+            assert!((difference - slope).abs() < 1e-5, "{gap_n} {gap}: {difference} {slope}");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! `settle`: equilibrium under the loads of the present time, by damped steps without inertia.
+
+use super::error::StepError;
+use super::newton::{Failure, Task};
+use super::pairs::Conditions;
+use super::predictor;
+use super::simulation::SettleReport;
+use super::system::StepStart;
+use super::time_loop::{TimeLoop, solve};
+use crate::bodies::{Elements, Space};
+use crate::integrators::Integrator;
+use crate::math::tolerances;
+
+/// Damped steps that `settle` takes at most.
+const MAX_SETTLE_STEPS: usize = 60;
+
+/// Damping of `settle` over the stiffness of the slowest elastic motion: small, so that few steps suffice, not zero, so that rigid motions
+/// stay regular.
+const SETTLE_DAMPING: f64 = 1e-5;
+
+impl<const D: usize> TimeLoop<D>
+where
+    Space<D>: Elements<D>,
+{
+    pub(super) fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
+        let iterations_before = self.statistics.newton_iterations;
+        let zero = vec![0.0; self.state.positions.len()];
+        // Slowest elastic motion: wave speed over the largest extent.
+        let density = self.model.bodies.iter().map(|body| body.material.density()).fold(f64::INFINITY, f64::min);
+        let frequency_squared = self.system.modulus / density / self.system.extent.powi(2);
+        let mut steps = 0;
+        loop {
+            let positions = self.state.positions.clone();
+            let margins: Vec<f64> = self.system.pairs.iter().map(|pair| 3.0 * pair.kernel.facet_size()).collect();
+            self.system.move_obstacles(self.state.row.time, 0.0)?;
+            if let Err(error) = self.system.begin_step(&positions, &margins) {
+                return Err(self.failed(&Failure::Linear(error), 0.0, 0));
+            }
+            let (displacement, _) = self.system.prescribed_motion(self.state.row.time)?;
+            let mut predicted = positions.clone();
+            predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
+            let start = StepStart {
+                integrator: Integrator::Trapezoidal,
+                time: self.state.row.time,
+                dt: 0.0,
+                q_0: &positions,
+                v_0: &zero,
+                half_force: &zero,
+                prescribed_v_1: &[],
+                damping: Some(SETTLE_DAMPING * frequency_squared),
+            };
+            let floor = tolerances::FORCE_FLOOR * self.system.modulus * self.system.extent.powi(D as i32);
+            let energy = self.system.strain_energy(&positions).max(floor);
+            let options = &self.options;
+            // At rest every rule closes the gaps.
+            let count = self.system.multipliers;
+            let conditions = Conditions { gap_n: vec![0.0; count], targets: vec![0.0; count], members: vec![true; count], end_point: true };
+            let task = Task {
+                start: &start,
+                predicted: &predicted,
+                lambda: &self.state.lambda,
+                conditions: &conditions,
+                energy,
+                tolerance: options.tolerance,
+                interrupted: &|| options.interrupted(),
+            };
+            let outcome = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace);
+            let solution = match outcome {
+                Ok(solution) => solution,
+                Err(Failure::Fatal(error)) => return Err(error),
+                Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
+            };
+            self.check_reach(&solution, &margins).map_err(|failure| self.failed(&failure, 0.0, 0))?;
+            steps += 1;
+            let strain = self.system.strain_energy(&solution.q_1);
+            // What the damping did in this step: nothing, at equilibrium.
+            let motion: Vec<f64> = solution.q_1.iter().zip(&positions).map(|(a, b)| a - b).collect();
+            let dissipated = 2.0 * SETTLE_DAMPING * frequency_squared * self.system.kinetic_energy(&motion);
+            self.state.positions = solution.q_1;
+            self.state.lambda = solution.lambda;
+            self.state.active = solution.active;
+            self.state.search = self.system.search();
+            if dissipated <= 1e-14 * strain.max(floor) {
+                break;
+            }
+            if steps == MAX_SETTLE_STEPS {
+                let cause =
+                    format!("after {steps} damped steps the bodies still move (dissipated energy {dissipated:.1e} in the last one)");
+                let cure =
+                    "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into();
+                return Err(StepError::NotConverged {
+                    time: self.state.row.time,
+                    step: self.state.row.step,
+                    dt: 0.0,
+                    halvings: 0,
+                    cause,
+                    cure,
+                });
+            }
+        }
+        let (q, v) = (&self.state.positions, &self.state.velocities);
+        let row = &mut self.state.row;
+        row.strain = self.system.strain_energy(q);
+        let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
+        row.potential = self.system.potential_energy(q) + self.system.penalty_energy(&gaps);
+        (row.momentum, row.angular_momentum) = self.system.momenta(q, v);
+        row.active = self.system.touching(&self.state.active);
+        Ok(SettleReport {
+            steps,
+            newton_iterations: self.statistics.newton_iterations - iterations_before,
+            strain: row.strain,
+            active: row.active,
+        })
+    }
+}
