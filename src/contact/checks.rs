@@ -31,6 +31,8 @@ pub enum Finding {
         nodes: usize,
         /// The first of them (number in the model).
         first: u32,
+        /// Where it is `[length]`.
+        at: [f64; 2],
     },
     /// A facet is listed twice.
     DuplicateFacets {
@@ -40,6 +42,8 @@ pub enum Finding {
         count: usize,
         /// Nodes of the first of them (numbers in the model).
         nodes: [u32; 2],
+        /// The middle of that facet `[length]`.
+        at: [f64; 2],
     },
     /// No secondary facet has a primary facet in front of it that looks back.
     FacingAway {
@@ -79,14 +83,14 @@ pub enum Finding {
 impl std::fmt::Display for Finding {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Finding::ReversedNormals { surface, nodes, first } => {
+            Finding::ReversedNormals { surface, nodes, at: [x, y], .. } => {
                 write!(
                     out,
-                    "facets of \"{surface}\" that meet run in opposite directions at {nodes} of its nodes, the first is node {first}"
+                    "facets of \"{surface}\" that meet run in opposite directions at {nodes} of its nodes, the first at ({x:.3}, {y:.3})"
                 )
             }
-            Finding::DuplicateFacets { surface, count, nodes: [a, b] } => {
-                write!(out, "\"{surface}\" lists {count} facets more than once, the first is that of nodes {a} and {b}")
+            Finding::DuplicateFacets { surface, count, at: [x, y], .. } => {
+                write!(out, "\"{surface}\" lists {count} facets more than once, the first at ({x:.3}, {y:.3})")
             }
             Finding::FacingAway { secondary, primary, cosine, distance } => write!(
                 out,
@@ -129,8 +133,8 @@ pub fn check_surfaces(secondary: NamedSurface, primary: NamedSurface, q: &[f64])
     let with_itself = secondary.surface == primary.surface;
     let mut findings = Vec::new();
     for side in if with_itself { vec![secondary] } else { vec![secondary, primary] } {
-        findings.extend(reversed_normals(side));
-        findings.extend(duplicate_facets(side));
+        findings.extend(reversed_normals(side, q));
+        findings.extend(duplicate_facets(side, q));
     }
     if !with_itself {
         findings.extend(facing_away(secondary, primary, q));
@@ -139,7 +143,7 @@ pub fn check_surfaces(secondary: NamedSurface, primary: NamedSurface, q: &[f64])
     findings
 }
 
-fn reversed_normals(side: NamedSurface) -> Option<Finding> {
+fn reversed_normals(side: NamedSurface, q: &[f64]) -> Option<Finding> {
     let surface = side.surface;
     let clashes = |index: usize| {
         let adjacent = surface.adjacent_facets(index);
@@ -149,7 +153,8 @@ fn reversed_normals(side: NamedSurface) -> Option<Finding> {
     };
     let clashing: Vec<usize> = (0..surface.nodes().len()).filter(|&index| clashes(index)).collect();
     let first = surface.nodes()[*clashing.first()?];
-    Some(Finding::ReversedNormals { surface: side.name.into(), nodes: clashing.len(), first })
+    let at = [q[2 * first as usize], q[2 * first as usize + 1]];
+    Some(Finding::ReversedNormals { surface: side.name.into(), nodes: clashing.len(), first, at })
 }
 
 fn distinct_facets(surface: &Surface, adjacent: &[u32]) -> bool {
@@ -160,11 +165,14 @@ fn distinct_facets(surface: &Surface, adjacent: &[u32]) -> bool {
     sorted(adjacent[0]) != sorted(adjacent[1])
 }
 
-fn duplicate_facets(side: NamedSurface) -> Option<Finding> {
+fn duplicate_facets(side: NamedSurface, q: &[f64]) -> Option<Finding> {
     let mut facets: Vec<[u32; 2]> = side.surface.facets().iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
     facets.sort_unstable();
     let repeated: Vec<[u32; 2]> = facets.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
-    Some(Finding::DuplicateFacets { surface: side.name.into(), count: repeated.len(), nodes: *repeated.first()? })
+    let nodes = *repeated.first()?;
+    let [a, b] = nodes.map(|node| 2 * node as usize);
+    let at = [0.5 * (q[a] + q[b]), 0.5 * (q[a + 1] + q[b + 1])];
+    Some(Finding::DuplicateFacets { surface: side.name.into(), count: repeated.len(), nodes, at })
 }
 
 /// Middle, unit outward normal and length of each facet.
@@ -267,10 +275,11 @@ mod tests {
         let upper = reversed(&strip(5, 4, 0.2, &mut q));
         lower[1] = [1, 2];
         let found = check(&upper, &lower, &q);
-        assert_eq!(found, [Finding::ReversedNormals { surface: "lower.top".into(), nodes: 2, first: 1 }]);
+        assert_eq!(found, [Finding::ReversedNormals { surface: "lower.top".into(), nodes: 2, first: 1, at: [1.0, 0.0] }]);
         lower[1] = [2, 1];
         lower.push([3, 2]);
-        assert_eq!(check(&upper, &lower, &q), [Finding::DuplicateFacets { surface: "lower.top".into(), count: 1, nodes: [2, 3] }]);
+        let twice = Finding::DuplicateFacets { surface: "lower.top".into(), count: 1, nodes: [2, 3], at: [2.5, 0.0] };
+        assert_eq!(check(&upper, &lower, &q), [twice]);
     }
 
     #[test]

@@ -216,15 +216,21 @@ impl RigidContact {
         let secondary = Surface::new(secondary);
         let weights = secondary.weights(reference);
         let facet_size = secondary.shortest_facet(reference);
+        // Every node lies opposite the obstacle: the list of patches is known and lasts.
+        let mut patches = Patches::new(2);
+        for (row, &node) in (0u32..).zip(secondary.nodes()) {
+            patches.push(&[node], &[row]);
+        }
+        let start = secondary.nodes().iter().map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
         RigidContact {
             secondary,
             primary: Surface::new(&[]),
             shape: Shape::new(obstacle),
-            patches: Patches::new(2),
+            patches,
             weights,
             facet_size,
             translations: [[0.0; 2]; 3],
-            start: Vec::new(),
+            start,
         }
     }
 
@@ -291,13 +297,7 @@ impl ContactKernel for RigidContact {
     }
 
     fn update_candidates(&mut self, _q: &[f64], _margin: f64) -> bool {
-        let first = self.patches.is_empty();
-        if first {
-            for (row, &node) in (0u32..).zip(self.secondary.nodes()) {
-                self.patches.push(&[node], &[row]);
-            }
-        }
-        first
+        false
     }
 
     fn candidates(&self) -> Option<&Candidates> {
@@ -366,16 +366,13 @@ impl ContactKernel for RigidContact {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        if self.patches.is_empty() {
-            return vec![0.0; self.weights.len()];
-        }
         self.gaps(self.translations[2], |row| self.position(row, q, [0.0; 2]))
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let covered = |row: usize| {
             let distance = self.shape.distance(self.position(row, q, self.translations[2]));
-            f64::from(u8::from(!self.patches.is_empty() && distance.is_some_and(|distance| distance.covered)))
+            f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
         };
         (0..self.weights.len()).map(covered).collect()
     }
@@ -403,7 +400,7 @@ mod tests {
     fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
         let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
         kernel.move_obstacle(translations);
-        assert!(kernel.update_candidates(q_0, 1.0) && !kernel.update_candidates(q_0, 2.0));
+        assert!(!kernel.update_candidates(q_0, 1.0));
         kernel.begin_step(q_0);
         kernel
     }

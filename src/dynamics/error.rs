@@ -88,7 +88,10 @@ impl ModelError {
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
             ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
             ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
-            ModelError::SelfContact { .. } => "name two boundaries without common facets as `secondary` and `primary`".into(),
+            ModelError::SelfContact { .. } => {
+                "name two boundaries without common facets as `secondary` and `primary`, or use `add_self_contact` for a surface that folds"
+                    .into()
+            }
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::InvertedCell { .. } => {
                 "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into()

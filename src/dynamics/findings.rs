@@ -3,12 +3,13 @@
 //! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
 
 use super::model::{BodyBoundary, Model};
-use super::pairs::{boundary_facets, tie_reach};
+use super::pairs::{boundary_facets, facets_of_all, tie_reach};
 use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces};
 
 impl Model {
-    /// Everything suspicious about contacts, obstacles and ties; empty for a model of bodies in space.
-    pub fn findings(&self) -> Vec<Finding> {
+    /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; empty for a
+    /// model of bodies in space.
+    pub fn findings(&self) -> Vec<(String, Finding)> {
         if self.dimension() != 2 {
             return Vec::new();
         }
@@ -19,38 +20,40 @@ impl Model {
             reference.extend(body.mesh.points.iter().flat_map(|point| [point[0], point[1]]));
         }
         let facets = |on: &BodyBoundary| boundary_facets(self, on, first[on.body]);
-        let check = |secondary: &BodyBoundary, primary: &BodyBoundary| {
-            let names = [self.boundary_name(secondary), self.boundary_name(primary)];
-            let surfaces = [Surface::new(&facets(secondary)), Surface::new(&facets(primary))];
+        let check = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
+            let together: Vec<String> = primary.iter().map(|on| self.boundary_name(on)).collect();
+            let names = [self.boundary_name(secondary), together.join("\" and \"")];
+            let surfaces = [Surface::new(&facets(secondary)), Surface::new(&facets_of_all(primary, facets))];
             let side = |k: usize| NamedSurface { name: &names[k], surface: &surfaces[k] };
             check_surfaces(side(0), side(1), &reference)
         };
-        let mut findings = Vec::new();
+        let mut findings: Vec<(String, Finding)> = Vec::new();
+        let mut add = |name: &String, found: Vec<Finding>| findings.extend(found.into_iter().map(|finding| (name.clone(), finding)));
         for contact in &self.contacts {
-            findings.extend(check(&contact.secondary, &contact.primary));
+            add(&contact.name, check(&contact.secondary, &contact.primary));
         }
         for contact in &self.self_contacts {
-            findings.extend(check(&contact.surface, &contact.surface));
+            add(&contact.name, check(&contact.surface, std::slice::from_ref(&contact.surface)));
         }
         for obstacle in &self.obstacles {
-            findings.extend(check(&obstacle.secondary, &obstacle.secondary));
+            add(&obstacle.name, check(&obstacle.secondary, std::slice::from_ref(&obstacle.secondary)));
         }
         for tie in &self.ties {
-            findings.extend(check(&tie.secondary, &tie.primary));
+            add(&tie.name, check(&tie.secondary, std::slice::from_ref(&tie.primary)));
             let secondary = facets(&tie.secondary);
             let reach = tie.reach.unwrap_or_else(|| tie_reach(&secondary, &reference));
             let tied = Tie::new(&secondary, &facets(&tie.primary), &reference, reach);
             let nodes = tied.untied().len();
             if nodes > 0 {
                 let of = Surface::new(&secondary).nodes().len();
-                findings.push(Finding::Untied { tie: tie.name.clone(), nodes, of, reach });
+                add(&tie.name, vec![Finding::Untied { tie: tie.name.clone(), nodes, of, reach }]);
             }
         }
         // A boundary in several contacts is reported once.
-        let mut unique: Vec<Finding> = Vec::new();
-        for finding in findings {
-            if !unique.contains(&finding) {
-                unique.push(finding);
+        let mut unique: Vec<(String, Finding)> = Vec::new();
+        for (name, finding) in findings {
+            if unique.iter().all(|(_, known)| *known != finding) {
+                unique.push((name, finding));
             }
         }
         unique
@@ -77,6 +80,10 @@ mod tests {
         model
     }
 
+    fn found(model: &Model) -> Vec<Finding> {
+        model.findings().into_iter().map(|(_, finding)| finding).collect()
+    }
+
     fn boundary(model: &Model, body: usize, name: &str) -> BodyBoundary {
         BodyBoundary { body, boundary: model.bodies[body].mesh.boundary(name).expect("the mesh has it").clone() }
     }
@@ -86,11 +93,15 @@ mod tests {
         let mut model = blocks();
         let contact = |secondary, primary| vec![ContactDefinition::new("contact", secondary, primary)];
         model.contacts = contact(boundary(&model, 1, "bottom"), boundary(&model, 0, "top"));
-        assert_eq!(model.findings(), []);
+        assert_eq!(found(&model), []);
         model.contacts = contact(boundary(&model, 0, "top"), boundary(&model, 1, "bottom"));
-        assert!(matches!(model.findings()[..], [Finding::CoarseSecondary { .. }]));
+        assert!(matches!(found(&model)[..], [Finding::CoarseSecondary { .. }]));
+        model.contacts = contact(boundary(&model, 1, "bottom"), boundary(&model, 0, "top"));
+        let left = boundary(&model, 0, "left");
+        model.contacts[0].primary.push(left);
+        assert_eq!(found(&model), [], "one of several primaries looks back");
         model.contacts = contact(boundary(&model, 1, "top"), boundary(&model, 0, "top"));
-        assert!(matches!(model.findings()[..], [Finding::FacingAway { .. }]));
+        assert!(matches!(found(&model)[..], [Finding::FacingAway { .. }]));
     }
 
     #[test]
@@ -98,9 +109,9 @@ mod tests {
         let mut model = blocks();
         let tie = |secondary, primary| vec![TieDefinition { name: "seam".into(), secondary, primary, reach: None }];
         model.ties = tie(boundary(&model, 1, "bottom"), boundary(&model, 0, "top"));
-        assert_eq!(model.findings(), []);
+        assert_eq!(found(&model), []);
         model.ties = tie(boundary(&model, 1, "bottom"), boundary(&model, 0, "bottom"));
-        let found = model.findings();
+        let found = found(&model);
         assert!(matches!(found[..], [Finding::FacingAway { .. }, Finding::Untied { nodes: 9, of: 9, .. }]), "{found:?}");
         assert!(found[1].to_string().starts_with("9 of 9 nodes of tie \"seam\""));
     }

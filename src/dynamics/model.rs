@@ -158,8 +158,8 @@ pub struct ContactDefinition {
     pub name: String,
     /// The side that carries the multipliers (slave, nonmortar).
     pub secondary: BodyBoundary,
-    /// The other side (master, mortar).
-    pub primary: BodyBoundary,
+    /// The other side (master, mortar): one boundary or several, of one body or several.
+    pub primary: Vec<BodyBoundary>,
     /// Discretisation.
     pub method: ContactMethod,
     /// Condition over a step.
@@ -176,7 +176,7 @@ impl ContactDefinition {
         ContactDefinition {
             name: name.into(),
             secondary,
-            primary,
+            primary: vec![primary],
             method: ContactMethod::Mortar,
             update: UpdateRule::Gap,
             enforcement: Enforcement::Multiplier,
@@ -296,6 +296,14 @@ impl Model {
         format!("{}.{}", self.bodies[on.body].name, on.boundary.name)
     }
 
+    /// Names of all contact pairs, in the order in which a simulation counts them: pairs of surfaces, surfaces with themselves, obstacles,
+    /// ties.
+    pub fn contact_names(&self) -> Vec<&str> {
+        let names = self.contacts.iter().map(|contact| &contact.name).chain(self.self_contacts.iter().map(|contact| &contact.name));
+        let names = names.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)).chain(self.ties.iter().map(|tie| &tie.name));
+        names.map(String::as_str).collect()
+    }
+
     /// Checks everything that can be said without computing: names, dimensions, empty boundaries, a surface in contact with itself.
     ///
     /// # Errors
@@ -315,7 +323,7 @@ impl Model {
                 });
             }
         }
-        let surfaces = self.contacts.iter().flat_map(|contact| [&contact.secondary, &contact.primary]);
+        let surfaces = self.contacts.iter().flat_map(|contact| std::iter::once(&contact.secondary).chain(&contact.primary));
         let surfaces = surfaces.chain(self.ties.iter().flat_map(|tie| [&tie.secondary, &tie.primary]));
         let surfaces = surfaces.chain(self.obstacles.iter().map(|obstacle| &obstacle.secondary));
         let surfaces = surfaces.chain(self.self_contacts.iter().map(|contact| &contact.surface));
@@ -330,9 +338,7 @@ impl Model {
         if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Pressure(_)) && self.dimension() != 2) {
             return Err(ModelError::PressureDimension { boundary: self.boundary_name(&load.on) });
         }
-        let names = self.contacts.iter().map(|contact| &contact.name).chain(self.self_contacts.iter().map(|contact| &contact.name));
-        let names = names.chain(self.obstacles.iter().map(|obstacle| &obstacle.name)).chain(self.ties.iter().map(|tie| &tie.name));
-        let names: Vec<&String> = names.collect();
+        let names = self.contact_names();
         for (index, name) in names.iter().enumerate() {
             if names[..index].contains(name) {
                 return Err(ModelError::DuplicateName { what: "contact", name: name.to_string() });
@@ -342,9 +348,11 @@ impl Model {
             }
         }
         for contact in &self.contacts {
-            let shared = contact.secondary.body == contact.primary.body
-                && contact.secondary.boundary.facets.iter().any(|facet| contact.primary.boundary.facets.contains(facet));
-            if shared {
+            let shares = |primary: &BodyBoundary| {
+                contact.secondary.body == primary.body
+                    && contact.secondary.boundary.facets.iter().any(|facet| primary.boundary.facets.contains(facet))
+            };
+            if contact.primary.iter().any(shares) {
                 return Err(ModelError::SelfContact { contact: contact.name.clone(), boundary: self.boundary_name(&contact.secondary) });
             }
         }

@@ -108,6 +108,12 @@ pub(super) fn tie_reach(secondary: &[[u32; 2]], reference: &[f64]) -> f64 {
     0.5 * Surface::new(secondary).shortest_facet(reference)
 }
 
+/// Facets of several boundaries, those in more than one of them once.
+pub(super) fn facets_of_all(boundaries: &[BodyBoundary], facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    let mut known = std::collections::BTreeSet::new();
+    boundaries.iter().flat_map(facets).filter(|&facet| known.insert(facet)).collect()
+}
+
 /// All pairs of a model, `facets` a boundary's in the numbering of the model.
 pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>, reference: &[f64]) -> Vec<Pair> {
     let mut pairs: Vec<Pair> = Vec::new();
@@ -131,10 +137,11 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
             column_places: Vec::new(),
         }
     };
-    let between = |method: ContactMethod, secondary: &BodyBoundary, primary: &BodyBoundary| -> Box<dyn ContactKernel> {
+    let between = |method: ContactMethod, secondary: &BodyBoundary, primary: &[BodyBoundary]| -> Box<dyn ContactKernel> {
+        let (secondary, primary) = (facets(secondary), facets_of_all(primary, &facets));
         match method {
-            ContactMethod::Mortar => Box::new(Mortar::new(&facets(secondary), &facets(primary), reference)),
-            ContactMethod::NodeToSegment => Box::new(NodeToSegment::new(&facets(secondary), &facets(primary), reference)),
+            ContactMethod::Mortar => Box::new(Mortar::new(&secondary, &primary, reference)),
+            ContactMethod::NodeToSegment => Box::new(NodeToSegment::new(&secondary, &primary, reference)),
         }
     };
     let rules = |mut pair: Pair, update: UpdateRule, enforcement: Enforcement, equality: bool| {
@@ -150,7 +157,7 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         pairs.push(rules(pair, contact.update, contact.enforcement, contact.equality));
     }
     for contact in &model.self_contacts {
-        let kernel = between(contact.method, &contact.surface, &contact.surface);
+        let kernel = between(contact.method, &contact.surface, std::slice::from_ref(&contact.surface));
         let pair = fresh(&contact.name, PairKind::Surfaces, contact.surface.body, kernel);
         pairs.push(rules(pair, contact.update, contact.enforcement, false));
     }

@@ -372,7 +372,9 @@ where
     }
 
     /// Puts the candidates of an earlier step in place, at its positions.
-    pub(super) fn restore_search(&mut self, search: &Arc<SearchHistory>, q: &[f64]) {
+    pub(super) fn restore_search(&mut self, search: &Arc<SearchHistory>, q: &[f64], time: f64) {
+        // A time function that fails does so again, with its error, in the next step.
+        let _ = self.move_obstacles(time, 0.0);
         if *self.search() == **search {
             return;
         }

@@ -39,6 +39,8 @@ where
     pub(super) fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let mut system = System::<D>::new(model, options.threads)?;
         let velocities = initial_velocities(&system, model);
+        // A time function that fails does so again, with its error, in the first step.
+        let _ = system.move_obstacles(0.0, 0.0);
         let mut row = LedgerRow::default();
         let positions = system.reference.clone();
         row.kinetic = system.kinetic_energy(&velocities);
@@ -286,14 +288,14 @@ where
             "the state is of the same model"
         );
         self.state = state.clone();
-        self.system.restore_search(&state.search, &state.positions);
+        self.system.restore_search(&state.search, &state.positions, state.row.time);
     }
 
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let outcome = self.nominal_step(end, accepted);
         if outcome.is_err() {
             // Nothing of the pieces that failed stays: the state alone decides how it goes on.
-            self.system.restore_search(&self.state.search, &self.state.positions);
+            self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
         }
         outcome
     }
@@ -306,7 +308,7 @@ where
             outcome = outcome.and_then(|report| self.start_trapezoidal().map(|()| report));
         }
         if outcome.is_err() {
-            self.system.restore_search(&before.search, &before.positions);
+            self.system.restore_search(&before.search, &before.positions, before.row.time);
             self.state = before;
         }
         outcome

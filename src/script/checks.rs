@@ -234,7 +234,7 @@ fn expect_contact() -> Function {
                 .or(Absent::Text("ever")),
         ],
         returns: "",
-        example: super::models::contact_example(
+        example: super::contacts::contact_example(
             "press.initial_velocity(plate, #{ linear: [0.0, -1.0] });\nlet sim = simulate(press, #{ integrator: energy_momentum(), \
                                                  dt: 0.001 });\nsim.step(3);\nexpect_contact(sim, \"foot\");",
         ),
@@ -242,9 +242,8 @@ fn expect_contact() -> Function {
         body: body(|call| {
             let (handle, argument, when) = (call.handle::<SimulationHandle>("simulation")?, call.argument("name"), call.text("when")?);
             let name = argument.text()?;
-            let contacts = &handle.0.model.model.contacts;
-            let Some(index) = contacts.iter().position(|contact| contact.name == name) else {
-                let names: Vec<&str> = contacts.iter().map(|contact| contact.name.as_str()).collect();
+            let names = handle.0.model.model.contact_names();
+            let Some(index) = names.iter().position(|contact| *contact == name) else {
                 return Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into());
             };
             if listed(call, &format!("contact \"{name}\" of \"{}\" closes", handle.0.name)) {

@@ -295,7 +295,7 @@ impl Words<'_> {
                     Some(simulation) => vec![simulation],
                     None => self.objects::<SimulationHandle>(),
                 };
-                simulations.iter().flat_map(|handle| handle.0.model.model.contacts.iter().map(|contact| contact.name.clone())).collect()
+                simulations.iter().flat_map(|handle| handle.0.model.model.contact_names().into_iter().map(String::from)).collect()
             }
             "plot" | "show" if level.commas == function.parameters.len() - 1 => {
                 let columns = receiver().try_cast::<SimulationHandle>().map(|simulation| simulation.columns());
@@ -323,7 +323,7 @@ impl Words<'_> {
         let mut names: Vec<String> = meshes.iter().map(|(body, _)| body.clone()).filter(|name| !name.is_empty()).collect();
         names.extend(meshes.iter().flat_map(|(_, mesh)| boundaries(mesh)));
         for model in self.objects::<ModelHandle>() {
-            names.extend(model.0.borrow().model.contacts.iter().map(|contact| contact.name.clone()));
+            names.extend(model.0.borrow().model.contact_names().into_iter().map(String::from));
         }
         names.sort();
         names.dedup();

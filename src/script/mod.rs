@@ -9,6 +9,7 @@ mod arguments;
 mod callback;
 mod checks;
 mod completion;
+mod contacts;
 mod cursor;
 mod diagnostics;
 mod explain;

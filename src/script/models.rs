@@ -1,11 +1,10 @@
-//! Models in scripts: bodies, boundaries, supports, loads, contact pairs.
+//! Models in scripts: bodies, boundaries, supports, loads; contact pairs stand in `contacts`.
 //!
 //! Every call that adds something checks the model at once, so that a defect is reported where it was written. The handle keeps the
 //! places of loads and contact pairs for the warnings at the end of a run.
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::sync::LazyLock;
 
 use rhai::{Array, Dynamic};
 
@@ -16,10 +15,8 @@ use super::meshes::{MeshHandle, describe_mesh, named_boundary, with_boundary_whe
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Receiver, Topic, body, number_text};
 use super::sources::Place;
 use super::time_functions::{TimeFunctionHandle, Watched};
-use crate::dynamics::{
-    Amplitude, BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model,
-    Prescription, Support, UpdateRule,
-};
+use crate::contact::Finding;
+use crate::dynamics::{Amplitude, BodyBoundary, BodyDefinition, InitialVelocity, Load, LoadKind, Model, Prescription, Support};
 use crate::math::catalogue::Interval;
 use crate::mesh::{Boundary, Mesh};
 
@@ -41,8 +38,15 @@ pub struct ModelData {
     pub model: Model,
     /// One for each load.
     pub loads: Vec<LoadNote>,
-    /// One for each contact pair: where it was written.
-    pub contacts: Vec<Option<Place>>,
+    /// One for each contact pair: its name, and where it was written.
+    pub contacts: Vec<(String, Option<Place>)>,
+}
+
+impl ModelData {
+    /// Where the contact pair of that name was written.
+    pub fn place_of_contact(&self, name: &str) -> Option<Place> {
+        self.contacts.iter().find(|(known, _)| known == name).and_then(|(_, place)| place.clone())
+    }
 }
 
 /// A model in a script.
@@ -66,10 +70,6 @@ pub struct BoundaryHandle {
     boundary: Boundary,
 }
 
-/// A contact method.
-#[derive(Clone)]
-pub struct ContactMethodHandle(ContactMethod);
-
 impl Handle for ModelHandle {
     const NAME: &'static str = "Model";
 
@@ -90,11 +90,7 @@ impl Handle for ModelHandle {
         if model.gravity != [0.0; 3] {
             lines.push(format!("  gravity {}", vector_text(&model.gravity[..model.dimension()])));
         }
-        lines.extend(model.contacts.iter().map(|contact| {
-            let (secondary, primary) = (model.boundary_name(&contact.secondary), model.boundary_name(&contact.primary));
-            let kind = if contact.equality { "bilateral contact" } else { "contact" };
-            format!("  {kind} \"{}\": secondary \"{secondary}\", primary \"{primary}\"", contact.name)
-        }));
+        lines.extend(super::contacts::describe_contacts(&data));
         lines.join("\n")
     }
 }
@@ -115,14 +111,6 @@ impl Handle for BoundaryHandle {
         let measure = self.mesh.boundary_measure(&self.boundary);
         let (word, facets) = (if self.mesh.dimension() == 2 { "length" } else { "area" }, self.boundary.facets.len());
         format!("boundary \"{}\" of {facets} facets and {word} {}", self.title(), number_text(measure))
-    }
-}
-
-impl Handle for ContactMethodHandle {
-    const NAME: &'static str = "ContactMethod";
-
-    fn describe(&self) -> String {
-        format!("{}()", self.0.name())
     }
 }
 
@@ -149,8 +137,18 @@ pub fn vector_text(vector: &[f64]) -> String {
 }
 
 /// The boundary an argument means, which must be one of a body of this model.
-fn boundary_of(argument: &Argument, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
-    let handle: BoundaryHandle = argument.handle()?;
+///
+/// # Errors
+/// Another type, a boundary of a mesh, or of another model.
+pub fn boundary_of(argument: &Argument, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
+    body_boundary(argument, argument.handle()?, model)
+}
+
+/// A boundary that an argument contains, which must be one of a body of this model.
+///
+/// # Errors
+/// A boundary of a mesh, or of another model.
+pub fn body_boundary(argument: &Argument, handle: BoundaryHandle, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
     let Some(body) = &handle.body else {
         let failure = argument.fail(format!("{} must be a boundary of a body, not of a mesh", argument.title()));
         let failure = failure.label(format!("this is boundary \"{}\" of a mesh", handle.boundary.name));
@@ -180,7 +178,10 @@ fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> R
 }
 
 /// Changes the model and checks it; a change that makes it wrong is taken back.
-fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Failure> {
+///
+/// # Errors
+/// What the change makes wrong.
+pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Failure> {
     let before = handle.0.borrow().clone();
     apply(&mut handle.0.borrow_mut());
     let checked = handle.0.borrow().model.check();
@@ -248,28 +249,19 @@ fn amplitude_parameter() -> Parameter {
 }
 
 /// A model with one body for examples.
-const PLATE: &str = "let steel = neo_hookean(#{ youngs_modulus: 1e5, poisson_ratio: 0.3, density: 1e-3 });\n\
+pub const PLATE: &str = "let steel = neo_hookean(#{ youngs_modulus: 1e5, poisson_ratio: 0.3, density: 1e-3 });\n\
      let press = model(\"press\");\n\
      let plate = press.add_body(\"plate\", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), steel);\n";
 
-fn example(line: &str) -> std::borrow::Cow<'static, str> {
+/// An example that goes on from a model with one body.
+pub fn example(line: &str) -> std::borrow::Cow<'static, str> {
     format!("{PLATE}{line}").into()
 }
-
-/// An example with a simulation of two bodies in contact.
-pub fn contact_example(line: &str) -> std::borrow::Cow<'static, str> {
-    format!("{PLATE}{TOUCH}let sim = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\n{line}").into()
-}
-
-/// A second body under that of [`PLATE`], and contact between the two.
-const TOUCH: &str = "let table = press.add_body(\"table\", rectangle(#{ size: [4.0, 1.0], cells: [9, 2], origin: [-1.0, -1.0] }), steel);\n\
-     press.add_contact(\"foot\", #{ secondary: plate.boundary(\"bottom\"), primary: table.boundary(\"top\"), method: mortar() });\n";
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = model_functions();
     all.extend(loads());
-    all.extend(contacts());
     all.extend(body_functions());
     all
 }
@@ -450,15 +442,18 @@ fn model_functions() -> Vec<Function> {
             name: "check",
             form: Form::Method(receiver),
             topic: Topic::Model,
-            summary: "checks everything about the model that can be said without computing",
+            summary: "checks everything about the model that can be said without computing; gives what is suspicious about its \
+                      contacts as an array of sentences",
             parameters: Vec::new(),
-            returns: "",
-            example: example("press.check();"),
-            see_also: &["simulate"],
+            returns: "Array",
+            example: example("for finding in press.check() { print(finding); }"),
+            see_also: &["simulate", "add_contact"],
             body: body(|call| {
                 let model = call.receiver::<ModelHandle>();
-                let checked = model.0.borrow().model.check();
-                checked.map(|()| Dynamic::UNIT).map_err(|error| call.fail(error.to_string()).hint(error.cure()).into())
+                let model = &model.0.borrow().model;
+                model.check().map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
+                let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.cure());
+                Ok(model.findings().into_iter().map(sentence).map(Dynamic::from).collect::<Array>().into())
             }),
         },
         member(receiver, "name", "the name of the model", "String", |call| {
@@ -564,89 +559,6 @@ fn loads() -> Vec<Function> {
             body: body(|call| Ok(add_load(call, LoadKind::Torque, "torque")?)),
         },
     ]
-}
-
-/// Names of the update rules.
-fn update_names() -> &'static [&'static str] {
-    static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| UpdateRule::ALL.iter().map(|rule| rule.name()).collect());
-    &NAMES
-}
-
-fn contacts() -> Vec<Function> {
-    let method = |method: &ContactMethod| {
-        let method = *method;
-        Function {
-            name: method.name(),
-            form: Form::Function,
-            topic: Topic::Contact,
-            summary: method.summary(),
-            parameters: Vec::new(),
-            returns: ContactMethodHandle::NAME,
-            example: format!("print({}());", method.name()).into(),
-            see_also: &["add_contact"],
-            body: body(move |_| Ok(Dynamic::from(ContactMethodHandle(method)))),
-        }
-    };
-    let mut all: Vec<Function> = ContactMethod::ALL.iter().map(method).collect();
-    all.push(add_contact());
-    all
-}
-
-fn add_contact() -> Function {
-    Function {
-        name: "add_contact",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Contact,
-        summary: "lets two boundaries touch without friction",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique in the model"),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::new(
-                        "secondary",
-                        Kind::Handle(BoundaryHandle::NAME),
-                        "the side that carries the contact pressure (slave, nonmortar)",
-                    ),
-                    Parameter::new("primary", Kind::Handle(BoundaryHandle::NAME), "the other side (master, mortar)"),
-                    Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretised")
-                        .or(Absent::Means("`mortar()`")),
-                    Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")
-                        .or(Absent::Text(UpdateRule::Gap.name())),
-                    Parameter::number("penalty", "1", Interval::Positive, "a stiffness, relative to a facet's, instead of multipliers")
-                        .or(Absent::Means("multipliers: the update rule holds exactly")),
-                    Parameter::new(
-                        "equality",
-                        Kind::Flag,
-                        "whether every covered node is closed and tension allowed (the bilateral constraints of the paper)",
-                    )
-                    .or(Absent::Flag(false)),
-                ]),
-                "sides and method",
-            ),
-        ],
-        returns: "",
-        example: example(TOUCH),
-        see_also: &["mortar"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
-            let (name, options) = (call.text("name")?, call.options("options")?);
-            let secondary = boundary_of(&options.argument("secondary"), &model)?;
-            let primary = boundary_of(&options.argument("primary"), &model)?;
-            let method = options.argument("method");
-            let method = if method.is_given() { method.handle::<ContactMethodHandle>()?.0 } else { ContactMethod::Mortar };
-            let update = options.text("update")?;
-            let update = UpdateRule::ALL.iter().copied().find(|rule| rule.name() == update).unwrap_or(UpdateRule::Gap);
-            let penalty = options.optional_number("penalty")?;
-            let enforcement = penalty.map_or(Enforcement::Multiplier, |factor| Enforcement::Penalty { factor });
-            let (equality, place) = (options.flag("equality")?, call.place(&Default::default()));
-            change(call, &model, |data| {
-                data.model.contacts.push(ContactDefinition { name, secondary, primary, method, update, enforcement, equality });
-                data.contacts.push(place);
-            })?;
-            Ok(Dynamic::UNIT)
-        }),
-    }
 }
 
 fn body_functions() -> Vec<Function> {

@@ -10,6 +10,7 @@ use std::rc::Rc;
 use super::numbers::brief;
 use super::registry::number_text;
 use super::units::{Dimension, Units};
+use crate::contact::Obstacle;
 use crate::dynamics::{Amplitude, LedgerRow, LoadKind, Model, Prescription, TimeFunction};
 use crate::materials::Material;
 
@@ -23,6 +24,26 @@ pub struct Motion {
     offset: [f64; 3],
     /// The units.
     pub units: Units,
+}
+
+/// A sum of multiples of other time functions, in other units of time.
+struct Combined {
+    terms: Vec<(f64, Amplitude)>,
+    time: f64,
+}
+
+impl TimeFunction for Combined {
+    fn value(&self, time: f64) -> Result<f64, Box<dyn std::error::Error>> {
+        self.terms.iter().try_fold(0.0, |sum, (factor, inner)| Ok(sum + factor * inner.value(time / self.time)?))
+    }
+
+    fn rate(&self, time: f64) -> Result<f64, Box<dyn std::error::Error>> {
+        self.terms.iter().try_fold(0.0, |sum, (factor, inner)| Ok(sum + factor / self.time * inner.rate(time / self.time)?))
+    }
+
+    fn describe(&self) -> String {
+        self.terms.iter().map(|(factor, inner)| format!("{} {}", brief(*factor), inner.describe())).collect::<Vec<_>>().join(" + ")
+    }
 }
 
 /// The value of another time function in other units.
@@ -129,7 +150,40 @@ impl Motion {
             }
             load.amplitude = self.amplitude(&load.amplitude, size);
         }
+        for obstacle in &mut moved.obstacles {
+            obstacle.obstacle = self.obstacle(&obstacle.obstacle);
+            obstacle.motion = self.obstacle_motion(&obstacle.motion);
+        }
+        for tie in &mut moved.ties {
+            tie.reach = tie.reach.map(|reach| units.length * reach);
+        }
         Ok(moved)
+    }
+
+    fn obstacle(&self, obstacle: &Obstacle) -> Obstacle {
+        let point = |[x, y]: [f64; 2]| {
+            let [x, y, _] = self.point([x, y, 0.0]);
+            [x, y]
+        };
+        let length = self.units.length;
+        match obstacle {
+            Obstacle::HalfPlane { point: on, normal: [x, y] } => {
+                let [x, y, _] = self.vector([*x, *y, 0.0], 1.0);
+                Obstacle::HalfPlane { point: point(*on), normal: [x, y] }
+            }
+            Obstacle::Disk { center, radius } => Obstacle::Disk { center: point(*center), radius: length * radius },
+            Obstacle::Ring { center, radius } => Obstacle::Ring { center: point(*center), radius: length * radius },
+            Obstacle::Polyline { points } => Obstacle::Polyline { points: points.iter().map(|&at| point(at)).collect() },
+        }
+    }
+
+    fn obstacle_motion(&self, [x, y]: &[Option<Amplitude>; 2]) -> [Option<Amplitude>; 2] {
+        let turned = |factors: [f64; 2]| -> Option<Amplitude> {
+            let terms = factors.into_iter().zip([x, y]).filter(|(factor, _)| *factor != 0.0);
+            let terms: Vec<_> = terms.filter_map(|(factor, inner)| Some((self.units.length * factor, inner.clone()?))).collect();
+            (!terms.is_empty()).then(|| Rc::new(Combined { terms, time: self.units.time }) as Amplitude)
+        };
+        [turned([self.cosine, -self.sine]), turned([self.sine, self.cosine])]
     }
 
     fn amplitude(&self, inner: &Amplitude, value: f64) -> Amplitude {

@@ -67,6 +67,8 @@ pub enum Kind {
     Handle(&'static str),
     /// An object map with these keys.
     Options(Vec<Parameter>),
+    /// One of several kinds, in words with their articles.
+    Either(&'static str),
     /// Anything.
     Any,
 }
@@ -90,6 +92,7 @@ impl Kind {
             Kind::Closure(parameters) => format!("a closure `{parameters} …`"),
             Kind::Handle(name) => with_article(name),
             Kind::Options(_) => "an object map `#{ … }`".into(),
+            Kind::Either(words) => (*words).into(),
             Kind::Any => "a value".into(),
         }
     }
@@ -106,7 +109,7 @@ impl Kind {
             Kind::Closure(_) => "Fn",
             Kind::Handle(name) => name,
             Kind::Options(_) => "Map",
-            Kind::Any => "any",
+            Kind::Either(_) | Kind::Any => "any",
         }
     }
 }

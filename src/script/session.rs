@@ -11,6 +11,7 @@ use rhai::packages::{Package, StandardPackage};
 use rhai::{AST, Dynamic, Engine, EvalAltResult, FuncRegistration, Module, NativeCallContext, OptimizationLevel, RhaiFunc, Scope, Shared};
 
 use super::arguments::Call;
+use super::contacts::{self, ContactMethodHandle, ObstacleHandle};
 use super::diagnostics::Diagnostic;
 use super::explain::{explain, explain_failure};
 use super::failure::{Class, Failure};
@@ -18,7 +19,7 @@ use super::forensics::FailedStepHandle;
 use super::host::{Host, Observer, Settings};
 use super::materials::{self, MaterialHandle};
 use super::meshes::{self, MeshHandle};
-use super::models::{self, BodyHandle, BoundaryHandle, ContactMethodHandle, ModelHandle};
+use super::models::{self, BodyHandle, BoundaryHandle, ModelHandle};
 use super::modules::{KEEP_CONTEXT, Modules};
 use super::registry::{Form, Function, Registry, Topic, body};
 use super::run;
@@ -222,6 +223,7 @@ fn functions() -> Vec<Function> {
         meshes::functions(),
         materials::functions(),
         models::functions(),
+        contacts::functions(),
         time_functions::functions(),
         simulations::functions(),
         results::functions(),
@@ -278,6 +280,7 @@ fn engine(host: &Rc<Host>) -> Engine {
     registry.add_type::<BodyHandle>(&mut engine);
     registry.add_type::<BoundaryHandle>(&mut engine);
     registry.add_type::<ContactMethodHandle>(&mut engine);
+    registry.add_type::<ObstacleHandle>(&mut engine);
     registry.add_type::<ContactHandle>(&mut engine);
     registry.add_type::<TimeFunctionHandle>(&mut engine);
     registry.add_type::<IntegratorHandle>(&mut engine);

@@ -111,7 +111,7 @@ impl Handle for SimulationHandle {
                 angular_text(row, simulation.dimension())
             ),
         ];
-        if !data.model.model.contacts.is_empty() {
+        if !data.model.model.contact_names().is_empty() {
             lines.push(format!("  contact: {} active nodes, largest penetration {}", row.active, number(row.max_penetration)));
         }
         lines.join("\n")
@@ -293,14 +293,14 @@ impl SimulationHandle {
         let contacts: Vec<Vec<String>> = data
             .model
             .model
-            .contacts
-            .iter()
-            .filter_map(|contact| {
-                let fields = simulation.contact(&contact.name)?;
+            .contact_names()
+            .into_iter()
+            .filter_map(|name| {
+                let fields = simulation.contact(name)?;
                 let active = fields.active.iter().filter(|active| **active).count();
                 let pressure = fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
                 let force = vector_of(fields.force, simulation.dimension());
-                Some(vec![contact.name.clone(), active.to_string(), fields.active.len().to_string(), brief(pressure), force])
+                Some(vec![name.into(), active.to_string(), fields.active.len().to_string(), brief(pressure), force])
             })
             .collect();
         if !contacts.is_empty() {
@@ -344,10 +344,11 @@ impl SimulationHandle {
             host.warn(warning);
         }
         let closed = self.0.closed_since.borrow();
-        for ((contact, place), _) in
-            self.0.model.model.contacts.iter().zip(&self.0.model.contacts).zip(&*closed).filter(|(_, since)| since.is_none())
-        {
-            let warning = Diagnostic::warning(format!("contact \"{}\" never closed", contact.name), place.clone())
+        let model = &self.0.model.model;
+        let is_tie = |name: &str| model.ties.iter().any(|tie| tie.name == name);
+        for (name, _) in model.contact_names().into_iter().zip(&*closed).filter(|(name, since)| since.is_none() && !is_tie(name)) {
+            let place = self.0.model.place_of_contact(name);
+            let warning = Diagnostic::warning(format!("contact \"{name}\" never closed"), place)
                 .cause("no node of its secondary side was active in any step")
                 .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
             host.warn(warning);
@@ -653,6 +654,10 @@ fn simulate() -> Function {
             kernel.dt *= motion.map_or(1.0, |motion| motion.units.time);
             let simulation = Simulation::new(moved.as_ref().unwrap_or(&model.model), kernel);
             let simulation = simulation.map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
+            for (contact, finding) in model.model.findings() {
+                let warning = Diagnostic::warning(format!("contact \"{contact}\": {finding}"), model.place_of_contact(&contact));
+                call.host.warn(warning.hint(finding.cure()));
+            }
             let history = vec![simulation.row().clone()];
             let handle = SimulationHandle::create(call, model, simulation, motion, fields_every, history, begun.elapsed())?;
             handle.note_contact();
@@ -938,7 +943,7 @@ fn contact() -> Vec<Function> {
         summary,
         parameters: Vec::new(),
         returns: "Array",
-        example: super::models::contact_example(&format!("print(sim.contact(\"foot\").{name});")),
+        example: super::contacts::contact_example(&format!("print(sim.contact(\"foot\").{name});")),
         see_also: &["contact"],
         body: body(move |call| Ok(read(&call.receiver::<ContactHandle>()).into())),
     };
@@ -950,7 +955,7 @@ fn contact() -> Vec<Function> {
             summary: "a contact pair as it is now",
             parameters: vec![Parameter::new("name", Kind::Text, "the name of the contact pair")],
             returns: ContactHandle::NAME,
-            example: super::models::contact_example("print(sim.contact(\"foot\"));"),
+            example: super::contacts::contact_example("print(sim.contact(\"foot\"));"),
             see_also: &["add_contact"],
             body: body(|call| {
                 let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
@@ -967,7 +972,7 @@ fn contact() -> Vec<Function> {
                         Ok(Dynamic::from(ContactHandle { name, time, dimension, fields: Rc::new(fields), cycling }))
                     }
                     (None, ..) => {
-                        let names: Vec<&str> = handle.0.model.model.contacts.iter().map(|contact| contact.name.as_str()).collect();
+                        let names = handle.0.model.model.contact_names();
                         Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())
                     }
                 }
@@ -980,7 +985,7 @@ fn contact() -> Vec<Function> {
             summary: "the number of nodes whose contact state changed in every one of the last iterations of the step that failed",
             parameters: Vec::new(),
             returns: "int",
-            example: super::models::contact_example("print(sim.contact(\"foot\").cycling);"),
+            example: super::contacts::contact_example("print(sim.contact(\"foot\").cycling);"),
             see_also: &["contact", "why"],
             body: body(|call| Ok(Dynamic::from(call.receiver::<ContactHandle>().cycling as i64))),
         },
