@@ -20,6 +20,8 @@ pub(super) struct Jump {
     energy: f64,
     /// Kinetic energy that moving obstacles add by their push: as seen from the obstacle, only the lost energy returns.
     work: f64,
+    /// Multipliers whose forces would give the same impulse over the step.
+    lambda: Vec<f64>,
 }
 
 impl<const D: usize> TimeLoop<D>
@@ -59,7 +61,8 @@ where
         let s = 2.0 * lost / divisor;
         w.iter_mut().for_each(|w| *w *= s);
         impulse.iter_mut().for_each(|f| *f *= s);
-        Ok(Some(Jump { velocity: w, impulse, energy: lost, work: s * work }))
+        lambda.iter_mut().for_each(|lambda| *lambda *= s / dt);
+        Ok(Some(Jump { velocity: w, impulse, energy: lost, work: s * work, lambda }))
     }
 
     /// The state at the end of a converged step, with its row of the ledger.
@@ -161,6 +164,12 @@ where
                 }
             }
         }
+        let pressing: Vec<f64> = match &jump {
+            Some(jump) => lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect(),
+            None => lambda.clone(),
+        };
+        row.contacts = self.contact_totals(&q_1, &pressing, &active);
+        row.probes = self.probe_values(&q_1, &v_1);
         let acted = obstacle_work != 0.0 || load.iter().any(|f| *f != 0.0);
         State {
             row,

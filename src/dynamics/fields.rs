@@ -21,6 +21,10 @@ pub struct BodyFields {
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
     pub contact_gap: Vec<f64>,
+    /// Contact force `[force]` on the nodes of both sides of all contacts, ties not included.
+    pub contact_force: Vec<[f64; 3]>,
+    /// 1 at a secondary node in contact, 0 elsewhere.
+    pub contact_active: Vec<f64>,
 }
 
 impl BodyFields {
@@ -49,6 +53,13 @@ pub struct ContactFields {
     pub gap: Vec<f64>,
     /// Whether the node is in contact.
     pub active: Vec<bool>,
-    /// Resultant of the contact forces on the secondary side `[force]`.
+    /// Contact force on each secondary node `[force]`.
+    pub forces: Vec<[f64; 3]>,
+    /// Resultant of the contact forces on the secondary side `[force]`; of a surface with itself on one side of its folds, each pair of
+    /// facets being taken once.
     pub force: [f64; 3],
+    /// Sum of the sizes of the nodal forces `[force]`.
+    pub normal_force: f64,
+    /// Length of the secondary surface in contact `[length]`.
+    pub area: f64,
 }

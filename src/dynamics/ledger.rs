@@ -37,6 +37,63 @@ pub struct LedgerRow {
     pub active: usize,
     /// Largest penetration at a secondary node `[length]`, 0 when none.
     pub max_penetration: f64,
+    /// One for each contact pair, in the order of the model; none before the first step.
+    pub contacts: Vec<ContactTotals>,
+    /// One for each node that is watched ([`Simulation::watch`](super::Simulation::watch)), in the order in which they were asked for.
+    pub probes: Vec<ProbeValues>,
+}
+
+/// Sums over a contact pair; forces and pressures are means over the step, the velocity jump of the `velocity` rule included.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactTotals {
+    /// Number of secondary nodes in contact.
+    pub active: usize,
+    /// Resultant of the contact forces on the secondary side `[force]`.
+    pub force: [f64; 3],
+    /// Sum of the sizes of the nodal contact forces `[force]`.
+    pub normal_force: f64,
+    /// Length of the secondary surface in contact `[length]`.
+    pub area: f64,
+    /// Largest pressure at a secondary node `[stress]`.
+    pub pressure: f64,
+    /// Largest penetration at a secondary node `[length]`, 0 when none.
+    pub penetration: f64,
+}
+
+impl ContactTotals {
+    /// Names of its columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<&'static str> {
+        let force = &["force_x", "force_y", "force_z"][..dimension];
+        force.iter().copied().chain(["normal_force", "area", "max_pressure", "active", "max_penetration"]).collect()
+    }
+
+    /// Its columns' values, in their order.
+    pub fn values(&self, dimension: usize) -> Vec<f64> {
+        let further = [self.normal_force, self.area, self.pressure, self.active as f64, self.penetration];
+        self.force[..dimension].iter().copied().chain(further).collect()
+    }
+}
+
+/// Motion of a watched node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProbeValues {
+    /// Displacement `[length]`.
+    pub displacement: [f64; 3],
+    /// Velocity `[length/time]`.
+    pub velocity: [f64; 3],
+}
+
+impl ProbeValues {
+    /// Names of its columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<&'static str> {
+        let names = [["ux", "uy", "uz"], ["vx", "vy", "vz"]];
+        names.iter().flat_map(|names| names[..dimension].iter().copied()).collect()
+    }
+
+    /// Its columns' values, in their order.
+    pub fn values(&self, dimension: usize) -> Vec<f64> {
+        self.displacement[..dimension].iter().chain(&self.velocity[..dimension]).copied().collect()
+    }
 }
 
 impl LedgerRow {

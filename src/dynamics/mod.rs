@@ -2,6 +2,7 @@
 
 mod accept;
 mod amplitude;
+mod contact_quantities;
 mod error;
 mod failed;
 mod fields;
@@ -22,7 +23,7 @@ mod time_loop;
 pub use amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction};
 pub use error::{ModelError, StepError};
 pub use fields::{BodyFields, ContactFields};
-pub use ledger::LedgerRow;
+pub use ledger::{ContactTotals, LedgerRow, ProbeValues};
 pub use model::{
     BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model,
     ObstacleDefinition, Prescription, SelfContactDefinition, Support, TieDefinition, UpdateRule,

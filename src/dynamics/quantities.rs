@@ -1,9 +1,12 @@
 //! Fields of the bodies and quantities of the contacts at the present state.
 
+use super::contact_quantities::{contact_fields, pair_forces, totals};
 use super::fields::{BodyFields, ContactFields};
-use super::pairs::PairKind;
+use super::ledger::{ContactTotals, ProbeValues};
+use super::pairs::{Pair, PairKind};
 use super::time_loop::TimeLoop;
 use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
 use crate::integrators::Integrator;
 use crate::math::tolerances;
 
@@ -20,10 +23,20 @@ where
             body.elements.project_stress(q, &mut stress, &mut weight);
         }
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
+        let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
         for pair in self.system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
             let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
+            let lambda = &self.state.lambda[pair.rows.clone()];
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Integrator::Trapezoidal, q, lambda, &mut evaluation);
+            for (node, force) in pair_forces::<D>(pair, &evaluation, lambda).all {
+                (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
+            }
             for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
-                pressure[node as usize] += self.state.lambda[pair.rows.start + local];
+                pressure[node as usize] += lambda[local];
+                if self.state.active[pair.rows.start + local] {
+                    contact_active[node as usize] = 1.0;
+                }
                 if coverage[local] > tolerances::SLIVER {
                     gap[node as usize] = gaps[local] / (coverage[local] * pair.kernel.weights()[local]);
                 }
@@ -47,57 +60,33 @@ where
                 stress: body.nodes.clone().map(|node| stress[node].map(|s| s / weight[node])).collect(),
                 contact_pressure: pressure[body.nodes.clone()].to_vec(),
                 contact_gap: gap[body.nodes.clone()].to_vec(),
+                contact_force: contact_force[body.nodes.clone()].to_vec(),
+                contact_active: contact_active[body.nodes.clone()].to_vec(),
             })
             .collect()
     }
 
     pub(super) fn contact_fields(&self, name: &str) -> Option<ContactFields> {
         let pair = self.system.pairs.iter().find(|pair| pair.name == name)?;
-        let q = &self.state.positions;
-        let rows = pair.kernel.rows_per_node();
-        let (gaps, coverage) = (per_node(&pair.kernel.gap(q), rows), pair.kernel.coverage(q));
-        let secondary = pair.kernel.secondary().nodes();
-        let position = |node: u32| {
-            let mut x = [0.0; 3];
-            x[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
-            x
-        };
-        let mut force = [0.0; 3];
-        let lambda = &self.state.lambda[pair.rows.clone()];
-        let mut evaluation = Default::default();
-        pair.kernel.evaluate(Integrator::Trapezoidal, q, lambda, &mut evaluation);
-        let patches = pair.kernel.patches();
-        for p in (0..patches.len()).filter(|&p| evaluation.live[p]) {
-            let gradients = &evaluation.gradient_end[patches.gradient_range(p)];
-            for (row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
-                for (u, node) in patches.nodes(p).iter().enumerate() {
-                    if secondary.binary_search(node).is_ok() {
-                        for i in 0..D {
-                            force[i] += lambda[*row as usize] * gradient[u * D + i];
-                        }
-                    }
-                }
-            }
-        }
-        Some(ContactFields {
-            positions: secondary.iter().map(|&node| position(node)).collect(),
-            pressure: per_node(lambda, rows),
-            gap: (0..secondary.len())
-                .map(|k| {
-                    let (covered, weight) = (coverage[k * rows], pair.kernel.weights()[k * rows]);
-                    if covered > tolerances::SLIVER { gaps[k] / (covered * weight) } else { f64::NAN }
-                })
-                .collect(),
-            active: self.state.active[pair.rows.clone()].chunks_exact(rows).map(|rows| rows.contains(&true)).collect(),
-            force,
-        })
+        Some(contact_fields::<D>(pair, &self.state))
     }
-}
 
-/// One number for each node from its constraint rows: the row itself, or the length of the vector that several are.
-fn per_node(values: &[f64], rows: usize) -> Vec<f64> {
-    match rows {
-        1 => values.to_vec(),
-        _ => values.chunks_exact(rows).map(|vector| vector.iter().map(|x| x * x).sum::<f64>().sqrt()).collect(),
+    /// Sums over each contact pair with what Newton's method evaluated last, at `q`.
+    pub(super) fn contact_totals(&self, q: &[f64], lambda: &[f64], active: &[bool]) -> Vec<ContactTotals> {
+        let of = |pair: &Pair| totals::<D>(pair, &pair.evaluation, &lambda[pair.rows.clone()], &active[pair.rows.clone()], q);
+        self.system.pairs.iter().map(of).collect()
+    }
+
+    /// Displacement and velocity of the watched nodes.
+    pub(super) fn probe_values(&self, q: &[f64], v: &[f64]) -> Vec<ProbeValues> {
+        let values = |&node: &usize| {
+            let mut values = ProbeValues::default();
+            for i in 0..D {
+                values.displacement[i] = q[node * D + i] - self.system.reference[node * D + i];
+                values.velocity[i] = v[node * D + i];
+            }
+            values
+        };
+        self.probes.iter().map(values).collect()
     }
 }

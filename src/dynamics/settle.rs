@@ -4,7 +4,7 @@ use super::error::StepError;
 use super::newton::{Failure, Task};
 use super::pairs::Conditions;
 use super::predictor;
-use super::simulation::SettleReport;
+use super::simulation::{Clock, SettleReport};
 use super::system::StepStart;
 use super::time_loop::{TimeLoop, solve};
 use crate::bodies::{Elements, Space};
@@ -22,7 +22,16 @@ impl<const D: usize> TimeLoop<D>
 where
     Space<D>: Elements<D>,
 {
-    pub(super) fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
+    /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
+    pub(super) fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
+        if time != self.state.row.time {
+            self.state.row.time = time;
+            self.state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
+        }
+        self.settle_from_here()
+    }
+
+    fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
         let iterations_before = self.statistics.newton_iterations;
         let zero = vec![0.0; self.state.positions.len()];
         // Slowest elastic motion: wave speed over the largest extent.
@@ -31,14 +40,16 @@ where
         let mut steps = 0;
         loop {
             let positions = self.state.positions.clone();
-            let margins: Vec<f64> = self.system.pairs.iter().map(|pair| 3.0 * pair.kernel.facet_size()).collect();
+            let (displacement, _) = self.system.prescribed_motion(self.state.row.time)?;
+            let mut predicted = positions.clone();
+            predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
+            // Both sides may follow what is prescribed, and three facets more.
+            let moved = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
+            let margins: Vec<f64> = self.system.pairs.iter().map(|pair| 3.0 * pair.kernel.facet_size() + 2.0 * moved).collect();
             self.system.move_obstacles(self.state.row.time, 0.0)?;
             if let Err(error) = self.system.begin_step(&positions, &margins) {
                 return Err(self.failed(&Failure::Linear(error), 0.0, 0));
             }
-            let (displacement, _) = self.system.prescribed_motion(self.state.row.time)?;
-            let mut predicted = positions.clone();
-            predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
             let start = StepStart {
                 integrator: Integrator::Trapezoidal,
                 time: self.state.row.time,
@@ -98,6 +109,8 @@ where
                 });
             }
         }
+        let contacts = self.contact_totals(&self.state.positions, &self.state.lambda, &self.state.active);
+        let probes = self.probe_values(&self.state.positions, &self.state.velocities);
         let (q, v) = (&self.state.positions, &self.state.velocities);
         let row = &mut self.state.row;
         row.strain = self.system.strain_energy(q);
@@ -105,6 +118,7 @@ where
         row.potential = self.system.potential_energy(q) + self.system.penalty_energy(&gaps);
         (row.momentum, row.angular_momentum) = self.system.momenta(q, v);
         row.active = self.system.touching(&self.state.active);
+        (row.contacts, row.probes) = (contacts, probes);
         Ok(SettleReport {
             steps,
             newton_iterations: self.statistics.newton_iterations - iterations_before,

@@ -135,7 +135,9 @@ pub(super) trait Steps {
     fn state(&self) -> &State;
     fn restore(&mut self, state: &State);
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
-    fn settle(&mut self) -> Result<SettleReport, StepError>;
+    fn settle(&mut self, time: f64) -> Result<SettleReport, StepError>;
+    fn watch(&mut self, node: usize);
+    fn watched(&self) -> &[usize];
     fn fields(&self) -> Vec<BodyFields>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
     fn closed_nodes(&self) -> Vec<usize>;
@@ -208,7 +210,25 @@ impl Simulation {
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle(&mut self) -> Result<SettleReport, StepError> {
-        self.steps.settle()
+        self.steps.settle(self.time())
+    }
+
+    /// Goes to a time without inertia: equilibrium under what loads, supports and obstacles are then.
+    ///
+    /// # Errors
+    /// No equilibrium was found; the simulation is as it was before.
+    pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
+        self.steps.settle(time)
+    }
+
+    /// Lets every row of the ledger tell the motion of a node (bodies one after the other) from now on.
+    pub fn watch(&mut self, node: usize) {
+        self.steps.watch(node);
+    }
+
+    /// The watched nodes.
+    pub fn watched(&self) -> &[usize] {
+        self.steps.watched()
     }
 
     /// The current state as a value.

@@ -26,6 +26,8 @@ pub(super) struct TimeLoop<const D: usize> {
     pub(super) options: Options,
     pub(super) state: State,
     pub(super) statistics: Statistics,
+    /// Nodes whose motion every row of the ledger tells.
+    pub(super) probes: Vec<usize>,
     /// The course of the last step's Newton method.
     pub(super) trace: Trace,
     /// The last step that failed for good, and the iterate at which it was given up.
@@ -64,6 +66,7 @@ where
             options,
             state,
             statistics: Statistics::default(),
+            probes: Vec::new(),
             trace: Trace::default(),
             failure: None,
         })
@@ -288,6 +291,10 @@ where
             "the state is of the same model"
         );
         self.state = state.clone();
+        if self.state.row.probes.len() != self.probes.len() {
+            // A node that was not watched then.
+            self.state.row.probes = self.probe_values(&state.positions, &state.velocities);
+        }
         self.system.restore_search(&state.search, &state.positions, state.row.time);
     }
 
@@ -300,9 +307,9 @@ where
         outcome
     }
 
-    fn settle(&mut self) -> Result<SettleReport, StepError> {
+    fn settle(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let before = self.state.clone();
-        let mut outcome = self.settle_from_here();
+        let mut outcome = self.settle_at(time);
         if self.options.integrator == Integrator::Trapezoidal && self.state.row.step > 0 {
             // The forces that the rule carries from step to step are those of the new equilibrium.
             outcome = outcome.and_then(|report| self.start_trapezoidal().map(|()| report));
@@ -312,6 +319,15 @@ where
             self.state = before;
         }
         outcome
+    }
+
+    fn watch(&mut self, node: usize) {
+        self.probes.push(node);
+        self.state.row.probes = self.probe_values(&self.state.positions, &self.state.velocities);
+    }
+
+    fn watched(&self) -> &[usize] {
+        &self.probes
     }
 
     fn fields(&self) -> Vec<BodyFields> {

@@ -26,6 +26,16 @@ pub enum MeshError {
         /// The number.
         value: f64,
     },
+    /// A cell count that does not divide as the shape asks.
+    #[error("the number of cells {direction} must be a multiple of {of}, but is {count}")]
+    NotMultiple {
+        /// Direction that is divided.
+        direction: &'static str,
+        /// The count.
+        count: usize,
+        /// What it must be a multiple of.
+        of: usize,
+    },
     /// A cell count below its minimum.
     #[error("the number of cells {direction} must be at least {least}, but is {count}")]
     TooFewCells {
@@ -393,6 +403,7 @@ impl MeshError {
             NotPositive { .. }
             | NotFinite { .. }
             | TooFewCells { .. }
+            | NotMultiple { .. }
             | TooManyCells { .. }
             | Radii { .. }
             | LeavesPlane { .. }
@@ -412,6 +423,9 @@ impl MeshError {
             NotPositive { what: "a scale factor", .. } => "scale by positive numbers; a mirrored mesh would be inside out".into(),
             NotPositive { what, .. } => format!("choose {what} greater than 0"),
             NotFinite { what, .. } => format!("give {what} as a finite number"),
+            NotMultiple { count, of, .. } => {
+                format!("ask for {} or {}", count / of * of, (count / of + 1) * of).replace("ask for 0 or ", "ask for ")
+            }
             TooFewCells { least, .. } => format!("ask for {least} or more"),
             TooManyCells { .. } => "use a coarser mesh".into(),
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),

@@ -13,7 +13,7 @@ mod transform;
 
 pub use check::Quality;
 pub use error::MeshError;
-pub use generators::{block, rectangle, ring};
+pub use generators::{block, disk, half_disk, rectangle, ring};
 pub use gmsh::{read_gmsh, read_gmsh_bytes, read_mesh};
 pub use selection::SelectionError;
 

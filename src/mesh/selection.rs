@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::{Boundary, Facet, Mesh, MeshError};
 
-/// Why a boundary could not be found by a condition.
+/// Why a boundary could not be found by a condition, or a mesh not be mapped.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SelectionError<E> {
     /// The condition itself failed.
@@ -56,6 +56,20 @@ impl Mesh {
         let facets = self.facets_where(condition).map_err(SelectionError::Condition)?;
         self.boundaries.push(Boundary { name: name.into(), facets });
         Ok(self)
+    }
+
+    /// The mesh with every node moved to where `place` puts it; cells and boundaries stay.
+    ///
+    /// # Errors
+    /// What `place` fails with; a mesh that is turned inside out.
+    pub fn mapped<E>(mut self, mut place: impl FnMut([f64; 3]) -> Result<[f64; 3], E>) -> Result<Mesh, SelectionError<E>> {
+        for point in &mut self.points {
+            *point = place(*point).map_err(SelectionError::Condition)?;
+        }
+        if let Some(&value) = self.points.as_flattened().iter().find(|value| !value.is_finite()) {
+            return Err(SelectionError::Mesh(MeshError::NotFinite { what: "a coordinate of the mapped mesh", value }));
+        }
+        self.checked().map_err(SelectionError::Mesh)
     }
 
     /// The part of that name as a mesh of its own: its cells in their order, the nodes they use renumbered in ascending order, and what

@@ -88,6 +88,8 @@ impl Frame {
                 Array::doubles("von_mises", bodies.iter().flat_map(|body| (0..body.stress.len()).map(|node| [body.von_mises(node)]))),
                 Array::doubles("contact_pressure", bodies.iter().flat_map(|body| body.contact_pressure.iter().map(|&value| [value]))),
                 Array::doubles("contact_gap", bodies.iter().flat_map(|body| body.contact_gap.iter().map(|&value| [value]))),
+                Array::doubles("contact_force", bodies.iter().flat_map(|body| body.contact_force.iter().copied())),
+                Array::doubles("contact_active", bodies.iter().flat_map(|body| body.contact_active.iter().map(|&value| [value]))),
             ],
             cellwise: vec![Array::integers(
                 "body",
@@ -215,6 +217,8 @@ mod tests {
         assert_eq!(bits("von_mises"), joined(|body| (0..body.stress.len()).map(|node| body.von_mises(node)).collect()));
         assert_eq!(bits("contact_pressure"), joined(|body| body.contact_pressure.clone()));
         assert_eq!(bits("contact_gap"), joined(|body| body.contact_gap.clone()));
+        assert_eq!(bits("contact_force"), joined(|body| body.contact_force.concat()));
+        assert_eq!(bits("contact_active"), joined(|body| body.contact_active.clone()));
         let components = ["Points", "displacement", "velocity", "stress", "von_mises", "body"].map(|name| array(&file, name).0);
         assert_eq!(components, [3, 3, 3, 6, 1, 1]);
 

@@ -299,7 +299,7 @@ impl Words<'_> {
             }
             "plot" | "show" if level.commas == function.parameters.len() - 1 => {
                 let columns = receiver().try_cast::<SimulationHandle>().map(|simulation| simulation.columns());
-                columns.unwrap_or_else(|| crate::dynamics::LedgerRow::columns(2)).into_iter().map(String::from).collect()
+                columns.unwrap_or_else(|| crate::dynamics::LedgerRow::columns(2).into_iter().map(String::from).collect())
             }
             _ => self.all_names(),
         }

@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use rhai::{Array, Dynamic, EvalAltResult, Map};
 
-use super::arguments::{Arguments, Call, describe};
+use super::arguments::{Arguments, Call, as_number, describe};
 use super::diagnostics::Diagnostic;
 use super::failure::{Details, Failure};
 use super::numbers::brief;
@@ -18,7 +18,7 @@ use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, bo
 use super::scan::Target;
 use super::tables::table;
 use crate::math::catalogue::Interval;
-use crate::mesh::{Boundary, Mesh, MeshError, SelectionError, block, read_mesh, rectangle, ring};
+use crate::mesh::{Boundary, Mesh, MeshError, SelectionError, block, disk, half_disk, read_mesh, rectangle, ring};
 
 /// A mesh in a script.
 #[derive(Clone)]
@@ -252,6 +252,65 @@ fn generators() -> Vec<Function> {
                 mesh_value(call, ring(inner, outer, pair(&cells), [center[0], center[1]], start))
             }),
         },
+        Function {
+            name: "disk",
+            form: Form::Function,
+            topic: Topic::Meshes,
+            summary: "a disk of quadrilaterals with the boundary `outer`: a square core in a ring of layers",
+            parameters: vec![Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("radius", "length", Interval::Positive, "the radius"),
+                    Parameter::new("cells", Kind::Counts, "the number of layers around the core, and of cells around (a multiple of 4)"),
+                    Parameter::new("center", Kind::Vector, "the center").of("length").or(Absent::Means("[0, 0]")),
+                    element(&["quad4"]),
+                ]),
+                "shape and cells",
+            )],
+            returns: MeshHandle::NAME,
+            example: "let wheel = disk(#{ radius: 1.0, cells: [4, 32] });".into(),
+            see_also: &["half_disk", "ring"],
+            body: body(|call| {
+                let options = call.options("options")?;
+                options.text("element")?;
+                let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
+                let center = vector_or_zero(&options, "center", 2)?;
+                mesh_value(call, disk(radius, pair(&cells), [center[0], center[1]]))
+            }),
+        },
+        Function {
+            name: "half_disk",
+            form: Form::Function,
+            topic: Topic::Meshes,
+            summary: "the lower half of a disk of quadrilaterals with the boundaries `arc` and `flat`, finer towards its lowest point",
+            parameters: vec![Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("radius", "length", Interval::Positive, "the radius"),
+                    Parameter::new("cells", Kind::Counts, "the number of layers around the core, and of cells around (a multiple of 4)"),
+                    Parameter::new("center", Kind::Vector, "the middle of the flat side").of("length").or(Absent::Means("[0, 0]")),
+                    Parameter::number(
+                        "finest",
+                        "length",
+                        Interval::Positive,
+                        "the length of the facets at the lowest point; they grow away from it in geometric progression",
+                    )
+                    .or(Absent::Means("even facets")),
+                    element(&["quad4"]),
+                ]),
+                "shape and cells",
+            )],
+            returns: MeshHandle::NAME,
+            example: "let punch = half_disk(#{ radius: 1.0, cells: [8, 48], center: [0.0, 1.0], finest: 0.01 });".into(),
+            see_also: &["disk", "map"],
+            body: body(|call| {
+                let options = call.options("options")?;
+                options.text("element")?;
+                let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
+                let (center, finest) = (vector_or_zero(&options, "center", 2)?, options.optional_number("finest")?);
+                mesh_value(call, half_disk(radius, pair(&cells), [center[0], center[1]], finest))
+            }),
+        },
     ]
 }
 
@@ -356,6 +415,44 @@ fn transforms() -> Vec<Function> {
                     [argument.number()?; 3]
                 };
                 mesh_value(call, (*mesh).clone().scale(factors))
+            }),
+        },
+        Function {
+            name: "map",
+            form: Form::Method(receiver),
+            topic: Topic::Meshes,
+            summary: "the mesh with every node moved to where a closure puts it: graded, bent, curved",
+            parameters: vec![Parameter::new("place", Kind::Closure("|x, y|"), "gives the new place `[x, y]` of a node (with z in space)")],
+            returns: MeshHandle::NAME,
+            example: "let hill = rectangle(#{ size: [2.0, 1.0], cells: [16, 8] }).map(|x, y| [x, y + 0.1 * y * sin(x)]);".into(),
+            see_also: &["translate", "rotate", "scale"],
+            body: body(|call| {
+                let (mesh, place) = (call.receiver::<MeshHandle>().mesh(), call.callback("place")?);
+                let dimension = mesh.dimension();
+                let moved = (*mesh).clone().mapped(|point| {
+                    let value = place.call(point[..dimension].iter().map(|&coordinate| Dynamic::from(coordinate)))?;
+                    let numbers: Option<Vec<f64>> = value.read_lock::<Array>().and_then(|array| array.iter().map(as_number).collect());
+                    match numbers {
+                        Some(numbers) if numbers.len() == dimension => {
+                            let mut moved = [0.0; 3];
+                            moved[..dimension].copy_from_slice(&numbers);
+                            Ok(moved)
+                        }
+                        _ => {
+                            let failure = call.argument("place").fail("the closure must give the new place as an array of coordinates");
+                            let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
+                            Err(Box::<EvalAltResult>::from(failure.hint("write `|x, y| [2.0 * x, y]`")))
+                        }
+                    }
+                });
+                mesh_value(
+                    call,
+                    match moved {
+                        Ok(mesh) => Ok(mesh),
+                        Err(SelectionError::Condition(error)) => return Err(error),
+                        Err(SelectionError::Mesh(error)) => Err(error),
+                    },
+                )
             }),
         },
         Function {

@@ -25,6 +25,7 @@ mod modules;
 mod motion;
 mod numbers;
 mod overrides;
+mod probes;
 mod reference;
 mod registry;
 mod results;

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::failure::Failure;
 use super::host::{Host, Mode};
 use super::results::output_failure;
-use super::simulations::SimulationHandle;
+use super::simulations::{SimulationHandle, contact_columns, further_values};
 use crate::dynamics::{LedgerRow, Model, PhaseTimes, Simulation};
 use crate::output::{FieldSeries, HistoryCsv, Inertia, OutputError, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes};
 
@@ -18,6 +18,7 @@ pub struct Artifacts {
     files: RunFiles,
     csv: HistoryCsv,
     series: FieldSeries,
+    model: Model,
     every: Option<f64>,
     frames: usize,
     spent: Duration,
@@ -28,7 +29,14 @@ impl Artifacts {
     ///
     /// # Errors
     /// A folder or file that cannot be written.
-    pub fn create(host: &Host, model: &Model, name: &str, every: Option<f64>, row: &LedgerRow) -> Result<Option<Self>, Failure> {
+    pub fn create(
+        host: &Host,
+        model: &Model,
+        name: &str,
+        every: Option<f64>,
+        row: &LedgerRow,
+        probes: Vec<String>,
+    ) -> Result<Option<Self>, Failure> {
         let wanted = host.settings.mode == Mode::Run && !host.is_study();
         let Some(folder) = host.settings.output.as_ref().filter(|_| wanted) else { return Ok(None) };
         let begun = Instant::now();
@@ -36,10 +44,11 @@ impl Artifacts {
         let folder = if first { folder.clone() } else { folder.join(file_name(name)) };
         let open = || {
             let files = RunFiles::create(folder)?;
-            let mut csv = HistoryCsv::create(&files, "history.csv", model.dimension(), Vec::new())?;
-            csv.append(row, &[])?;
+            let mut csv =
+                HistoryCsv::create(&files, "history.csv", model.dimension(), contact_columns(model).into_iter().chain(probes).collect())?;
+            csv.append(row, &further_values(model, row))?;
             let series = FieldSeries::create(&files, "fields.pvd")?;
-            Ok(Artifacts { files, csv, series, every, frames: 0, spent: begun.elapsed() })
+            Ok(Artifacts { files, csv, series, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
@@ -58,7 +67,7 @@ impl Artifacts {
     /// A file that cannot be written.
     pub fn accepted(&mut self, row: &LedgerRow, simulation: &Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
-        self.csv.append(row, &[]).map_err(|error| output_failure(&error))?;
+        self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
         self.spent += begun.elapsed();
         // The simulation stands at the last of several pieces of a step; earlier ones have no fields any more.
         let due = self.every.is_some_and(|every| {
@@ -77,11 +86,19 @@ impl Artifacts {
         let same = before.iter().zip(after).take_while(|(a, b)| a == b).count();
         let mut rewrite = || {
             self.csv.keep(same)?;
-            after[same..].iter().try_for_each(|row| self.csv.append(row, &[]))
+            after[same..].iter().try_for_each(|row| self.csv.append(row, &further_values(&self.model, row)))
         };
         rewrite().map_err(|error| output_failure(&error))?;
         self.spent += begun.elapsed();
         Ok(())
+    }
+
+    /// Adds columns to the history; rows that are there get empty fields.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add_columns(&mut self, names: &[String]) -> Result<(), Failure> {
+        self.csv.add_columns(names).map_err(|error| output_failure(&error))
     }
 
     /// Writes a file below the simulation's folder.

@@ -21,6 +21,7 @@ use super::materials::{self, MaterialHandle};
 use super::meshes::{self, MeshHandle};
 use super::models::{self, BodyHandle, BoundaryHandle, ModelHandle};
 use super::modules::{KEEP_CONTEXT, Modules};
+use super::probes::{self, ProbeHandle};
 use super::registry::{Form, Function, Registry, Topic, body};
 use super::run;
 use super::sandbox::{Sandbox, reason};
@@ -224,6 +225,7 @@ fn functions() -> Vec<Function> {
         materials::functions(),
         models::functions(),
         contacts::functions(),
+        probes::functions(),
         time_functions::functions(),
         simulations::functions(),
         results::functions(),
@@ -281,6 +283,7 @@ fn engine(host: &Rc<Host>) -> Engine {
     registry.add_type::<BoundaryHandle>(&mut engine);
     registry.add_type::<ContactMethodHandle>(&mut engine);
     registry.add_type::<ObstacleHandle>(&mut engine);
+    registry.add_type::<ProbeHandle>(&mut engine);
     registry.add_type::<ContactHandle>(&mut engine);
     registry.add_type::<TimeFunctionHandle>(&mut engine);
     registry.add_type::<IntegratorHandle>(&mut engine);

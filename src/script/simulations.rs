@@ -20,7 +20,7 @@ use super::run::Artifacts;
 use super::scan::Target;
 use super::sources::Place;
 use super::tables::table;
-use crate::dynamics::{ContactFields, FailureCause, LedgerRow, Options, Simulation, State, StepError};
+use crate::dynamics::{ContactFields, ContactTotals, FailureCause, LedgerRow, Model, Options, ProbeValues, Simulation, State, StepError};
 use crate::integrators::Integrator;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -63,9 +63,22 @@ pub struct SimulationData {
     pub cure: RefCell<String>,
     /// States before the last steps, to go back to.
     pub past: RefCell<VecDeque<Past>>,
+    /// Points that are followed.
+    pub probes: RefCell<Vec<Probe>>,
     callbacks: RefCell<Vec<Callback>>,
     scale: Cell<f64>,
     advancing: Cell<bool>,
+}
+
+/// A material point that is followed.
+#[derive(Clone)]
+pub struct Probe {
+    /// Its name.
+    pub name: String,
+    /// Index of its body.
+    pub body: usize,
+    /// Its node in the body's mesh.
+    pub node: usize,
 }
 
 /// A state before a step, with the rows that the history had.
@@ -178,6 +191,27 @@ impl Handle for HistoryHandle {
     }
 }
 
+/// Names of the history's columns of all contact pairs.
+pub fn contact_columns(model: &Model) -> Vec<String> {
+    let columns = ContactTotals::columns(model.dimension());
+    model.contact_names().iter().flat_map(|name| columns.iter().map(move |column| format!("{name}.{column}"))).collect()
+}
+
+fn probe_columns(model: &Model, probes: &[Probe]) -> Vec<String> {
+    let columns = ProbeValues::columns(model.dimension());
+    probes.iter().flat_map(|probe| columns.iter().map(move |column| format!("{}.{column}", probe.name))).collect()
+}
+
+/// Values of a row's columns behind those of the ledger.
+pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
+    let dimension = model.dimension();
+    let mut values: Vec<f64> = row.contacts.iter().flat_map(|totals| totals.values(dimension)).collect();
+    // Before the first step nothing is known of contact.
+    values.resize(contact_columns(model).len(), f64::NAN);
+    values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
+    values
+}
+
 fn vector_of(vector: [f64; 3], dimension: usize) -> String {
     let numbers: Vec<String> = vector[..dimension].iter().map(|value| brief(*value)).collect();
     format!("[{}]", numbers.join(", "))
@@ -207,14 +241,50 @@ impl SimulationData {
 }
 
 impl SimulationHandle {
-    /// Names of the columns of its history.
-    pub fn columns(&self) -> Vec<&'static str> {
-        LedgerRow::columns(self.0.model.model.dimension())
+    /// Names of the columns of its history: those of the ledger, of each contact pair, and of each probe.
+    pub fn columns(&self) -> Vec<String> {
+        let ledger = LedgerRow::columns(self.0.model.model.dimension()).into_iter().map(String::from);
+        ledger.chain(contact_columns(&self.0.model.model)).chain(self.probe_columns(0)).collect()
     }
 
-    /// A column of its history.
+    /// A column of its history; NaN where it had no value yet.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
-        self.columns().contains(&name).then(|| self.0.history.borrow().iter().filter_map(|row| row.column(name)).collect())
+        let columns = self.columns();
+        let index = columns.iter().position(|column| column == name)?;
+        let (model, rows) = (&self.0.model.model, self.0.history.borrow());
+        let own = LedgerRow::columns(model.dimension()).len();
+        if index < own {
+            return Some(rows.iter().filter_map(|row| row.column(name)).collect());
+        }
+        Some(rows.iter().map(|row| further_values(model, row).get(index - own).copied().unwrap_or(f64::NAN)).collect())
+    }
+
+    /// Follows a point from now on.
+    pub fn add_probe(&self, call: &Call, probe: Probe) -> Result<(), Failure> {
+        let data = &self.0;
+        let before: usize = data.model.model.bodies[..probe.body].iter().map(|body| body.mesh.points.len()).sum();
+        let node = before + probe.node;
+        let row = {
+            let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+            simulation.watch(node);
+            data.script_row(simulation.row().clone())
+        };
+        let known = data.probes.borrow().len();
+        data.probes.borrow_mut().push(probe);
+        if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
+            artifacts.add_columns(&self.probe_columns(known))?;
+        }
+        let mut rows = data.history.borrow().clone();
+        if let Some(last) = rows.last_mut() {
+            *last = row;
+        }
+        call.host.count_effect();
+        self.replace_history(rows)
+    }
+
+    /// Names of the columns of its probes from the one of that index on.
+    fn probe_columns(&self, from: usize) -> Vec<String> {
+        probe_columns(&self.0.model.model, &self.0.probes.borrow()[from..])
     }
 
     /// The kernels' simulation of a model, as an object of the language with its history so far.
@@ -225,10 +295,12 @@ impl SimulationHandle {
         motion: Option<Motion>,
         fields_every: Option<f64>,
         history: Vec<LedgerRow>,
+        probes: Vec<Probe>,
         spent: Duration,
     ) -> Result<Self, Failure> {
         let name = unique_name(call.host, &model.model.name);
-        let mut artifacts = Artifacts::create(call.host, &model.model, &name, fields_every, &history[0])?;
+        let mut artifacts =
+            Artifacts::create(call.host, &model.model, &name, fields_every, &history[0], probe_columns(&model.model, &probes))?;
         if let Some(artifacts) = &mut artifacts {
             artifacts.rewrite(&history[..1], &history)?;
         }
@@ -246,6 +318,7 @@ impl SimulationHandle {
             fields_every,
             cure: RefCell::default(),
             past: RefCell::default(),
+            probes: RefCell::new(probes),
             callbacks: RefCell::default(),
             advancing: Cell::new(false),
         };
@@ -505,7 +578,7 @@ impl SimulationHandle {
         }
     }
 
-    fn settle(&self, call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+    fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
         let data = &self.0;
         if call.host.is_check() {
             return Ok(Dynamic::UNIT);
@@ -514,7 +587,10 @@ impl SimulationHandle {
         call.host.overrides.check()?;
         call.host.observer.began(&format!("settling \"{}\"", data.name));
         let begun = Instant::now();
-        let settled = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.settle();
+        let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+        let time = time.unwrap_or_else(|| simulation.time());
+        let settled = simulation.settle_at(time);
+        drop(simulation);
         data.spent.set(data.spent.get() + begun.elapsed());
         call.host.observer.ended();
         let report = settled.map_err(|error| self.step_failure(call, error))?;
@@ -659,7 +735,7 @@ fn simulate() -> Function {
                 call.host.warn(warning.hint(finding.cure()));
             }
             let history = vec![simulation.row().clone()];
-            let handle = SimulationHandle::create(call, model, simulation, motion, fields_every, history, begun.elapsed())?;
+            let handle = SimulationHandle::create(call, model, simulation, motion, fields_every, history, Vec::new(), begun.elapsed())?;
             handle.note_contact();
             Ok(Dynamic::from(handle))
         }),
@@ -731,13 +807,34 @@ fn methods() -> Vec<Function> {
             name: "settle",
             form: Form::Method(receiver),
             topic: Topic::Simulation,
-            summary: "brings the model to static equilibrium without letting time pass; gives a map with `steps`, \
-                      `newton_iterations`, `strain`, `active`",
-            parameters: Vec::new(),
+            summary: "brings the model to static equilibrium, now or as it will be at a later time, without inertia; gives a map with \
+                      `steps`, `newton_iterations`, `strain`, `active`",
+            parameters: vec![
+                Parameter::number(
+                    "time",
+                    "time",
+                    Interval::Finite,
+                    "the time of the equilibrium: loads, supports and obstacles are as then",
+                )
+                .or(Absent::Means("now")),
+            ],
             returns: "Map",
-            example: example("sim.settle();"),
+            example: example("sim.settle();\nsim.settle(0.1);\nprint(sim.time);"),
             see_also: &["run_to"],
-            body: body(|call| call.receiver::<SimulationHandle>().settle(call)),
+            body: body(|call| {
+                let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("time"));
+                if !argument.is_given() || call.host.is_check() {
+                    return handle.settle(call, None);
+                }
+                let (end, now) = (argument.number()?, handle.with(call, |simulation| simulation.time())?);
+                let now = handle.0.script_time(now);
+                if end < now {
+                    let failure = argument.fail(format!("`settle` goes forward, but {} has passed", number_text(end)));
+                    let failure = failure.label(format!("the simulation is at t = {}", number_text(now)));
+                    return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
+                }
+                handle.settle(call, Some(handle.0.kernel_time(end)))
+            }),
         },
         Function {
             name: "on_step",
@@ -936,6 +1033,17 @@ fn properties() -> Vec<Function> {
 }
 
 fn contact() -> Vec<Function> {
+    let number = |name: &'static str, summary: &'static str, read: fn(&ContactFields) -> f64| Function {
+        name,
+        form: Form::Property(ContactHandle::receiver()),
+        topic: Topic::Contact,
+        summary,
+        parameters: Vec::new(),
+        returns: "number",
+        example: super::contacts::contact_example(&format!("print(sim.contact(\"foot\").{name});")),
+        see_also: &["contact", "history"],
+        body: body(move |call| Ok(read(&call.receiver::<ContactHandle>().fields).into())),
+    };
     let column = |name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> Array| Function {
         name,
         form: Form::Property(ContactHandle::receiver()),
@@ -989,6 +1097,10 @@ fn contact() -> Vec<Function> {
             see_also: &["contact", "why"],
             body: body(|call| Ok(Dynamic::from(call.receiver::<ContactHandle>().cycling as i64))),
         },
+        number("normal_force", "the sum of the sizes of the nodal contact forces, for a surface with itself too", |fields| {
+            fields.normal_force
+        }),
+        number("area", "the length of the secondary surface that is in contact, to about half a facet at each end", |fields| fields.area),
         column("pressure", "the contact pressure at each secondary node", |contact| {
             contact.fields.pressure.iter().map(|&value| value.into()).collect()
         }),
@@ -998,9 +1110,15 @@ fn contact() -> Vec<Function> {
         column("active", "whether each secondary node is in contact", |contact| {
             contact.fields.active.iter().map(|&value| value.into()).collect()
         }),
-        column("force", "the resultant of the contact forces on the secondary side", |contact| {
-            contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect()
+        column("forces", "the contact force on each secondary node, an array of vectors", |contact| {
+            let vector = |force: &[f64; 3]| Dynamic::from(force[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
+            contact.fields.forces.iter().map(vector).collect()
         }),
+        column(
+            "force",
+            "the resultant of the contact forces on the secondary side (of a surface with itself: on one side of its folds)",
+            |contact| contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect(),
+        ),
         column("positions", "the current position of each secondary node", |contact| {
             let point =
                 |position: &[f64; 3]| Dynamic::from(position[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
@@ -1016,5 +1134,5 @@ const COUNTS: &[&str] = &["step", "newton_iterations", "halvings", "active"];
 pub fn unknown_column(call: &Call, handle: &SimulationHandle, name: &str) -> Failure {
     let columns = handle.columns();
     let failure = call.fail(format!("the history has no column `{name}`")).cause(format!("its columns are {}", listed(&columns, "and")));
-    failure.hint(did_you_mean(name, columns.iter().copied()).unwrap_or_else(|| "use one of these names".into()))
+    failure.hint(did_you_mean(name, columns.iter().map(String::as_str)).unwrap_or_else(|| "use one of these names".into()))
 }

@@ -64,9 +64,12 @@ pub fn functions() -> Vec<Function> {
                 let moved = motion.map(|motion| motion.model(&model.model)).transpose().map_err(|cause| call.fail(cause))?;
                 let simulation = Simulation::new(moved.as_ref().unwrap_or(&model.model), options);
                 let mut simulation = simulation.map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
+                if let Ok(original) = handle.0.simulation.try_borrow() {
+                    original.watched().iter().for_each(|&node| simulation.watch(node));
+                }
                 simulation.restore(&state);
-                let (every, history) = (handle.0.fields_every, handle.0.history.borrow().clone());
-                let branch = SimulationHandle::create(call, model, simulation, motion, every, history, begun.elapsed())?;
+                let (every, history, probes) = (handle.0.fields_every, handle.0.history.borrow().clone(), handle.0.probes.borrow().clone());
+                let branch = SimulationHandle::create(call, model, simulation, motion, every, history, probes, begun.elapsed())?;
                 *branch.0.closed_since.borrow_mut() = handle.0.closed_since.borrow().clone();
                 Ok(Dynamic::from(branch))
             }),
