@@ -239,7 +239,7 @@ fn checked_round(cells: [usize; 2]) -> Result<[usize; 2], MeshError> {
     limited(&cells)?;
     let core = cells[1] / 4;
     limited(&[core, core])?;
-    if cells[1] == 0 || cells[1] % 4 != 0 {
+    if cells[1] == 0 || !cells[1].is_multiple_of(4) {
         return Err(MeshError::NotMultiple { direction: "around", count: cells[1], of: 4 });
     }
     Ok(cells)

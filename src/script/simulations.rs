@@ -70,6 +70,16 @@ pub struct SimulationData {
     advancing: Cell<bool>,
 }
 
+/// What a simulation has behind it when it is made.
+pub struct Course {
+    /// Its rows so far, that of the beginning at least.
+    pub history: Vec<LedgerRow>,
+    /// Points that are followed.
+    pub probes: Vec<Probe>,
+    /// Time spent in the kernels.
+    pub spent: Duration,
+}
+
 /// A material point that is followed.
 #[derive(Clone)]
 pub struct Probe {
@@ -294,9 +304,7 @@ impl SimulationHandle {
         simulation: Simulation,
         motion: Option<Motion>,
         fields_every: Option<f64>,
-        history: Vec<LedgerRow>,
-        probes: Vec<Probe>,
-        spent: Duration,
+        Course { history, probes, spent }: Course,
     ) -> Result<Self, Failure> {
         let name = unique_name(call.host, &model.model.name);
         let mut artifacts =
@@ -735,7 +743,8 @@ fn simulate() -> Function {
                 call.host.warn(warning.hint(finding.cure()));
             }
             let history = vec![simulation.row().clone()];
-            let handle = SimulationHandle::create(call, model, simulation, motion, fields_every, history, Vec::new(), begun.elapsed())?;
+            let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
+            let handle = SimulationHandle::create(call, model, simulation, motion, fields_every, course)?;
             handle.note_contact();
             Ok(Dynamic::from(handle))
         }),

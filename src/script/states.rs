@@ -8,7 +8,7 @@ use rhai::Dynamic;
 
 use super::arguments::Arguments;
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body};
-use super::simulations::{SimulationHandle, busy, example};
+use super::simulations::{Course, SimulationHandle, busy, example};
 use crate::dynamics::Simulation;
 use crate::math::catalogue::Interval;
 
@@ -68,8 +68,9 @@ pub fn functions() -> Vec<Function> {
                     original.watched().iter().for_each(|&node| simulation.watch(node));
                 }
                 simulation.restore(&state);
-                let (every, history, probes) = (handle.0.fields_every, handle.0.history.borrow().clone(), handle.0.probes.borrow().clone());
-                let branch = SimulationHandle::create(call, model, simulation, motion, every, history, probes, begun.elapsed())?;
+                let (history, probes) = (handle.0.history.borrow().clone(), handle.0.probes.borrow().clone());
+                let course = Course { history, probes, spent: begun.elapsed() };
+                let branch = SimulationHandle::create(call, model, simulation, motion, handle.0.fields_every, course)?;
                 *branch.0.closed_since.borrow_mut() = handle.0.closed_since.borrow().clone();
                 Ok(Dynamic::from(branch))
             }),
