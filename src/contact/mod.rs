@@ -9,8 +9,11 @@
 //! A method is a [`ContactKernel`]: functions of *patches* of a few nodes. What decides which constraint holds and what solves for the
 //! multipliers stands one floor higher.
 
+mod averaged;
 mod chain;
 mod checks;
+#[cfg(test)]
+mod contract;
 #[cfg(test)]
 mod fixtures;
 mod mortar;
@@ -22,13 +25,14 @@ mod search;
 mod surface;
 mod tie;
 
+pub use averaged::AveragedMortar;
 pub use checks::{Finding, NamedSurface, check_surfaces};
 pub use mortar::Mortar;
 pub use node_to_segment::NodeToSegment;
 pub use patches::{Evaluation, Patches};
 pub use rigid::{Obstacle, RigidContact};
 pub use search::Candidates;
-pub use surface::Surface;
+pub use surface::{Sides, Surface};
 pub use tie::Tie;
 
 use crate::integrators::Integrator;
@@ -44,38 +48,51 @@ use crate::integrators::Integrator;
 /// [`begin_step`](Self::begin_step) at the start of every step (of a halved one as well), then [`evaluate`](Self::evaluate) once for each
 /// Newton iteration.
 pub trait ContactKernel: Send + Sync {
-    /// Space dimension: number of coordinates of a node.
-    fn dimension(&self) -> usize;
+    /// Its surfaces, their measures, and the patches of the present candidates.
+    fn sides(&self) -> &Sides;
 
     /// The side with the multipliers; its node order is that of the constraints.
-    fn secondary(&self) -> &Surface;
+    fn secondary(&self) -> &Surface {
+        &self.sides().secondary
+    }
 
     /// The other side; empty for a rigid obstacle.
-    fn primary(&self) -> &Surface;
+    fn primary(&self) -> &Surface {
+        &self.sides().primary
+    }
 
     /// Constraint rows of each secondary node.
     fn rows_per_node(&self) -> usize {
         1
     }
 
-    /// Node weights `w_A` in the reference configuration: half the adjacent facets' measure `[length]` (3D: their share of the area).
-    fn weights(&self) -> &[f64];
+    /// Weight `w_A` of each constraint row in the reference configuration: half the adjacent facets' measure `[length]` (3D: their share of
+    /// the area).
+    fn weights(&self) -> &[f64] {
+        &self.sides().weights
+    }
 
     /// Length `h` of the shortest secondary facet in the reference configuration `[length]`.
-    fn facet_size(&self) -> f64;
+    fn facet_size(&self) -> f64 {
+        self.sides().facet_size
+    }
+
+    /// The patches of the present candidates.
+    fn patches(&self) -> &Patches {
+        &self.sides().patches
+    }
 
     /// Makes the patches contain everything that comes within `margin` of each other at `q`; returns whether the list changed (a
     /// matrix pattern made from it must then be made anew). `margin` `[length]`: reach plus the largest relative motion of the step.
     fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool;
 
     /// The candidates, for a method that searches: all that it keeps from one step to the next.
-    fn candidates(&self) -> Option<&Candidates>;
+    fn candidates(&self) -> Option<&Candidates> {
+        None
+    }
 
     /// Puts earlier candidates of this pair in place of the present ones, and keeps what depends on `q`, where a step may start.
-    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]);
-
-    /// The patches of the present candidates.
-    fn patches(&self) -> &Patches;
+    fn restore_candidates(&mut self, _candidates: &Candidates, _q: &[f64]) {}
 
     /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}

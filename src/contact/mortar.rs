@@ -9,11 +9,11 @@
 
 use super::ContactKernel;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
-use super::patches::{Evaluation, Patches};
-use super::search::{Candidates, near, within_the_body};
-use super::surface::Surface;
+use super::patches::Evaluation;
+use super::search::{Candidates, PairSearch};
+use super::surface::Sides;
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
-use crate::math::tolerances::INVARIANT_INCREMENT;
+use crate::math::tolerances::{INVARIANT_INCREMENT, WHOLE};
 
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets: fewer new matrix patterns against more
 /// stored zeros.
@@ -23,18 +23,20 @@ const SPARE: f64 = 2.0;
 const UNKNOWNS: usize = 8;
 const GRADIENTS: usize = 2 * UNKNOWNS;
 
+/// Multiplier shape functions of a facet as combinations of its linear ones.
+type Shape = PerNode<PerNode<f64>>;
+
+const STANDARD: Shape = [[1.0, 0.0], [0.0, 1.0]];
+
+/// Biorthogonal to the linear ones: `int psi_A N_B ds = delta_AB int N_B ds` (Wohlmuth, SIAM J. Numer. Anal. 38, 2000).
+const DUAL: Shape = [[2.0, -1.0], [-1.0, 2.0]];
+
 /// Mortar contact of two surfaces.
 #[derive(Clone, Debug)]
 pub struct Mortar {
-    secondary: Surface,
-    primary: Surface,
-    candidates: Candidates,
-    patches: Patches,
-    /// Candidates that are within reach in this step. The list keeps pairs that have moved apart; where bodies turn, such facets may come
-    /// to face each other from the far sides of their bodies, as if the bodies had passed through each other.
-    near: Vec<bool>,
-    weights: Vec<f64>,
-    facet_size: f64,
+    sides: Sides,
+    search: PairSearch,
+    dual: bool,
     start: Vec<Start>,
     shared_correction: bool,
 }
@@ -46,6 +48,7 @@ struct Start {
     invariants: Invariants,
     value: PerNode<f64>,
     overlaps: bool,
+    shape: Shape,
 }
 
 impl Mortar {
@@ -54,59 +57,69 @@ impl Mortar {
     /// Facets on both sides make a surface touch itself: each pair of them is taken once (the facet named first is the secondary one), and
     /// facets that are neighbors or have the body between them never.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
-        let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
-        let weights = secondary.weights(reference);
-        let facet_size = secondary.shortest_facet(reference);
-        let mut candidates = Candidates::new(SPARE * facet_size).without(within_the_body(&secondary, &primary, reference));
-        if let Some([own, other]) = secondary.ranks(&primary) {
-            candidates = candidates.once(own, other);
+        let sides = Sides::new(secondary, primary, reference);
+        let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
+        Mortar { sides, search, dual: false, start: Vec::new(), shared_correction: false }
+    }
+
+    /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
+    ///
+    /// They are negative in places, where a facet that is covered in part would take an opening for a penetration: facets that are not
+    /// wholly covered at the start of a step have the standard ones in it.
+    pub fn with_dual_multipliers(self) -> Self {
+        Mortar { dual: true, ..self }
+    }
+
+    /// Shape functions of each pair's secondary facet, from the pairs' overlaps.
+    fn shapes(&self, overlaps: &[Option<Overlap>]) -> Vec<Shape> {
+        let pairs = self.search.candidates.pairs();
+        let mut covered = vec![0.0; self.sides.secondary.facets().len()];
+        if self.dual {
+            for (pair, overlap) in pairs.iter().zip(overlaps) {
+                covered[pair[0] as usize] += overlap.as_ref().map_or(0.0, |overlap| overlap.coverage().iter().sum::<f64>());
+            }
         }
-        Mortar {
-            secondary,
-            primary,
-            candidates,
-            patches: Patches::new(2),
-            near: Vec::new(),
-            weights,
-            facet_size,
-            start: Vec::new(),
-            shared_correction: false,
-        }
+        pairs.iter().map(|pair| if covered[pair[0] as usize] > 1.0 - WHOLE { DUAL } else { STANDARD }).collect()
+    }
+
+    /// Shape functions of a pair in this step.
+    fn shape(&self, p: usize) -> &Shape {
+        self.start.get(p).map_or(&STANDARD, |start| &start.shape)
     }
 
     /// Makes the patches of the present candidates.
     fn list_patches(&mut self) {
-        self.patches.clear();
-        for &[secondary, primary] in self.candidates.pairs() {
-            let [x_1, x_2] = self.secondary.facets()[secondary as usize];
-            let [y_1, y_2] = self.primary.facets()[primary as usize];
-            self.patches.push(&[x_1, x_2, y_1, y_2], &self.secondary.local_facets()[secondary as usize]);
+        self.sides.patches.clear();
+        for &[secondary, primary] in self.search.candidates.pairs() {
+            let [x_1, x_2] = self.sides.secondary.facets()[secondary as usize];
+            let [y_1, y_2] = self.sides.primary.facets()[primary as usize];
+            self.sides.patches.push(&[x_1, x_2, y_1, y_2], &self.sides.secondary.local_facets()[secondary as usize]);
         }
     }
 
     /// Searches candidates with this margin `[length]` beyond what a step needs, in place of two shortest secondary facets.
     pub fn with_spare(mut self, spare: f64) -> Self {
-        self.candidates = self.candidates.with_spare(spare);
-        self.patches.clear();
-        self.near.clear();
+        self.search.candidates = self.search.candidates.with_spare(spare);
+        self.sides.patches.clear();
+        self.search.near.clear();
         self
     }
 
     /// The correction of the discrete gradient that all pairs of a secondary node share,
     /// `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum d.d`; 0 where the step is too small.
     fn shared_corrections(&self, q_1: &[f64]) -> Vec<f64> {
-        let mut sums = vec![[0.0; 3]; self.secondary.nodes().len()];
-        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.near[*p]) {
+        let mut sums = vec![[0.0; 3]; self.sides.secondary.nodes().len()];
+        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
             let end_pi = invariants(&self.offsets(p, q_1));
             let middle_pi: Invariants = std::array::from_fn(|k| 0.5 * (start.invariants[k] + end_pi[k]));
             if !(start.overlaps || overlaps(&middle_pi) || overlaps(&end_pi)) {
                 continue;
             }
             let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
-            let middle_gradient = gradient(&Overlap::new(&middle_pi));
-            let end_value = Overlap::new(&end_pi).map_or([0.0; 2], |end| end.value());
+            let middle_gradient = gradient(&start.shape, &Overlap::new(&middle_pi));
+            let end_value = value(&start.shape, &Overlap::new(&end_pi));
             for k in 0..2 {
-                let sums = &mut sums[self.patches.rows(p)[k] as usize];
+                let sums = &mut sums[self.sides.patches.rows(p)[k] as usize];
                 sums[0] += end_value[k] - start.value[k] - dot(&middle_gradient[k], &d);
                 sums[1] += dot(&d, &d);
                 sums[2] += dot(&end_pi, &end_pi);
@@ -118,24 +131,24 @@ impl Mortar {
 
     /// The present candidate pairs (secondary facet, primary facet), in the order of the patches.
     pub fn pairs(&self) -> &[[u32; 2]] {
-        self.candidates.pairs()
+        self.search.candidates.pairs()
     }
 
     /// Offsets of the pair `p` at the positions `q`.
     #[inline(always)]
     fn offsets(&self, p: usize, q: &[f64]) -> Offsets {
         let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
-        let nodes = self.patches.nodes(p);
+        let nodes = self.sides.patches.nodes(p);
         offsets(at(nodes[0]), at(nodes[1]), at(nodes[2]), at(nodes[3]))
     }
 
     /// Sums `contribution(pi, overlap)` of all overlapping pairs at `q` into their secondary nodes.
-    fn sum(&self, q: &[f64], contribution: impl Fn(&Invariants, &Overlap) -> PerNode<f64>) -> Vec<f64> {
-        let mut sums = vec![0.0; self.secondary.nodes().len()];
-        for p in (0..self.patches.len()).filter(|&p| self.near[p]) {
+    fn sum(&self, q: &[f64], contribution: impl Fn(usize, &Invariants, &Overlap) -> PerNode<f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.sides.secondary.nodes().len()];
+        for p in (0..self.sides.patches.len()).filter(|&p| self.search.near[p]) {
             let pi = invariants(&self.offsets(p, q));
             if let Some(overlap) = Overlap::new(&pi) {
-                for (&row, part) in self.patches.rows(p).iter().zip(contribution(&pi, &overlap)) {
+                for (&row, part) in self.sides.patches.rows(p).iter().zip(contribution(p, &pi, &overlap)) {
                     sums[row as usize] += part;
                 }
             }
@@ -146,8 +159,7 @@ impl Mortar {
     /// Divides covered lengths by the node weights at `q`.
     fn normalize(&self, covered: &mut [f64], q: &[f64]) {
         for (node, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
-            let adjacent = self.secondary.adjacent_facets(node).iter();
-            *share /= adjacent.map(|&facet| 0.5 * self.secondary.facet_length(facet as usize, q)).sum::<f64>();
+            *share /= self.sides.secondary.node_length(node, q);
         }
     }
 }
@@ -164,16 +176,32 @@ fn covered_length(pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
     overlap.coverage().map(|share| share * pi[0].sqrt())
 }
 
-/// Gradient at an overlap; zero without one.
+/// Functions of the standard shapes combined to those of others.
 #[inline(always)]
-fn gradient(overlap: &Option<Overlap>) -> PerNode<Invariants> {
-    overlap.as_ref().map_or([[0.0; 5]; 2], Overlap::gradient)
+fn combined(shape: &Shape, of_standard: &PerNode<f64>) -> PerNode<f64> {
+    shape.map(|row| row[0] * of_standard[0] + row[1] * of_standard[1])
+}
+
+/// Values at an overlap; zero without one.
+#[inline(always)]
+fn value(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<f64> {
+    overlap.as_ref().map_or([0.0; 2], |overlap| combined(shape, &overlap.value()))
+}
+
+/// Gradients at an overlap; zero without one.
+#[inline(always)]
+fn gradient(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<Invariants> {
+    overlap.as_ref().map_or([[0.0; 5]; 2], |overlap| {
+        let standard = overlap.gradient();
+        shape.map(|row| weighted(&standard, row))
+    })
 }
 
 /// Weighted Hessian at an overlap; zero without one.
 #[inline(always)]
-fn hessian(overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
-    overlap.as_ref().map_or([[0.0; 5]; 5], |overlap| overlap.hessian(weights))
+fn hessian(shape: &Shape, overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
+    let standard = [0, 1].map(|k| shape[0][k] * weights[0] + shape[1][k] * weights[1]);
+    overlap.as_ref().map_or([[0.0; 5]; 5], |overlap| overlap.hessian(standard))
 }
 
 /// `weights[0] f[0] + weights[1] f[1]`.
@@ -183,54 +211,32 @@ fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invariants {
 }
 
 impl ContactKernel for Mortar {
-    fn dimension(&self) -> usize {
-        2
-    }
-
-    fn secondary(&self) -> &Surface {
-        &self.secondary
-    }
-
-    fn primary(&self) -> &Surface {
-        &self.primary
-    }
-
-    fn weights(&self) -> &[f64] {
-        &self.weights
-    }
-
-    fn facet_size(&self) -> f64 {
-        self.facet_size
+    fn sides(&self) -> &Sides {
+        &self.sides
     }
 
     fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
-        let changed = self.candidates.update(&self.secondary, &self.primary, q, margin);
+        let changed = self.search.update(&self.sides, q, margin);
         if changed {
             self.list_patches();
         }
-        self.near = near(self.candidates.pairs(), &self.secondary, &self.primary, q, margin);
         changed
     }
 
     fn candidates(&self) -> Option<&Candidates> {
-        Some(&self.candidates)
+        Some(&self.search.candidates)
     }
 
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.candidates = candidates.clone();
+        self.search.restore(candidates, &self.sides, q);
         self.list_patches();
-        self.near = near(self.candidates.pairs(), &self.secondary, &self.primary, q, self.facet_size);
         self.begin_step(q);
     }
 
-    fn patches(&self) -> &Patches {
-        &self.patches
-    }
-
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.secondary.nodes().len()];
-        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.near[*p]) {
-            for (&row, value) in self.patches.rows(p).iter().zip(start.value) {
+        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
+        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
+            for (&row, value) in self.sides.patches.rows(p).iter().zip(start.value) {
                 gaps[row as usize] += value;
             }
         }
@@ -244,24 +250,28 @@ impl ContactKernel for Mortar {
     fn begin_step(&mut self, q_0: &[f64]) {
         let mut start = std::mem::take(&mut self.start);
         start.clear();
-        start.extend((0..self.patches.len()).map(|p| {
-            let offsets = self.offsets(p, q_0);
-            let invariants = invariants(&offsets);
-            let overlap = Overlap::new(&invariants);
-            Start { offsets, invariants, value: overlap.as_ref().map_or([0.0; 2], Overlap::value), overlaps: overlap.is_some() }
+        let offsets: Vec<Offsets> = (0..self.sides.patches.len()).map(|p| self.offsets(p, q_0)).collect();
+        let overlaps: Vec<Option<Overlap>> = offsets.iter().map(|offsets| Overlap::new(&invariants(offsets))).collect();
+        let shapes = self.shapes(&overlaps);
+        start.extend(offsets.into_iter().zip(overlaps).zip(shapes).map(|((offsets, overlap), shape)| Start {
+            offsets,
+            invariants: invariants(&offsets),
+            value: value(&shape, &overlap),
+            overlaps: overlap.is_some(),
+            shape,
         }));
         self.start = start;
     }
 
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        assert_eq!(self.start.len(), self.patches.len(), "begin_step follows a change of the candidates");
+        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
         let placement = integrator.placement();
         let conserving = integrator == Integrator::EnergyMomentum;
-        out.prepare(&self.patches, self.secondary.nodes().len());
+        out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
         let shared = (conserving && self.shared_correction).then(|| self.shared_corrections(q_1));
         for (p, start) in self.start.iter().enumerate() {
-            if !self.near[p] {
-                out.clear_patch(&self.patches, p);
+            if !self.search.near[p] {
+                out.clear_patch(&self.sides.patches, p);
                 continue;
             }
             let end_z = self.offsets(p, q_1);
@@ -271,17 +281,17 @@ impl ContactKernel for Mortar {
             let middle_pi =
                 if conserving { std::array::from_fn(|k| 0.5 * (start.invariants[k] + end_pi[k])) } else { invariants(&middle_z) };
             if !(start.overlaps || overlaps(&middle_pi) || overlaps(&end_pi)) {
-                out.clear_patch(&self.patches, p);
+                out.clear_patch(&self.sides.patches, p);
                 continue;
             }
             out.live[p] = true;
 
-            let rows = [self.patches.rows(p)[0] as usize, self.patches.rows(p)[1] as usize];
+            let rows = [self.sides.patches.rows(p)[0] as usize, self.sides.patches.rows(p)[1] as usize];
             let (end, middle) = (Overlap::new(&end_pi), Overlap::new(&middle_pi));
-            let end_gradient = gradient(&end);
+            let end_gradient = gradient(&start.shape, &end);
             let mut end_value = [0.0; 2];
             if let Some(end) = &end {
-                end_value = end.value();
+                end_value = combined(&start.shape, &end.value());
                 for ((row, value), length) in rows.into_iter().zip(end_value).zip(covered_length(&end_pi, end)) {
                     out.gap[row] += value;
                     out.coverage[row] += length;
@@ -306,18 +316,18 @@ impl ContactKernel for Mortar {
             let (weighted_bar, slope);
             if let Some(shared) = &shared {
                 let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
-                let middle_gradient = gradient(&middle);
+                let middle_gradient = gradient(&start.shape, &middle);
                 let a = rows.map(|row| shared[row]);
                 bar = [0, 1].map(|k| std::array::from_fn(|l| middle_gradient[k][l] + a[k] * d[l]));
                 weighted_bar = weighted(&bar, weights);
-                let mut constant = hessian(&middle, weights.map(|weight| 0.5 * weight));
+                let mut constant = hessian(&start.shape, &middle, weights.map(|weight| 0.5 * weight));
                 for k in 0..5 {
                     constant[k][k] += weights[0] * a[0] + weights[1] * a[1];
                 }
                 slope = constant;
             } else if conserving {
                 let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
-                let middle_gradient = gradient(&middle);
+                let middle_gradient = gradient(&start.shape, &middle);
                 let threshold = INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(&end_pi, &end_pi);
                 let square = dot(&d, &d);
                 let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
@@ -332,7 +342,7 @@ impl ContactKernel for Mortar {
                     discrete_gradient(
                         &d,
                         &weighted(&middle_gradient, weights),
-                        &hessian(&middle, weights),
+                        &hessian(&start.shape, &middle, weights),
                         &weighted(&end_gradient, weights),
                         weights[0] * remainder[0] + weights[1] * remainder[1],
                         threshold,
@@ -341,9 +351,9 @@ impl ContactKernel for Mortar {
                     ([0.0; 5], [[0.0; 5]; 5])
                 };
             } else {
-                bar = if placement.trial == Configuration::End { end_gradient } else { gradient(overlap) };
+                bar = if placement.trial == Configuration::End { end_gradient } else { gradient(&start.shape, overlap) };
                 weighted_bar = weighted(&bar, weights);
-                slope = hessian(overlap, weights.map(|weight| placement.share * weight));
+                slope = hessian(&start.shape, overlap, weights.map(|weight| placement.share * weight));
                 for g in bar.as_flattened_mut() {
                     *g *= placement.weight;
                 }
@@ -362,11 +372,11 @@ impl ContactKernel for Mortar {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.sum(q, |_, overlap| overlap.value())
+        self.sum(q, |p, _, overlap| combined(self.shape(p), &overlap.value()))
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut covered = self.sum(q, covered_length);
+        let mut covered = self.sum(q, |_, pi, overlap| covered_length(pi, overlap));
         self.normalize(&mut covered, q);
         covered
     }

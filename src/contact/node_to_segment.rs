@@ -11,9 +11,9 @@
 
 use super::ContactKernel;
 use super::chain::{Chain, Measure};
-use super::patches::{Evaluation, Patches};
+use super::patches::Evaluation;
 use super::search::{Candidates, near, within_the_body};
-use super::surface::Surface;
+use super::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Integrator, PatchFunction, Projection};
 use crate::math::tolerances::SAME_WAY;
 
@@ -23,20 +23,16 @@ const SPARE: f64 = 1.0;
 /// Node-to-segment contact of two surfaces.
 #[derive(Clone, Debug)]
 pub struct NodeToSegment {
-    secondary: Surface,
-    primary: Surface,
+    sides: Sides,
     /// The secondary nodes as facets of no length, for the search.
     points: Surface,
     candidates: Candidates,
-    patches: Patches,
     chains: Vec<Chain>,
     /// For each candidate, patch after patch: whether it is within reach in this step. The list keeps facets that have moved apart, and one
     /// of those on the far side of its body would look as if the node had passed through.
     near: Vec<bool>,
     /// Where each patch's candidates begin.
     first: Vec<usize>,
-    weights: Vec<f64>,
-    facet_size: f64,
     start: Vec<Start>,
 }
 
@@ -64,43 +60,30 @@ impl NodeToSegment {
     /// A surface that is on both sides touches itself: a node's own facets, their neighbors, and what lies behind it through the body are
     /// no opposite of it.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
-        let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
+        let sides = Sides::new(secondary, primary, reference);
+        let (secondary, primary) = (&sides.secondary, &sides.primary);
         let points = Surface::new(&secondary.nodes().iter().map(|&node| [node, node]).collect::<Vec<_>>());
-        let weights = secondary.weights(reference);
-        let facet_size = secondary.shortest_facet(reference);
-        let mut candidates = Candidates::new(SPARE * facet_size).without(points_within_the_body(&secondary, &primary, reference));
-        if let Some([facets, others]) = secondary.ranks(&primary) {
+        let mut candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
+        if let Some([facets, others]) = secondary.ranks(primary) {
             let lowest = |row: usize| secondary.adjacent_facets(row).iter().map(|&facet| facets[facet as usize]).min().unwrap_or(0);
             candidates = candidates.once((0..secondary.nodes().len()).map(lowest).collect(), others);
         }
-        NodeToSegment {
-            secondary,
-            primary,
-            points,
-            candidates,
-            patches: Patches::new(2),
-            chains: Vec::new(),
-            near: Vec::new(),
-            first: Vec::new(),
-            weights,
-            facet_size,
-            start: Vec::new(),
-        }
+        NodeToSegment { sides, points, candidates, chains: Vec::new(), near: Vec::new(), first: Vec::new(), start: Vec::new() }
     }
 
     /// Makes the patches of the present candidates, one for each node that has any.
     fn list_patches(&mut self) {
-        self.patches.clear();
+        self.sides.patches.clear();
         self.chains.clear();
         self.start.clear();
         self.first.clear();
         let mut first = 0;
         for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
             let row = pairs[0][0];
-            let mut nodes = vec![self.secondary.nodes()[row as usize]];
+            let mut nodes = vec![self.sides.secondary.nodes()[row as usize]];
             let mut facets = Vec::with_capacity(pairs.len());
             for &[_, facet] in pairs {
-                facets.push(self.primary.facets()[facet as usize].map(|node| {
+                facets.push(self.sides.primary.facets()[facet as usize].map(|node| {
                     let known = nodes[1..].iter().position(|&other| other == node);
                     known.map_or_else(
                         || {
@@ -113,7 +96,7 @@ impl NodeToSegment {
             }
             self.first.push(first);
             first += pairs.len();
-            self.patches.push(&nodes, &[row]);
+            self.sides.patches.push(&nodes, &[row]);
             self.chains.push(Chain::new(facets));
         }
     }
@@ -121,15 +104,15 @@ impl NodeToSegment {
     /// Positions of the nodes of patch `p` into `z`.
     fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
         z.clear();
-        z.extend(self.patches.nodes(p).iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]));
+        z.extend(self.sides.patches.nodes(p).iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]));
     }
 
     /// Outward normal at a secondary node (mean of its facets, not of unit length) at `q`.
     fn normal(&self, row: usize, q: &[f64]) -> [f64; 2] {
         let mut normal = [0.0; 2];
-        for &facet in self.secondary.adjacent_facets(row) {
-            let [a, b] = self.secondary.facets()[facet as usize].map(|node| 2 * node as usize);
-            let length = self.secondary.facet_length(facet as usize, q);
+        for &facet in self.sides.secondary.adjacent_facets(row) {
+            let [a, b] = self.sides.secondary.facets()[facet as usize].map(|node| 2 * node as usize);
+            let length = self.sides.secondary.facet_length(facet as usize, q);
             normal[0] += (q[b + 1] - q[a + 1]) / length;
             normal[1] -= (q[b] - q[a]) / length;
         }
@@ -138,9 +121,9 @@ impl NodeToSegment {
 
     /// Which facets of patch `p` can be opposite its node at `q`.
     fn admitted(&self, p: usize, q: &[f64]) -> Vec<bool> {
-        let normal = self.normal(self.patches.rows(p)[0] as usize, q);
+        let normal = self.normal(self.sides.patches.rows(p)[0] as usize, q);
         let size = normal[0].hypot(normal[1]);
-        let nodes = self.patches.nodes(p);
+        let nodes = self.sides.patches.nodes(p);
         let near = &self.near[self.first[p]..];
         let facets = self.chains[p].facets().iter().zip(near).map(|(facet, &near)| {
             let [a, b] = facet.map(|local| 2 * nodes[local as usize] as usize);
@@ -160,7 +143,7 @@ impl NodeToSegment {
                 None => self.chains[p].measure(&z, &self.admitted(p, q)),
             }
         };
-        (0..self.patches.len()).map(&mut measure).collect()
+        (0..self.sides.patches.len()).map(&mut measure).collect()
     }
 }
 
@@ -176,32 +159,16 @@ fn points_within_the_body(secondary: &Surface, primary: &Surface, reference: &[f
 }
 
 impl ContactKernel for NodeToSegment {
-    fn dimension(&self) -> usize {
-        2
-    }
-
-    fn secondary(&self) -> &Surface {
-        &self.secondary
-    }
-
-    fn primary(&self) -> &Surface {
-        &self.primary
-    }
-
-    fn weights(&self) -> &[f64] {
-        &self.weights
-    }
-
-    fn facet_size(&self) -> f64 {
-        self.facet_size
+    fn sides(&self) -> &Sides {
+        &self.sides
     }
 
     fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
-        let changed = self.candidates.update(&self.points, &self.primary, q, margin);
+        let changed = self.candidates.update(&self.points, &self.sides.primary, q, margin);
         if changed {
             self.list_patches();
         }
-        self.near = near(self.candidates.pairs(), &self.points, &self.primary, q, margin);
+        self.near = near(self.candidates.pairs(), &self.points, &self.sides.primary, q, margin);
         changed
     }
 
@@ -212,25 +179,21 @@ impl ContactKernel for NodeToSegment {
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.candidates = candidates.clone();
         self.list_patches();
-        self.near = near(self.candidates.pairs(), &self.points, &self.primary, q, self.facet_size);
+        self.near = near(self.candidates.pairs(), &self.points, &self.sides.primary, q, self.sides.facet_size);
         self.begin_step(q);
     }
 
-    fn patches(&self) -> &Patches {
-        &self.patches
-    }
-
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.secondary.nodes().len()];
+        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
         for (p, start) in self.start.iter().enumerate() {
-            let row = self.patches.rows(p)[0] as usize;
-            gaps[row] = self.weights[row] * start.measure.map_or(0.0, |measure| measure.gap);
+            let row = self.sides.patches.rows(p)[0] as usize;
+            gaps[row] = self.sides.weights[row] * start.measure.map_or(0.0, |measure| measure.gap);
         }
         gaps
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.start = (0..self.patches.len())
+        self.start = (0..self.sides.patches.len())
             .map(|p| {
                 let mut positions = Vec::new();
                 self.gather_into(p, q_0, &mut positions);
@@ -241,9 +204,9 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        assert_eq!(self.start.len(), self.patches.len(), "begin_step follows a change of the candidates");
+        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
         let placement = integrator.placement();
-        out.prepare(&self.patches, self.secondary.nodes().len());
+        out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
         let mut scratch = Scratch::default();
         let Scratch { end: z_1, middle: z_mid, gradient, hessian, projection } = &mut scratch;
         for (p, (start, chain)) in self.start.iter().zip(&self.chains).enumerate() {
@@ -253,13 +216,13 @@ impl ContactKernel for NodeToSegment {
             let at_end = chain.measure(z_1, &start.admitted);
             let at_middle = chain.measure(z_mid, &start.admitted);
             if start.measure.is_none() && at_middle.is_none() && at_end.is_none() {
-                out.clear_patch(&self.patches, p);
+                out.clear_patch(&self.sides.patches, p);
                 continue;
             }
             out.live[p] = true;
-            let row = self.patches.rows(p)[0] as usize;
-            let weight = self.weights[row];
-            let (places, square) = (self.patches.gradient_range(p), self.patches.tangent_range(p));
+            let row = self.sides.patches.rows(p)[0] as usize;
+            let weight = self.sides.weights[row];
+            let (places, square) = (self.sides.patches.gradient_range(p), self.sides.patches.tangent_range(p));
 
             let gradient_end = &mut out.gradient_end[places.clone()];
             gradient_end.fill(0.0);
@@ -309,18 +272,18 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.secondary.nodes().len()];
+        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
         for (p, measure) in self.measures(q).into_iter().enumerate() {
-            let row = self.patches.rows(p)[0] as usize;
-            gaps[row] = self.weights[row] * measure.map_or(0.0, |measure| measure.gap);
+            let row = self.sides.patches.rows(p)[0] as usize;
+            gaps[row] = self.sides.weights[row] * measure.map_or(0.0, |measure| measure.gap);
         }
         gaps
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut coverage = vec![0.0; self.secondary.nodes().len()];
+        let mut coverage = vec![0.0; self.sides.secondary.nodes().len()];
         for (p, measure) in self.measures(q).into_iter().enumerate() {
-            coverage[self.patches.rows(p)[0] as usize] = measure.map_or(0.0, |measure| f64::from(u8::from(measure.covered)));
+            coverage[self.sides.patches.rows(p)[0] as usize] = measure.map_or(0.0, |measure| f64::from(u8::from(measure.covered)));
         }
         coverage
     }

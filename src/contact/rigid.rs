@@ -17,9 +17,8 @@ use rstar::primitives::{GeomWithData, Line};
 
 use super::ContactKernel;
 use super::chain::Chain;
-use super::patches::{Evaluation, Patches};
-use super::search::Candidates;
-use super::surface::Surface;
+use super::patches::Evaluation;
+use super::surface::Sides;
 use crate::integrators::Integrator;
 use crate::math::tolerances::PROJECTED_INCREMENT;
 
@@ -72,12 +71,8 @@ struct StepGradient {
 /// Contact of a surface with a rigid obstacle.
 #[derive(Clone, Debug)]
 pub struct RigidContact {
-    secondary: Surface,
-    primary: Surface,
+    sides: Sides,
     shape: Shape,
-    patches: Patches,
-    weights: Vec<f64>,
-    facet_size: f64,
     translations: [[f64; 2]; 3],
     start: Vec<[f64; 2]>,
 }
@@ -213,30 +208,19 @@ impl Shape {
 impl RigidContact {
     /// Contact of a surface (facets in node numbers of the model, the body on the left) with an obstacle, sized in the reference positions.
     pub fn new(secondary: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64]) -> Self {
-        let secondary = Surface::new(secondary);
-        let weights = secondary.weights(reference);
-        let facet_size = secondary.shortest_facet(reference);
+        let mut sides = Sides::new(secondary, &[], reference);
         // Every node lies opposite the obstacle: the list of patches is known and lasts.
-        let mut patches = Patches::new(2);
-        for (row, &node) in (0u32..).zip(secondary.nodes()) {
-            patches.push(&[node], &[row]);
+        for (row, &node) in (0u32..).zip(sides.secondary.nodes()) {
+            sides.patches.push(&[node], &[row]);
         }
-        let start = secondary.nodes().iter().map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
-        RigidContact {
-            secondary,
-            primary: Surface::new(&[]),
-            shape: Shape::new(obstacle),
-            patches,
-            weights,
-            facet_size,
-            translations: [[0.0; 2]; 3],
-            start,
-        }
+        let nodes = sides.secondary.nodes().iter();
+        let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
+        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], start }
     }
 
     /// Position of the node of that row in the frame of the obstacle when it is displaced by `translation`.
     fn position(&self, row: usize, q: &[f64], translation: [f64; 2]) -> [f64; 2] {
-        let node = 2 * self.secondary.nodes()[row] as usize;
+        let node = 2 * self.sides.secondary.nodes()[row] as usize;
         [q[node] - translation[0], q[node + 1] - translation[1]]
     }
 
@@ -246,7 +230,7 @@ impl RigidContact {
         match integrator {
             Integrator::EnergyMomentum => {
                 let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
-                self.shape.step_gradient(x_0, self.position(row, q_1, end), self.facet_size)
+                self.shape.step_gradient(x_0, self.position(row, q_1, end), self.sides.facet_size)
             }
             Integrator::Midpoint => {
                 let x_1 = self.position(row, q_1, [0.0; 2]);
@@ -269,45 +253,19 @@ impl RigidContact {
         let gap = |row: usize| {
             let x = position(row);
             let distance = self.shape.distance([x[0] - translation[0], x[1] - translation[1]]);
-            self.weights[row] * distance.map_or(0.0, |distance| distance.gap)
+            self.sides.weights[row] * distance.map_or(0.0, |distance| distance.gap)
         };
-        (0..self.weights.len()).map(gap).collect()
+        (0..self.sides.weights.len()).map(gap).collect()
     }
 }
 
 impl ContactKernel for RigidContact {
-    fn dimension(&self) -> usize {
-        2
-    }
-
-    fn secondary(&self) -> &Surface {
-        &self.secondary
-    }
-
-    fn primary(&self) -> &Surface {
-        &self.primary
-    }
-
-    fn weights(&self) -> &[f64] {
-        &self.weights
-    }
-
-    fn facet_size(&self) -> f64 {
-        self.facet_size
+    fn sides(&self) -> &Sides {
+        &self.sides
     }
 
     fn update_candidates(&mut self, _q: &[f64], _margin: f64) -> bool {
         false
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        None
-    }
-
-    fn restore_candidates(&mut self, _candidates: &Candidates, _q: &[f64]) {}
-
-    fn patches(&self) -> &Patches {
-        &self.patches
     }
 
     fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
@@ -315,7 +273,7 @@ impl ContactKernel for RigidContact {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.start = (0..self.patches.len()).map(|row| self.position(row, q_0, [0.0; 2])).collect();
+        self.start = (0..self.sides.patches.len()).map(|row| self.position(row, q_0, [0.0; 2])).collect();
     }
 
     fn start_gap(&self) -> Vec<f64> {
@@ -323,10 +281,10 @@ impl ContactKernel for RigidContact {
     }
 
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        assert_eq!(self.start.len(), self.patches.len(), "begin_step follows a change of the candidates");
-        out.prepare(&self.patches, self.secondary.nodes().len());
-        for row in 0..self.patches.len() {
-            let weight = self.weights[row];
+        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
+        out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
+        for row in 0..self.sides.patches.len() {
+            let weight = self.sides.weights[row];
             let (end, step) =
                 (self.shape.distance(self.position(row, q_1, self.translations[2])), self.step_gradient(integrator, row, q_1));
             out.live[row] = true;
@@ -348,8 +306,8 @@ impl ContactKernel for RigidContact {
     fn obstacle_force_into(&self, integrator: Integrator, q_1: &[f64], lambda_0: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [start, _, end] = self.translations;
         let mut work = 0.0;
-        for row in 0..self.patches.len() {
-            let node = 2 * self.secondary.nodes()[row] as usize;
+        for row in 0..self.sides.patches.len() {
+            let node = 2 * self.sides.secondary.nodes()[row] as usize;
             let step = self.step_gradient(integrator, row, q_1);
             let before = if integrator == Integrator::Trapezoidal {
                 self.plain([self.start[row][0] - start[0], self.start[row][1] - start[1]], 1.0, 0.5).bar
@@ -357,7 +315,7 @@ impl ContactKernel for RigidContact {
                 [0.0; 2]
             };
             for i in 0..2 {
-                let f = self.weights[row] * (lambda[row] * step.bar[i] + lambda_0[row] * before[i]);
+                let f = self.sides.weights[row] * (lambda[row] * step.bar[i] + lambda_0[row] * before[i]);
                 force[node + i] += f;
                 work += f * (end[i] - start[i]);
             }
@@ -374,7 +332,7 @@ impl ContactKernel for RigidContact {
             let distance = self.shape.distance(self.position(row, q, self.translations[2]));
             f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
         };
-        (0..self.weights.len()).map(covered).collect()
+        (0..self.sides.weights.len()).map(covered).collect()
     }
 }
 

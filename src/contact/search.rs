@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-use super::surface::Surface;
+use super::surface::{Sides, Surface};
 
 /// A list of facet pairs that contains every pair within a margin, valid for a bounded relative motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,6 +114,42 @@ impl Candidates {
         let changed = pairs != self.pairs;
         self.pairs = pairs;
         changed
+    }
+}
+
+/// The facet pairs of two surfaces that a step may bring into contact.
+#[derive(Clone, Debug)]
+pub(super) struct PairSearch {
+    /// All listed pairs.
+    pub candidates: Candidates,
+    /// Those within reach in this step. The list keeps pairs that have moved apart; where bodies turn, such facets may come to face each
+    /// other from the far sides of their bodies, as if the bodies had passed through each other.
+    pub near: Vec<bool>,
+}
+
+impl PairSearch {
+    /// A search with `spare` `[length]` beyond what a step needs. Facets on both sides make a surface touch itself: each pair of them is
+    /// taken once (the facet named first is the secondary one), and facets that are neighbors or have the body between them never.
+    pub fn new(sides: &Sides, reference: &[f64], spare: f64) -> Self {
+        let (secondary, primary) = (&sides.secondary, &sides.primary);
+        let mut candidates = Candidates::new(spare).without(within_the_body(secondary, primary, reference));
+        if let Some([own, other]) = secondary.ranks(primary) {
+            candidates = candidates.once(own, other);
+        }
+        PairSearch { candidates, near: Vec::new() }
+    }
+
+    /// Finds the pairs for a step that starts at `q`; returns whether the list has changed.
+    pub fn update(&mut self, sides: &Sides, q: &[f64], margin: f64) -> bool {
+        let changed = self.candidates.update(&sides.secondary, &sides.primary, q, margin);
+        self.near = near(self.candidates.pairs(), &sides.secondary, &sides.primary, q, margin);
+        changed
+    }
+
+    /// Puts an earlier list in place.
+    pub fn restore(&mut self, candidates: &Candidates, sides: &Sides, q: &[f64]) {
+        self.candidates = candidates.clone();
+        self.near = near(self.candidates.pairs(), &sides.secondary, &sides.primary, q, sides.facet_size);
     }
 }
 

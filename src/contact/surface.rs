@@ -3,6 +3,8 @@
 //! Only the numbering is kept; positions come with every call. Nodes are numbered locally in ascending order of their global numbers.
 //! Nothing is asked of the shape: open, closed, in several pieces.
 
+use super::patches::Patches;
+
 /// Oriented two-node facets and their nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Surface {
@@ -11,6 +13,31 @@ pub struct Surface {
     local_facets: Vec<[u32; 2]>,
     adjacent_start: Vec<u32>,
     adjacent: Vec<u32>,
+}
+
+/// What every contact method has: two surfaces, the secondary one measured in the reference positions, and its patches.
+#[derive(Clone, Debug)]
+pub struct Sides {
+    /// The side with the multipliers.
+    pub secondary: Surface,
+    /// The other side.
+    pub primary: Surface,
+    /// Patches of the present candidates.
+    pub patches: Patches,
+    /// Weights of the constraint rows `[length]`.
+    pub weights: Vec<f64>,
+    /// Length of the shortest secondary facet `[length]`.
+    pub facet_size: f64,
+}
+
+impl Sides {
+    /// Two surfaces by their facets, without patches; one constraint row for each secondary node.
+    pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
+        let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
+        let weights = secondary.weights(reference);
+        let facet_size = secondary.shortest_facet(reference);
+        Sides { secondary, primary, patches: Patches::new(2), weights, facet_size }
+    }
 }
 
 impl Surface {
@@ -77,6 +104,11 @@ impl Surface {
     pub fn facet_length(&self, facet: usize, q: &[f64]) -> f64 {
         let [a, b] = self.facets[facet].map(|node| 2 * node as usize);
         (q[b] - q[a]).hypot(q[b + 1] - q[a + 1])
+    }
+
+    /// Half the lengths of the facets that meet at the node of that index, at the positions `q` `[length]`.
+    pub fn node_length(&self, index: usize, q: &[f64]) -> f64 {
+        self.adjacent_facets(index).iter().map(|&facet| 0.5 * self.facet_length(facet as usize, q)).sum()
     }
 
     /// Node weights `w_A` at the positions `q`: half the lengths of the adjacent facets `[length]`.

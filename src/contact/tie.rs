@@ -17,9 +17,9 @@
 
 use super::ContactKernel;
 use super::pair::{invariants, offsets, overlaps};
-use super::patches::{Evaluation, Patches};
+use super::patches::Evaluation;
 use super::search::Candidates;
-use super::surface::Surface;
+use super::surface::Sides;
 use crate::integrators::Integrator;
 use crate::math::tolerances::SLIVER;
 
@@ -29,14 +29,9 @@ const ROWS: usize = 2;
 /// Tied surfaces.
 #[derive(Clone, Debug)]
 pub struct Tie {
-    secondary: Surface,
-    primary: Surface,
+    sides: Sides,
     pairs: Vec<TiedPair>,
-    patches: Patches,
-    /// Per constraint row.
-    weights: Vec<f64>,
     coverage: Vec<f64>,
-    facet_size: f64,
     start_gap: Vec<f64>,
 }
 
@@ -52,11 +47,10 @@ impl Tie {
     /// Ties what lies within `reach` `[length]` of each other in the reference positions; surfaces by their facets (node numbers of the
     /// model, the body on the left).
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], reach: f64) -> Self {
-        let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
-        let nodal = secondary.weights(reference);
-        let facet_size = secondary.shortest_facet(reference);
+        let mut sides = Sides::new(secondary, primary, reference);
+        let (secondary, primary, nodal) = (&sides.secondary, &sides.primary, &sides.weights);
         let mut candidates = Candidates::new(0.0);
-        candidates.update(&secondary, &primary, reference, reach);
+        candidates.update(secondary, primary, reference, reach);
         let mut pairs = Vec::new();
         let mut covered = vec![0.0; nodal.len()];
         for &[own, other] in candidates.pairs() {
@@ -72,14 +66,14 @@ impl Tie {
         }
         let share = |node: usize| if covered[node] > SLIVER * nodal[node] { covered[node] / nodal[node] } else { 0.0 };
         let coverage = (0..ROWS * nodal.len()).map(|row| share(row / ROWS)).collect();
-        let weights = (0..ROWS * nodal.len()).map(|row| nodal[row / ROWS]).collect();
         let start_gap = vec![0.0; ROWS * nodal.len()];
-        Tie { secondary, primary, pairs, patches: Patches::new(2), weights, coverage, facet_size, start_gap }
+        sides.weights = (0..ROWS * nodal.len()).map(|row| nodal[row / ROWS]).collect();
+        Tie { sides, pairs, coverage, start_gap }
     }
 
     /// Secondary nodes (numbers in the model) that are not tied: nothing lies opposite within reach.
     pub fn untied(&self) -> Vec<u32> {
-        let nodes = self.secondary.nodes().iter().enumerate();
+        let nodes = self.sides.secondary.nodes().iter().enumerate();
         nodes.filter(|(index, _)| self.coverage[ROWS * index] == 0.0).map(|(_, &node)| node).collect()
     }
 
@@ -141,49 +135,23 @@ fn pair_gradient(nodes: [u32; 4], reference: &[f64], reach: f64) -> Option<([[f6
 }
 
 impl ContactKernel for Tie {
-    fn dimension(&self) -> usize {
-        2
-    }
-
-    fn secondary(&self) -> &Surface {
-        &self.secondary
-    }
-
-    fn primary(&self) -> &Surface {
-        &self.primary
+    fn sides(&self) -> &Sides {
+        &self.sides
     }
 
     fn rows_per_node(&self) -> usize {
         ROWS
     }
 
-    fn weights(&self) -> &[f64] {
-        &self.weights
-    }
-
-    fn facet_size(&self) -> f64 {
-        self.facet_size
-    }
-
     fn update_candidates(&mut self, _q: &[f64], _margin: f64) -> bool {
-        let first = self.patches.is_empty() && !self.pairs.is_empty();
+        let first = self.sides.patches.is_empty() && !self.pairs.is_empty();
         if first {
             for pair in &self.pairs {
                 let [a, b] = pair.secondary.map(|node| ROWS as u32 * node);
-                self.patches.push(&pair.nodes, &[a, a + 1, b, b + 1]);
+                self.sides.patches.push(&pair.nodes, &[a, a + 1, b, b + 1]);
             }
         }
         first
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        None
-    }
-
-    fn restore_candidates(&mut self, _candidates: &Candidates, _q: &[f64]) {}
-
-    fn patches(&self) -> &Patches {
-        &self.patches
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -196,12 +164,12 @@ impl ContactKernel for Tie {
 
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], _lambda: &[f64], out: &mut Evaluation) {
         let weight = integrator.placement().weight;
-        out.prepare(&self.patches, self.weights.len());
-        for (p, pair) in self.pairs.iter().enumerate().take(self.patches.len()) {
+        out.prepare(&self.sides.patches, self.sides.weights.len());
+        for (p, pair) in self.pairs.iter().enumerate().take(self.sides.patches.len()) {
             out.live[p] = true;
             let rows = pair.gradient.as_flattened();
-            out.gradient_end[self.patches.gradient_range(p)].copy_from_slice(rows);
-            for (bar, g) in out.gradient_bar[self.patches.gradient_range(p)].iter_mut().zip(rows) {
+            out.gradient_end[self.sides.patches.gradient_range(p)].copy_from_slice(rows);
+            for (bar, g) in out.gradient_bar[self.sides.patches.gradient_range(p)].iter_mut().zip(rows) {
                 *bar = weight * g;
             }
         }
@@ -210,7 +178,7 @@ impl ContactKernel for Tie {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.weights.len()];
+        let mut gaps = vec![0.0; self.sides.weights.len()];
         for pair in &self.pairs {
             let z = Tie::positions(&pair.nodes, q);
             for (k, line) in pair.gradient.iter().enumerate() {
@@ -263,7 +231,7 @@ mod tests {
         }
         // Turning one body alone by 0.1 opens a gap of weight times distance.
         let gaps = tie.gap(&turned(&q, 40, 0.1, 0.0));
-        let expected = tie.weights[0] * 2.0 * 0.05f64.sin();
+        let expected = tie.sides.weights[0] * 2.0 * 0.05f64.sin();
         for gap in gaps.chunks_exact(2) {
             assert!((gap[0].hypot(gap[1]) / expected - 1.0).abs() < 5e-3, "{gap:?} {expected}");
         }

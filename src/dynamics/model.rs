@@ -77,18 +77,25 @@ pub struct Load {
 pub enum ContactMethod {
     /// Mortar method with standard Lagrange multipliers on the secondary nodes.
     Mortar,
+    /// Mortar method with dual (biorthogonal) multiplier shape functions (Wohlmuth, SIAM J. Numer. Anal. 38, 2000).
+    DualMortar,
+    /// Mortar method with averaged nodal normals, interpolated along the secondary facets (Yang, Laursen and Meng, IJNME 62, 2005).
+    AveragedMortar,
     /// The gap of each secondary node to the chain of primary facets, one multiplier per node.
     NodeToSegment,
 }
 
 impl ContactMethod {
     /// All methods, in the order of the reference.
-    pub const ALL: &'static [ContactMethod] = &[ContactMethod::Mortar, ContactMethod::NodeToSegment];
+    pub const ALL: &'static [ContactMethod] =
+        &[ContactMethod::Mortar, ContactMethod::DualMortar, ContactMethod::AveragedMortar, ContactMethod::NodeToSegment];
 
     /// Name as written in a script.
     pub fn name(self) -> &'static str {
         match self {
             ContactMethod::Mortar => "mortar",
+            ContactMethod::DualMortar => "dual_mortar",
+            ContactMethod::AveragedMortar => "averaged_mortar",
             ContactMethod::NodeToSegment => "node_to_segment",
         }
     }
@@ -97,6 +104,8 @@ impl ContactMethod {
     pub fn summary(self) -> &'static str {
         match self {
             ContactMethod::Mortar => "mortar method: pressures at the secondary nodes, gaps integrated over the common surface",
+            ContactMethod::DualMortar => "mortar method with dual shape functions: each multiplier presses its own node and no other",
+            ContactMethod::AveragedMortar => "mortar method with averaged nodal normals: the normal is continuous along the secondary side",
             ContactMethod::NodeToSegment => {
                 "node-to-segment method: no secondary node enters the primary side; locks where both are polygons"
             }
@@ -147,6 +156,13 @@ pub enum Enforcement {
     /// exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is not used.
     Penalty {
         /// Stiffness over that of the secondary body's facets.
+        factor: f64,
+    },
+    /// Augmented Lagrangian: `lambda = max(0, lambda_old - kappa (Phi - target))`, with the multiplier brought up to date in every Newton
+    /// iteration until the update rule holds as exactly as with multipliers. It copes with constraints that depend on one another.
+    /// `kappa = factor (youngs_modulus / h^2 + m_A / w_A^2 * 2 / dt^2)`: the stiffness of a facet and the inertia of the node.
+    AugmentedLagrange {
+        /// Augmentation over the stiffness that a node has in the step; the larger, the fewer iterations.
         factor: f64,
     },
 }

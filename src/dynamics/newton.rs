@@ -153,9 +153,9 @@ where
 
         let mut set = starting_set(system, conditions, &lambda, &contacts.dropped);
         let (increment, new_lambda) = match strategy {
-            Strategy::InnerLoop => inner_loop(system, &forces, conditions, &mut set, &contacts.dropped)?,
+            Strategy::InnerLoop => inner_loop(system, &forces, conditions, &lambda, &mut set, &contacts.dropped)?,
             Strategy::Backtracking => {
-                let rows = constraint_rows(system, conditions, &set);
+                let rows = constraint_rows(system, conditions, &lambda, &set);
                 system.solve(&forces, &rows).map_err(Failure::Linear)?
             }
         };
@@ -278,13 +278,14 @@ fn starting_set<const D: usize>(system: &System<D>, conditions: &Conditions, lam
 }
 
 /// The constraint rows for a set of active nodes.
-fn constraint_rows<const D: usize>(system: &System<D>, conditions: &Conditions, set: &[bool]) -> ConstraintRows {
+fn constraint_rows<const D: usize>(system: &System<D>, conditions: &Conditions, lambda: &[f64], set: &[bool]) -> ConstraintRows {
     let mut rows = ConstraintRows { gradient: set.to_vec(), diagonal: vec![1.0; system.multipliers], right: vec![0.0; system.multipliers] };
     for pair in &system.pairs {
         for row in pair.rows.clone().filter(|&row| set[row]) {
             let gap = pair.evaluation.gap[row - pair.rows.start];
             if pair.penalty == 0.0 {
-                (rows.diagonal[row], rows.right[row]) = (0.0, conditions.targets[row] - gap);
+                let compliance = conditions.compliance[row];
+                (rows.diagonal[row], rows.right[row]) = (compliance, conditions.targets[row] - gap + compliance * lambda[row]);
                 continue;
             }
             // lambda = p(Phi_1 + G_1 dq), divided by the slope so that all rows are of one size.
@@ -314,6 +315,7 @@ fn inner_loop<const D: usize>(
     system: &mut System<D>,
     forces: &Forces,
     conditions: &Conditions,
+    lambda: &[f64],
     set: &mut Vec<bool>,
     dropped: &[bool],
 ) -> Result<(Vec<f64>, Vec<f64>), Failure>
@@ -323,16 +325,16 @@ where
     let mut seen = vec![set.clone()];
     let mut one_at_a_time = false;
     for inner in 0..MAX_INNER {
-        let rows = constraint_rows(system, conditions, set);
-        let (increment, lambda) = system.solve(forces, &rows).map_err(Failure::Linear)?;
+        let rows = constraint_rows(system, conditions, lambda, set);
+        let (increment, new_lambda) = system.solve(forces, &rows).map_err(Failure::Linear)?;
         let gaps = system.linearized_gaps(&increment);
         let mut next = set.clone();
         let mut worst = (0.0, usize::MAX);
         for pair in system.pairs.iter().filter(|pair| !pair.equality && pair.penalty == 0.0) {
             for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
                 let violation =
-                    if set[row] { -lambda[row] / pair.c } else { conditions.targets[row] - gaps[row] - 1e-3 * pair.gap_tolerance };
-                if violation > 0.0 || (set[row] && lambda[row] <= 0.0) {
+                    if set[row] { -new_lambda[row] / pair.c } else { conditions.targets[row] - gaps[row] - 1e-3 * pair.gap_tolerance };
+                if violation > 0.0 || (set[row] && new_lambda[row] <= 0.0) {
                     next[row] = !set[row];
                     if violation > worst.0 {
                         worst = (violation, row);
@@ -341,17 +343,17 @@ where
             }
         }
         if next == *set || inner + 1 == MAX_INNER {
-            return Ok((increment, lambda));
+            return Ok((increment, new_lambda));
         }
         one_at_a_time |= seen.contains(&next);
         if one_at_a_time {
             next = set.clone();
             if worst.1 == usize::MAX {
-                return Ok((increment, lambda));
+                return Ok((increment, new_lambda));
             }
             next[worst.1] = !set[worst.1];
             if seen.contains(&next) {
-                return Ok((increment, lambda));
+                return Ok((increment, new_lambda));
             }
         }
         seen.push(next.clone());

@@ -2,8 +2,8 @@
 
 use super::amplitude::Amplitude;
 use super::model::{BodyBoundary, ContactMethod, Enforcement, Model, UpdateRule};
-use super::system::System;
-use crate::contact::{ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
+use super::system::{StepStart, System};
+use crate::contact::{AveragedMortar, ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
 use crate::integrators::Integrator;
 use crate::linear::Block;
 use crate::math::tolerances;
@@ -33,6 +33,8 @@ pub(super) struct Pair {
     pub(super) update: UpdateRule,
     /// Stiffness `kappa` of a penalty potential; 0 with multipliers.
     pub(super) penalty: f64,
+    /// Augmentation of the multipliers over the stiffness of a node; 0 without.
+    pub(super) augmentation: f64,
     /// Range of its multipliers among all multipliers.
     pub(super) rows: std::ops::Range<usize>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
@@ -53,6 +55,8 @@ pub(super) struct Conditions {
     pub(super) targets: Vec<f64>,
     /// Whether a node takes part in this step.
     pub(super) members: Vec<bool>,
+    /// Weighted gap per change of the multiplier within an iteration, `1/kappa_A`: 0 but for augmented Lagrange.
+    pub(super) compliance: Vec<f64>,
     /// Penalty pressures belong to the end of the step (statics, trapezoidal rule) instead of to its change of energy.
     pub(super) end_point: bool,
 }
@@ -66,8 +70,21 @@ impl Conditions {
 }
 
 impl<const D: usize> System<D> {
+    /// Inverse augmentation of every constraint row in a step.
+    pub(super) fn compliance(&self, start: &StepStart) -> Vec<f64> {
+        let mut compliance = vec![0.0; self.multipliers];
+        for pair in self.pairs.iter().filter(|pair| pair.augmentation > 0.0) {
+            for (local, row) in pair.rows.clone().enumerate() {
+                let node = pair.kernel.secondary().nodes()[local] as usize;
+                let inertia = start.inertia() * self.nodal_mass[node] / pair.kernel.weights()[local].powi(2);
+                compliance[row] = 1.0 / (pair.augmentation * (pair.c + inertia));
+            }
+        }
+        compliance
+    }
+
     /// The contact conditions of the step that has begun, by the pairs' update rules.
-    pub(super) fn conditions(&self, integrator: Integrator) -> Conditions {
+    pub(super) fn conditions(&self, start: &StepStart) -> Conditions {
         let gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         let mut targets = vec![0.0; gap_n.len()];
         let mut members = vec![true; gap_n.len()];
@@ -78,7 +95,7 @@ impl<const D: usize> System<D> {
                 targets[row] = gap_n[row];
             }
         }
-        Conditions { gap_n, targets, members, end_point: integrator == Integrator::Trapezoidal }
+        Conditions { gap_n, targets, members, compliance: self.compliance(start), end_point: start.integrator == Integrator::Trapezoidal }
     }
 }
 
@@ -127,6 +144,7 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
             equality: kind == PairKind::Tie,
             update: UpdateRule::Gap,
             penalty: 0.0,
+            augmentation: 0.0,
             rows: 0..kernel.rows_per_node() * kernel.secondary().nodes().len(),
             c: model.bodies[body].material.youngs_modulus() / (size * size),
             gap_tolerance: tolerances::GAP * size * size,
@@ -141,13 +159,17 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         let (secondary, primary) = (facets(secondary), facets_of_all(primary, &facets));
         match method {
             ContactMethod::Mortar => Box::new(Mortar::new(&secondary, &primary, reference)),
+            ContactMethod::DualMortar => Box::new(Mortar::new(&secondary, &primary, reference).with_dual_multipliers()),
+            ContactMethod::AveragedMortar => Box::new(AveragedMortar::new(&secondary, &primary, reference)),
             ContactMethod::NodeToSegment => Box::new(NodeToSegment::new(&secondary, &primary, reference)),
         }
     };
     let rules = |mut pair: Pair, update: UpdateRule, enforcement: Enforcement, equality: bool| {
         (pair.update, pair.equality) = (update, equality);
-        if let Enforcement::Penalty { factor } = enforcement {
-            pair.penalty = factor * pair.c;
+        match enforcement {
+            Enforcement::Multiplier => {}
+            Enforcement::Penalty { factor } => pair.penalty = factor * pair.c,
+            Enforcement::AugmentedLagrange { factor } => pair.augmentation = factor,
         }
         pair
     };

@@ -65,7 +65,13 @@ where
             let options = &self.options;
             // At rest every rule closes the gaps.
             let count = self.system.multipliers;
-            let conditions = Conditions { gap_n: vec![0.0; count], targets: vec![0.0; count], members: vec![true; count], end_point: true };
+            let conditions = Conditions {
+                gap_n: vec![0.0; count],
+                targets: vec![0.0; count],
+                members: vec![true; count],
+                compliance: self.system.compliance(&start),
+                end_point: true,
+            };
             let task = Task {
                 start: &start,
                 predicted: &predicted,

@@ -118,7 +118,7 @@ where
             prescribed_v_1: &prescribed_v_1,
             damping: None,
         };
-        let conditions = self.system.conditions(integrator);
+        let conditions = self.system.conditions(&start);
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
         let task = Task {

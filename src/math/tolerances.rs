@@ -41,6 +41,9 @@ pub const FACING: f64 = 1e-6;
 /// facets in contact look opposite ways, -1, and the sharpest corner comes to 0.
 pub const SAME_WAY: f64 = 0.5;
 
+/// Share of a facet that may be missing from one that counts as wholly opposite the other side: round-off of some overlaps.
+pub const WHOLE: f64 = 1e-9;
+
 /// Covered share of a secondary node's weight function below which the node sits out the step (a sliver of overlap gives a singular row).
 pub const SLIVER: f64 = 0.02;
 

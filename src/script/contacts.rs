@@ -102,12 +102,19 @@ fn method_parameter() -> Parameter {
         .or(Absent::Means("`mortar()`"))
 }
 
-fn rule_parameters() -> [Parameter; 2] {
+fn rule_parameters() -> [Parameter; 3] {
     [
         Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")
             .or(Absent::Text(UpdateRule::Gap.name())),
         Parameter::number("penalty", "1", Interval::Positive, "a stiffness, relative to a facet's, instead of multipliers")
             .or(Absent::Means("multipliers: the update rule holds exactly")),
+        Parameter::number(
+            "augmented_lagrange",
+            "1",
+            Interval::Positive,
+            "an augmentation, relative to a node's stiffness in a step: multipliers found by iteration, 100 is a good value",
+        )
+        .or(Absent::Means("multipliers found by solving for them")),
     ]
 }
 
@@ -119,8 +126,17 @@ fn method_of(options: &Options) -> Result<ContactMethod, Failure> {
 fn rules_of(options: &Options) -> Result<(UpdateRule, Enforcement), Failure> {
     let name = options.text("update")?;
     let update = UpdateRule::ALL.iter().copied().find(|rule| rule.name() == name).unwrap_or(UpdateRule::Gap);
-    let penalty = options.optional_number("penalty")?;
-    Ok((update, penalty.map_or(Enforcement::Multiplier, |factor| Enforcement::Penalty { factor })))
+    let augmented = options.argument("augmented_lagrange");
+    let enforcement = match (options.optional_number("penalty")?, options.optional_number("augmented_lagrange")?) {
+        (None, None) => Enforcement::Multiplier,
+        (Some(factor), None) => Enforcement::Penalty { factor },
+        (None, Some(factor)) => Enforcement::AugmentedLagrange { factor },
+        (Some(_), Some(_)) => {
+            let failure = augmented.fail("`penalty` and `augmented_lagrange` exclude each other");
+            return Err(failure.hint("leave one of them out: `penalty` allows a small penetration, `augmented_lagrange` none"));
+        }
+    };
+    Ok((update, enforcement))
 }
 
 /// The other side of a contact.
@@ -289,7 +305,7 @@ fn obstacles() -> Vec<Function> {
 }
 
 fn add_contact() -> Function {
-    let [update, penalty] = rule_parameters();
+    let [update, penalty, augmented] = rule_parameters();
     Function {
         name: "add_contact",
         form: Form::Method(ModelHandle::receiver()),
@@ -313,6 +329,7 @@ fn add_contact() -> Function {
                     method_parameter(),
                     update,
                     penalty,
+                    augmented,
                     Parameter::new(
                         "equality",
                         Kind::Flag,
@@ -362,7 +379,7 @@ fn add_contact() -> Function {
 }
 
 fn add_self_contact() -> Function {
-    let [update, penalty] = rule_parameters();
+    let [update, penalty, augmented] = rule_parameters();
     Function {
         name: "add_self_contact",
         form: Form::Method(ModelHandle::receiver()),
@@ -377,6 +394,7 @@ fn add_self_contact() -> Function {
                     method_parameter(),
                     update,
                     penalty,
+                    augmented,
                 ]),
                 "surface and method",
             ),

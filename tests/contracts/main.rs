@@ -4,5 +4,6 @@
 mod common;
 
 mod bodies;
+mod contacts;
 mod elements;
 mod simulations;

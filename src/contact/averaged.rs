@@ -1,0 +1,423 @@
+//! Mortar contact with averaged nodal normals: the normal is continuous along the secondary side, so a corner of it is no jump.
+//!
+//! The normal of a secondary node is the normalized mean of its facets' unit normals; along a facet `n(s) = (1 - s) n_1 + s n_2` (Yang,
+//! Laursen and Meng, IJNME 62, 2005). A primary point lies opposite the point `s` when it lies on the line through `x(s)` along `n(s)`.
+//! Over the overlap `[a, b]` of a pair of facets, with `y(s)` the point of the primary facet opposite `s`,
+//!
+//! ```text
+//! Phi_k = |t| int_a^b N_k(s) n(s).(y(s) - x(s)) ds        by three Gauss points        [length^2], > 0 when open
+//! ```
+//!
+//! These functions have no short list of invariants: their discrete gradient is the projected one, their derivatives are exact by dual
+//! numbers. A patch is a candidate pair with the neighbors of its secondary facet, whose motion turns the normals.
+
+use num_dual::{Derivative, Dual2SVec64, DualNumCopy, DualSVec64};
+
+use super::ContactKernel;
+use super::patches::Evaluation;
+use super::search::{Candidates, PairSearch};
+use super::surface::{Sides, Surface};
+use crate::integrators::{Configuration, Integrator, PatchFunction, Projection};
+use crate::math::tolerances::FACING;
+
+/// Margin beyond the need with which candidates are searched, in shortest secondary facets.
+const SPARE: f64 = 1.0;
+
+/// Differences that the functions depend on: the facet before, the facet, the facet after, both primary nodes from `x_1`.
+const DIFFERENCES: usize = 5;
+const VARIABLES: usize = 2 * DIFFERENCES;
+
+/// The roles `x_0, x_1, x_2, x_3, y_1, y_2` that nodes play; what each adds to the differences.
+const ROLES: usize = 6;
+#[rustfmt::skip]
+const SHARES: [[f64; DIFFERENCES]; ROLES] = [
+    [-1.0,  0.0,  0.0,  0.0,  0.0],
+    [ 1.0, -1.0,  0.0, -1.0, -1.0],
+    [ 0.0,  1.0, -1.0,  0.0,  0.0],
+    [ 0.0,  0.0,  1.0,  0.0,  0.0],
+    [ 0.0,  0.0,  0.0,  1.0,  0.0],
+    [ 0.0,  0.0,  0.0,  0.0,  1.0],
+];
+
+/// Three Gauss points on `[-1, 1]` with weights.
+const GAUSS: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+
+/// Values of the two functions of a pair.
+type Values<T> = [T; 2];
+
+/// Mortar contact of two surfaces with averaged nodal normals.
+#[derive(Clone, Debug)]
+pub struct AveragedMortar {
+    sides: Sides,
+    search: PairSearch,
+    pairs: Vec<Pair>,
+    start: Vec<Start>,
+}
+
+/// A candidate pair: for each role the place of its node in the patch, if there is one.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    roles: [Option<u8>; ROLES],
+}
+
+/// What a pair keeps of the start of the step.
+#[derive(Clone, Debug)]
+struct Start {
+    positions: Vec<f64>,
+    value: Option<Values<f64>>,
+}
+
+/// First and second derivatives of a function of a patch.
+#[derive(Clone, Debug, Default)]
+struct Derivatives {
+    gradient: Vec<f64>,
+    hessian: Vec<f64>,
+}
+
+impl AveragedMortar {
+    /// Contact of two surfaces given by their facets (node numbers of the model, the body on the left), sized in the reference positions.
+    pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
+        let sides = Sides::new(secondary, primary, reference);
+        let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
+        AveragedMortar { sides, search, pairs: Vec::new(), start: Vec::new() }
+    }
+
+    /// Makes the patches of the present candidates.
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        self.pairs.clear();
+        for &[own, other] in self.search.candidates.pairs() {
+            let [x_1, x_2] = self.sides.secondary.facets()[own as usize];
+            let [y_1, y_2] = self.sides.primary.facets()[other as usize];
+            let [before, after] = neighbors(&self.sides.secondary, own as usize);
+            let mut nodes: Vec<u32> = Vec::with_capacity(ROLES);
+            let roles = [before, Some(x_1), Some(x_2), after, Some(y_1), Some(y_2)].map(|node| {
+                let node = node?;
+                let known = nodes.iter().position(|&other| other == node);
+                Some(known.unwrap_or_else(|| {
+                    nodes.push(node);
+                    nodes.len() - 1
+                }) as u8)
+            });
+            self.sides.patches.push(&nodes, &self.sides.secondary.local_facets()[own as usize]);
+            self.pairs.push(Pair { roles });
+        }
+    }
+
+    /// Positions of the nodes of patch `p`.
+    fn gather(&self, p: usize, q: &[f64]) -> Vec<f64> {
+        self.sides.patches.nodes(p).iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
+    }
+
+    /// Sums a function of all near pairs at `q` into their secondary nodes.
+    fn sum(&self, q: &[f64], part: impl Fn(Pair, &[f64]) -> Option<Values<f64>>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.sides.secondary.nodes().len()];
+        for (p, pair) in self.pairs.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
+            if let Some(parts) = part(*pair, &self.gather(p, q)) {
+                self.sides.patches.rows(p).iter().zip(parts).for_each(|(&row, part)| sums[row as usize] += part);
+            }
+        }
+        sums
+    }
+
+    /// Covered lengths over the facets' at `q`.
+    fn share(&self, mut covered: Vec<f64>, q: &[f64]) -> Vec<f64> {
+        for (node, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
+            *share /= self.sides.secondary.node_length(node, q);
+        }
+        covered
+    }
+}
+
+/// The nodes before and after a facet on its chain.
+fn neighbors(surface: &Surface, facet: usize) -> [Option<u32>; 2] {
+    let ends = surface.local_facets()[facet];
+    [0, 1].map(|end| {
+        let other = surface.adjacent_facets(ends[end] as usize).iter().find(|&&other| other as usize != facet)?;
+        Some(surface.facets()[*other as usize][end])
+    })
+}
+
+impl Pair {
+    /// The differences at the positions of the patch's nodes.
+    fn differences(self, z: &[f64]) -> [f64; VARIABLES] {
+        let mut differences = [0.0; VARIABLES];
+        for (role, shares) in self.roles.iter().zip(SHARES) {
+            let Some(place) = role else { continue };
+            for (k, share) in shares.into_iter().enumerate() {
+                for i in 0..2 {
+                    differences[2 * k + i] += share * z[2 * *place as usize + i];
+                }
+            }
+        }
+        differences
+    }
+
+    /// Whether there is a facet before and one after.
+    fn has_neighbors(self) -> [bool; 2] {
+        [self.roles[0].is_some(), self.roles[3].is_some()]
+    }
+
+    fn values(self, z: &[f64]) -> Option<Values<f64>> {
+        weighted_gaps(&self.differences(z), self.has_neighbors()).map(|gaps| gaps.gap)
+    }
+
+    fn covered(self, z: &[f64]) -> Option<Values<f64>> {
+        weighted_gaps(&self.differences(z), self.has_neighbors()).map(|gaps| gaps.covered)
+    }
+
+    /// Values and gradients of both functions, the gradients one after the other.
+    fn gradients(self, z: &[f64]) -> Option<(WeightedGaps<f64>, Vec<f64>)> {
+        let differences = self.differences(z);
+        let variables = std::array::from_fn(|i| DualSVec64::<VARIABLES>::from_re(differences[i]).derivative(i));
+        let gaps = weighted_gaps(&variables, self.has_neighbors())?;
+        let mut gradients = vec![0.0; 2 * z.len()];
+        for (gap, out) in gaps.gap.iter().zip(gradients.chunks_exact_mut(z.len())) {
+            self.pull_back(gap.eps.0.as_ref().map_or(&[0.0; VARIABLES], |eps| &eps.data.0[0]), out);
+        }
+        Some((WeightedGaps { gap: gaps.gap.map(|gap| gap.re), covered: gaps.covered.map(|length| length.re) }, gradients))
+    }
+
+    /// Derivatives of `weights[0] Phi_1 + weights[1] Phi_2`; zero without overlap.
+    fn weighted_into(self, z: &[f64], weights: Values<f64>, out: &mut Derivatives) {
+        out.gradient.clear();
+        out.gradient.resize(z.len(), 0.0);
+        out.hessian.clear();
+        out.hessian.resize(z.len() * z.len(), 0.0);
+        let differences = self.differences(z);
+        let variables = std::array::from_fn(|i| Dual2SVec64::<VARIABLES>::from_re(differences[i]).derivative(i));
+        let Some(gaps) = weighted_gaps(&variables, self.has_neighbors()) else { return };
+        let [first, second] = gaps.gap;
+        let sum = first * weights[0] + second * weights[1];
+        if let Derivative(Some(gradient)) = sum.v1 {
+            self.pull_back(&std::array::from_fn(|i| gradient[i]), &mut out.gradient);
+        }
+        let Derivative(Some(hessian)) = sum.v2 else { return };
+        // One side at a time: columns of the variables, then rows.
+        let width = z.len();
+        for variable in 0..VARIABLES {
+            let mut column = vec![0.0; width];
+            self.pull_back(&std::array::from_fn(|i| hessian[(i, variable)]), &mut column);
+            for (role, shares) in self.roles.iter().zip(SHARES) {
+                let (Some(place), share) = (role, shares[variable / 2]) else { continue };
+                for (row, value) in column.iter().enumerate() {
+                    out.hessian[row * width + 2 * *place as usize + variable % 2] += share * value;
+                }
+            }
+        }
+    }
+
+    /// Adds a gradient with respect to the differences as one with respect to the nodes.
+    fn pull_back(self, gradient: &[f64; VARIABLES], out: &mut [f64]) {
+        for (role, shares) in self.roles.iter().zip(SHARES) {
+            let Some(place) = role else { continue };
+            for (k, share) in shares.into_iter().enumerate() {
+                for i in 0..2 {
+                    out[2 * *place as usize + i] += share * gradient[2 * k + i];
+                }
+            }
+        }
+    }
+}
+
+/// Weighted gaps and covered lengths of a pair.
+struct WeightedGaps<T> {
+    gap: Values<T>,
+    covered: Values<T>,
+}
+
+type Vector<T> = [T; 2];
+
+fn cross<T: DualNumCopy>(a: Vector<T>, b: Vector<T>) -> T {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn unit<T: DualNumCopy>(a: Vector<T>) -> Vector<T> {
+    let inverse = (a[0] * a[0] + a[1] * a[1]).sqrt().recip();
+    [a[0] * inverse, a[1] * inverse]
+}
+
+/// Outward normal at the node between two facets of these directions; of the second alone without a first, or where they fold back.
+fn normal<T: DualNumCopy<Primitive = f64>>(own: Vector<T>, other: Vector<T>, has_other: bool) -> Vector<T> {
+    let own = unit(own);
+    let mean = if has_other {
+        let other = unit(other);
+        [own[0] + other[0], own[1] + other[1]]
+    } else {
+        own
+    };
+    let folded = mean[0].re().hypot(mean[1].re()) < FACING;
+    let [x, y] = if folded { own } else { unit(mean) };
+    [y, -x]
+}
+
+/// The functions of a pair from its differences; `None` where facets do not face each other or do not overlap.
+fn weighted_gaps<T: DualNumCopy<Primitive = f64>>(z: &[T; VARIABLES], has: [bool; 2]) -> Option<WeightedGaps<T>> {
+    let vector = |k: usize| [z[2 * k], z[2 * k + 1]];
+    let [before, t, after, y_1, y_2] = std::array::from_fn(vector);
+    let (n_1, n_2) = (normal(t, before, has[0]), normal(t, after, has[1]));
+    let turn = [n_2[0] - n_1[0], n_2[1] - n_1[1]];
+    // (y - s t) x (n_1 + s turn) = 0, the root that tends to the linear one as the normals become parallel.
+    let opposite = |y: Vector<T>| {
+        let (a, b, c) = (-cross(t, turn), cross(y, turn) - cross(t, n_1), cross(y, n_1));
+        let discriminant = b * b - (a * c) * 4.0;
+        let admissible = b.re() > 0.0 && discriminant.re() > 0.0;
+        admissible.then(|| -(c * 2.0) / (b + discriminant.sqrt()))
+    };
+    let (s_1, s_2) = (opposite(y_1)?, opposite(y_2)?);
+    if s_1.re() - s_2.re() <= FACING {
+        return None;
+    }
+    let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
+    let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
+    if b.re() <= a.re() {
+        return None;
+    }
+    let length = (t[0] * t[0] + t[1] * t[1]).sqrt();
+    let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
+    let along = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
+    let zero = T::from(0.0);
+    let mut gaps = WeightedGaps { gap: [zero; 2], covered: [zero; 2] };
+    for (place, weight) in GAUSS {
+        let s = middle + half * place;
+        let n = [n_1[0] + s * turn[0], n_1[1] + s * turn[1]];
+        let from = [y_1[0] - s * t[0], y_1[1] - s * t[1]];
+        // y(s) = x(s) + alpha n(s).
+        let alpha = cross(from, along) / cross(n, along);
+        let gap = alpha * (n[0] * n[0] + n[1] * n[1]);
+        let measure = (length * half) * weight;
+        for (k, shape) in [T::from(1.0) - s, s].into_iter().enumerate() {
+            gaps.gap[k] += measure * shape * gap;
+            gaps.covered[k] += measure * shape;
+        }
+    }
+    Some(gaps)
+}
+
+impl ContactKernel for AveragedMortar {
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
+        let changed = self.search.update(&self.sides, q, margin);
+        if changed {
+            self.list_patches();
+        }
+        changed
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        Some(&self.search.candidates)
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.search.restore(candidates, &self.sides, q);
+        self.list_patches();
+        self.begin_step(q);
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        let starts = self.pairs.iter().enumerate().map(|(p, pair)| {
+            let positions = self.gather(p, q_0);
+            Start { value: pair.values(&positions), positions }
+        });
+        self.start = starts.collect();
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
+        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
+            for (&row, value) in self.sides.patches.rows(p).iter().zip(start.value.unwrap_or_default()) {
+                gaps[row as usize] += value;
+            }
+        }
+        gaps
+    }
+
+    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        assert_eq!(self.start.len(), self.pairs.len(), "begin_step follows a change of the candidates");
+        let placement = integrator.placement();
+        let patches = &self.sides.patches;
+        out.prepare(patches, self.sides.secondary.nodes().len());
+        let (mut projection, mut weighted) = (Projection::<2>::default(), Derivatives::default());
+        for (p, (start, pair)) in self.start.iter().zip(&self.pairs).enumerate() {
+            if !self.search.near[p] {
+                out.clear_patch(patches, p);
+                continue;
+            }
+            let z_1 = self.gather(p, q_1);
+            let z_mid: Vec<f64> = start.positions.iter().zip(&z_1).map(|(a, b)| 0.5 * (a + b)).collect();
+            let (at_end, at_middle) = (pair.gradients(&z_1), pair.gradients(&z_mid));
+            if start.value.is_none() && at_middle.is_none() && at_end.is_none() {
+                out.clear_patch(patches, p);
+                continue;
+            }
+            out.live[p] = true;
+            let width = z_1.len();
+            let rows = [patches.rows(p)[0] as usize, patches.rows(p)[1] as usize];
+            let gradient_end = &mut out.gradient_end[patches.gradient_range(p)];
+            gradient_end.fill(0.0);
+            let mut value = [0.0; 2];
+            if let Some((gaps, gradients)) = &at_end {
+                gradient_end.copy_from_slice(gradients);
+                value = gaps.gap;
+                for k in 0..2 {
+                    out.gap[rows[k]] += gaps.gap[k];
+                    out.coverage[rows[k]] += gaps.covered[k];
+                }
+            }
+            let pressures = rows.map(|row| lambda[row]);
+            let pressed = pressures != [0.0; 2];
+            let bar = &mut out.gradient_bar[patches.gradient_range(p)];
+            let tangent = &mut out.tangent[patches.tangent_range(p)];
+            tangent.fill(0.0);
+            if integrator == Integrator::EnergyMomentum {
+                let before = start.value.unwrap_or_default();
+                let change = [0, 1].map(|k| value[k] - before[k]);
+                let nothing = vec![0.0; 2 * width];
+                let middle = at_middle.as_ref().map_or(&nothing, |(_, gradients)| gradients);
+                projection.set(&start.positions, &z_1);
+                for (k, bar) in bar.chunks_exact_mut(width).enumerate() {
+                    projection.gradient_into(&middle[k * width..(k + 1) * width], change[k], bar);
+                }
+                if pressed {
+                    pair.weighted_into(&z_mid, pressures, &mut weighted);
+                    let sum = |gradients: &[f64]| -> Vec<f64> {
+                        (0..width).map(|i| pressures[0] * gradients[i] + pressures[1] * gradients[width + i]).collect()
+                    };
+                    let function = PatchFunction {
+                        gradient_mid: &weighted.gradient,
+                        gradient_end: &sum(gradient_end),
+                        hessian_mid: &weighted.hessian,
+                        change: pressures[0] * change[0] + pressures[1] * change[1],
+                    };
+                    projection.tangent_into(1.0, &function, tangent);
+                }
+            } else {
+                let (at, z) = match placement.test {
+                    Configuration::Middle => (&at_middle, &z_mid),
+                    Configuration::End => (&at_end, &z_1),
+                };
+                bar.fill(0.0);
+                if let Some((_, gradients)) = at {
+                    bar.iter_mut().zip(gradients).for_each(|(bar, g)| *bar = placement.weight * g);
+                }
+                if pressed {
+                    pair.weighted_into(z, pressures, &mut weighted);
+                    let factor = placement.weight * placement.share;
+                    tangent.iter_mut().zip(&weighted.hessian).for_each(|(tangent, h)| *tangent = factor * h);
+                }
+            }
+        }
+        out.coverage = self.share(std::mem::take(&mut out.coverage), q_1);
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        self.sum(q, Pair::values)
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        self.share(self.sum(q, Pair::covered), q)
+    }
+}

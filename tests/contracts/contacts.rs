@@ -1,0 +1,72 @@
+//! Every contact method with every enforcement and update rule: a ring is thrown against the inside of another, so that nodes close, slide
+//! over facet borders and leave.
+//!
+//! Exact laws: both momenta are constant; the ledger closes in every step; `gap` only loses energy, and books it; everything else keeps it
+//! over the whole run (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002).
+
+use conserva::dynamics::{ContactMethod, Enforcement, LedgerRow, UpdateRule};
+use conserva::integrators::Integrator;
+use conserva::mesh::ring;
+
+use crate::common::{Builder, drift, material, run, worst};
+
+const ENFORCEMENTS: [Enforcement; 3] =
+    [Enforcement::Multiplier, Enforcement::AugmentedLagrange { factor: 100.0 }, Enforcement::Penalty { factor: 1.0 }];
+
+fn collide(method: ContactMethod, update: UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
+    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+    let mut builder = Builder::default();
+    let outer = builder.body("outer ring", ring(1.0, 1.5, [2, 36], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
+    let inner = builder.body("inner ring", ring(0.5, 0.95, [2, 28], [0.0; 2], 0.1).expect("the mesh is sound"), &steel);
+    builder.contact((inner, "outer"), (outer, "inner"));
+    let contact = &mut builder.model.contacts[0];
+    (contact.method, contact.update, contact.enforcement) = (method, update, enforcement);
+    builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
+    run(&mut builder.simulate(Integrator::EnergyMomentum, 0.001), 0.05)
+}
+
+#[test]
+fn every_method_with_every_enforcement_and_rule_keeps_what_it_promises() {
+    for &method in ContactMethod::ALL {
+        for enforcement in ENFORCEMENTS {
+            for &update in UpdateRule::ALL {
+                let penalty = matches!(enforcement, Enforcement::Penalty { .. });
+                if penalty && update != UpdateRule::Gap {
+                    continue; // The update rule is not used.
+                }
+                let case = format!("{} {enforcement:?} {}", method.name(), update.name());
+                let rows = collide(method, update, enforcement);
+                let energy = rows[0].total();
+                let touching = rows.iter().filter(|row| row.active > 0).count();
+                let parts = rows.iter().skip_while(|row| row.active == 0).any(|row| row.active == 0);
+                assert!(touching >= 2 && parts, "{case}: it meets and parts, {touching} steps in contact");
+                // Newton's tolerance.
+                let defect = worst(&rows, |row| row.energy_defect);
+                assert!(defect < 1e-11 * energy, "{case}: defect {defect:.1e} of {energy:.1e}");
+                // Momenta are of order 2e-2: density 1e-3, area 2, speed 8.
+                let (linear, angular) = (drift(&rows, |row| row.momentum), drift(&rows, |row| row.angular_momentum));
+                assert!(linear < 1e-13 && angular < 1e-13, "{case}: momenta drift by {linear:.1e}, {angular:.1e}");
+                if update == UpdateRule::Gap && !penalty {
+                    for pair in rows.windows(2) {
+                        assert!(pair[1].total() <= pair[0].total() + 1e-11 * energy, "{case}: energy grows at {}", pair[1].time);
+                    }
+                } else {
+                    let change = worst(&rows, |row| row.total() - energy);
+                    assert!(change < 1e-10 * energy, "{case}: the energy changes by {change:.1e} of {energy:.1e}");
+                }
+            }
+        }
+    }
+}
+
+/// Augmented Lagrange finds what solving for the multipliers finds: another way to the same step.
+#[test]
+fn augmented_lagrange_moves_as_multipliers_do() {
+    for update in [UpdateRule::Gap, UpdateRule::Persistency] {
+        let last = |enforcement| collide(ContactMethod::Mortar, update, enforcement).pop().expect("there are steps");
+        let (solved, augmented) = (last(Enforcement::Multiplier), last(Enforcement::AugmentedLagrange { factor: 100.0 }));
+        // Both end within Newton's tolerances; collisions of slender bodies multiply differences.
+        let difference = (solved.strain - augmented.strain).abs();
+        assert!(difference < 1e-6 * solved.total(), "{update:?}: strain energies differ by {difference:.1e} of {:.1e}", solved.total());
+    }
+}
