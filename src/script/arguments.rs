@@ -577,7 +577,7 @@ fn maker(type_name: &str) -> String {
         "Body" => "make one with `model.add_body(name, mesh, material)`",
         "Boundary" => "take one of a body: `body.boundary(\"outer\")`",
         "Integrator" => "make one with `energy_momentum()`, `midpoint()` or `trapezoidal()`",
-        "ContactMethod" => "make one with `mortar()` or `node_to_segment()`",
+        "ContactMethod" => "make one with `mortar()`, `dual_mortar()`, `averaged_mortar()` or `node_to_segment()`",
         "Obstacle" => "make one with `rigid_plane`, `rigid_disk`, `rigid_ring` or `rigid_polyline`",
         "Simulation" => "make one with `simulate(model, #{ integrator, dt })`",
         "State" => "make one with `sim.save()`",
