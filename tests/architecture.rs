@@ -32,6 +32,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("indicatif", &["cli"]),
     // its matrices are the vocabulary of the kernels' interfaces
     ("nalgebra", &["math", "elements", "linear", "materials", "integrators", "bodies", "contact", "dynamics"]),
+    ("num-dual", &["contact"]),
     ("plotters", &["output"]),
     ("rayon", &["bodies"]),
     ("rhai", &["script", "cli"]),
