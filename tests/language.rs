@@ -184,12 +184,23 @@ fn parameters_come_from_outside() {
 }
 
 #[test]
-fn a_parameter_after_the_simulation_must_still_be_found() {
-    // `simulate` refuses names that nobody has asked for yet, so parameters stand in front of it.
+fn a_parameter_may_be_asked_for_after_the_simulation() {
     let home = folder("late-parameter");
-    let settings = Settings { overrides: vec![("late".into(), "1".into())], ..Settings::default() };
-    let error = run_in(&home, &flight("param(\"late\", 2);"), settings).2.error.unwrap();
-    assert!(error.title.contains("`late`"), "{}", error.title);
+    let run = |text: &str| run_in(&home, text, Settings { overrides: vec![("late".into(), "1".into())], ..Settings::default() });
+    let (lines, _, report) = run(&flight("print(param(\"late\", 2));"));
+    assert!(report.error.is_none() && lines == ["1"], "{lines:?}");
+    // The name is computed, or the call stands in a module that is imported later.
+    let (lines, _, report) = run(&flight("let name = \"la\" + \"te\"; print(param(name, 2));"));
+    assert!(report.error.is_none() && lines == ["1"], "{lines:?}");
+    std::fs::write(home.join("asks.rhai"), "fn late() { param(\"late\", 2) }").unwrap();
+    let (lines, _, report) = run(&flight("import \"asks\" as asks; print(asks::late());"));
+    assert!(report.error.is_none() && lines == ["1"], "{lines:?}");
+    // A call that is not reached has its place; `check` does not run so far and says nothing of it.
+    let text = flight("if sim.time > 9.0 { param(\"late\", 2); }");
+    let error = run(&text).2.error.unwrap();
+    assert!(error.title.contains("ended before the script asked for `late`") && error.place.is_some(), "{}", error.title);
+    let check = Settings { mode: Mode::Check, overrides: vec![("late".into(), "1".into())], ..Settings::default() };
+    assert!(run_in(&home, &text, check).2.error.is_none());
 }
 
 #[test]

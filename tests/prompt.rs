@@ -41,7 +41,7 @@ fn prompt(folder: &Path, arguments: &[&str]) -> PtySession {
     session
 }
 
-/// What the editor writes when it takes the terminal and when it gives it back. What is typed in between is lost, so tests wait.
+/// What the editor writes when it takes the terminal and when it gives it back.
 const EDITING: &str = "\x1b[?2004h";
 const RUNNING: &str = "\x1b[?2004l";
 
@@ -142,6 +142,134 @@ fn interrupts_leave_everything_usable_and_the_record_gives_the_same_bytes() {
     assert!(output.status.success(), "{}\n{script}", String::from_utf8_lossy(&output.stderr));
     let history = |run: &str| std::fs::read(folder.join(run).join("history.csv")).unwrap();
     assert!(history("first") == history("second"), "{script}");
+}
+
+/// Completes what was typed with a Tab, and clears the line again.
+fn completed(session: &mut PtySession, typed: &str, completed: &str) {
+    press(session, &format!("{typed}\t"));
+    session.exp_string(completed).unwrap_or_else(|error| panic!("{typed}: {error}"));
+    session.send_control('c').unwrap();
+    session.exp_string(RUNNING).unwrap();
+    ready(session);
+}
+
+#[test]
+fn everything_that_has_a_name_is_completed_and_hinted() {
+    let folder = folder("completion");
+    std::fs::create_dir_all(folder.join("lib")).unwrap();
+    std::fs::write(folder.join("lib/rings.rhai"), "fn thick(radius) { ring(#{ inner_radius: radius, outer_radius: 2.0, cells: [2, 8] }) }")
+        .unwrap();
+    std::fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/punch_22.msh"), folder.join("punch.msh")).unwrap();
+    let mut session = prompt(&folder, &["repl", "press.rhai"]);
+    enter(&mut session, "import \"lib/rings\" as rings;", "");
+    enter(&mut session, "let options = #{ first_entry: 1 };", "");
+    completed(&mut session, "rectan", "rectangle(#{ ");
+    completed(&mut session, "stee", "steel");
+    completed(&mut session, "sim.angular", "sim.angular_momentum");
+    completed(&mut session, "options.firs", "options.first_entry");
+    completed(&mut session, "ring(#{ inner_radius: 1, out", "outer_radius");
+    completed(&mut session, "simulate(press, #{ integ", "integrator");
+    completed(&mut session, "block.boundary(\"bot", "bottom");
+    completed(&mut session, "sim.contact(\"f", "foot");
+    completed(&mut session, "print(\"tab", "table");
+    completed(&mut session, "read_mesh(\"pun", "punch.msh");
+    completed(&mut session, "import \"lib/r", "lib/rings");
+    completed(&mut session, "rings::th", "rings::thick(");
+    completed(&mut session, "?settl", "?settle");
+    completed(&mut session, ":load pre", ":load press.rhai");
+    // the rest of the signature is shown while it is typed
+    press(&mut session, "ramp(");
+    session.exp_string("start, end, value)").unwrap();
+    session.send_control('c').unwrap();
+    session.exp_string(RUNNING).unwrap();
+    ready(&mut session);
+    // an import lasts
+    enter(&mut session, "rings::thick(1.0)", "mesh of 16 quad4 cells");
+    quit(session);
+}
+
+#[test]
+fn objects_files_and_states_at_the_prompt() {
+    let folder = folder("objects");
+    std::fs::write(folder.join("more.rhai"), "let loaded = 17;\nfn twice(x) { 2 * x }\n").unwrap();
+    let mut session = prompt(&folder, &["repl", "press.rhai"]);
+    enter(&mut session, "sim", "largest energy defect");
+    enter(&mut session, "sim.step(40); sim", "foot");
+    enter(&mut session, "block.mesh", "boundary  facets  length");
+    enter(&mut session, ":load more.rhai", "");
+    enter(&mut session, "twice(loaded)", "34");
+    enter(&mut session, ":load none.rhai", "cannot be read");
+    enter(&mut session, "40 + 1;", "");
+    enter(&mut session, "ans + 1", "42");
+    // a state is a value: the same steps again give the same energy to the last bit
+    enter(&mut session, "let kept = sim.save(); sim.step(5); let first = sim.energy.total;", "");
+    enter(&mut session, "sim.back(5); sim.step(5); sim.energy.total == first", "true");
+    enter(&mut session, "sim.restore(kept); let other = sim.branch(); other.step(5); other.energy.total == first", "true");
+    enter(&mut session, "sim.steps", "40");
+    enter(&mut session, "sim.show([\"kinetic\", \"strain\"])", "kinetic");
+    enter(&mut session, "sim.plot(\"energies.svg\", [\"total\"])", "");
+    enter(&mut session, "help(sim)", "simulation.run_to(time)");
+    // failed steps can be asked why
+    enter(&mut session, "let hit = branch_of(1)", "there is no function `branch_of`");
+    quit(session);
+    assert!(folder.join("out/press/energies.svg").is_file());
+}
+
+/// Keys that are typed while an entry runs are the next entries.
+#[test]
+fn what_is_typed_ahead_is_kept() {
+    let folder = folder("ahead");
+    let mut session = prompt(&folder, &["repl"]);
+    session.send_line("let a = 0; for i in 0..3000000 { a += 1 }").unwrap();
+    session.exp_string(RUNNING).unwrap();
+    // while it runs: two whole entries and half of a third
+    press(&mut session, "40 + 2\r7 * 111\r10");
+    session.exp_string(EDITING).unwrap();
+    session.exp_string("42\r\n").unwrap();
+    session.exp_string("777\r\n").unwrap();
+    session.exp_string("10").unwrap();
+    press(&mut session, " + a\r");
+    session.exp_string("3000010\r\n").unwrap();
+    ready(&mut session);
+    quit(session);
+}
+
+/// Entries that change more than the time of one simulation, stopped halfway, are repeated by the record to the same bytes.
+#[test]
+fn the_record_repeats_interrupted_entries() {
+    let folder = folder("interrupted");
+    let mut session = prompt(&folder, &["repl", "press.rhai", "--out", "first"]);
+    session.send_line("for k in 1..1000 { let s = sim.branch(); s.set(#{ dt: 0.01 / k }); s.run_to(0.5 * k); sim.step(k); }").unwrap();
+    session.exp_string(" of 1, step ").unwrap();
+    session.send_control('c').unwrap();
+    session.exp_string("interrupted").unwrap();
+    ready(&mut session);
+    enter(&mut session, "let held = sim.branch(); sim.steps > 0", "true");
+    session.send_line("while true { held.step(2); held.back(1); }").unwrap();
+    session.exp_string(RUNNING).unwrap();
+    std::thread::sleep(Duration::from_millis(500));
+    session.send_control('c').unwrap();
+    session.exp_string("interrupted").unwrap();
+    ready(&mut session);
+    enter(&mut session, "sim.step(); held.step(3); :save", "error");
+    enter(&mut session, "sim.step(); held.step(3);", "");
+    enter(&mut session, ":save again.rhai", "written to again.rhai");
+    quit(session);
+    let output = conserva(&folder, &["run", "again.rhai", "--out", "second"]).output().unwrap();
+    let script = std::fs::read_to_string(folder.join("again.rhai")).unwrap();
+    assert!(output.status.success(), "{}\n{script}", String::from_utf8_lossy(&output.stderr));
+    let histories = |run: &str| -> Vec<(PathBuf, Vec<u8>)> {
+        let mut found = vec![(PathBuf::new(), std::fs::read(folder.join(run).join("history.csv")).unwrap())];
+        for entry in std::fs::read_dir(folder.join(run)).unwrap().flatten().filter(|entry| entry.path().is_dir()) {
+            found.extend(std::fs::read(entry.path().join("history.csv")).map(|bytes| (PathBuf::from(entry.file_name()), bytes)));
+        }
+        found.sort();
+        found
+    };
+    let (first, second) = (histories("first"), histories("second"));
+    assert!(first.len() > 2, "{script}");
+    assert_eq!(first.iter().map(|(name, _)| name).collect::<Vec<_>>(), second.iter().map(|(name, _)| name).collect::<Vec<_>>());
+    assert!(first == second, "{script}");
 }
 
 /// Start to the line above the prompt in under 50 ms: the best of several, for a machine with much else to do. Without a

@@ -97,7 +97,7 @@ fn every_word_has_its_sentence_and_is_found() {
     }
     assert!(matches!(reference.find("Model").as_deref(), Ok([Entry::Topic(..), Entry::Type(..)])));
     assert!(matches!(reference.find("Body.mass").as_deref(), Ok([Entry::Function(_)])));
-    assert!(reference.find("rectangel").err().unwrap().contains("rectangle"));
+    assert!(reference.find("rectangel").err().flatten().unwrap().contains("rectangle"));
     let json: serde_json::Value = serde_json::from_str(&reference.json()).unwrap();
     assert_eq!(json["functions"].as_array().unwrap().len(), functions().len());
 }

@@ -47,6 +47,7 @@ pub fn doc(arguments: Arguments) -> u8 {
         Some((_, Ok(entries))) => Some(entries),
         Some((name, Err(suggestion))) => {
             let error = Diagnostic::error(Class::Script, format!("the reference has no entry `{name}`"));
+            let suggestion = suggestion.unwrap_or_else(|| "`conserva doc` lists everything".into());
             complain(&error.hint(suggestion).render(ink()));
             return exit_code(Class::Script);
         }

@@ -1,8 +1,9 @@
-//! From a step that failed to what a user is told.
+//! From a step that failed to what a user is told: the error, and the report that is kept of it.
 
+use super::diagnosis::{Evidence, rigid_motion_of};
 use super::error::StepError;
-use super::newton::Failure;
-use super::report::{FailureCause, FailureReport, IterationReport};
+use super::newton::{Failure, Trace};
+use super::report::{FailureReport, TryReport};
 use super::time_loop::TimeLoop;
 use crate::bodies::{Elements, Space};
 
@@ -12,66 +13,51 @@ where
 {
     /// The error that a user sees when a step failed for good; its report is kept.
     pub(super) fn failed(&mut self, failure: &Failure, dt: f64, halvings: usize) -> StepError {
-        let report = self.report(failure, dt, halvings);
+        let report = self.evidence(dt, halvings).report(failure);
+        self.given_up(report)
+    }
+
+    /// What is left of the step.
+    pub(super) fn evidence(&self, dt: f64, halvings: usize) -> Evidence<'_, D> {
+        let TimeLoop { model, system, state, trace, tries, .. } = self;
+        Evidence { model, system, state, trace, tries, dt, halvings }
+    }
+
+    /// The error of a step with the report on it, which is kept.
+    pub(super) fn given_up(&mut self, report: FailureReport) -> StepError {
+        let FailureReport { time, step, dt, halvings, .. } = report;
         let smaller = if dt > 0.0 {
             format!("use a smaller step than dt = {}, or allow more `max_halvings`", self.options.dt)
         } else {
             "check supports and loads".into()
         };
-        let (time, step) = (report.time, report.step);
         let (cause, cure) = (report.explanation(), report.cure(&smaller));
         self.failure = Some((report, self.trace.q_1.clone()));
         StepError::NotConverged { time, step, dt, halvings, cause, cure }
     }
 
-    fn report(&self, failure: &Failure, dt: f64, halvings: usize) -> FailureReport {
-        let contact_of = |row: usize| self.system.pairs.iter().find(|pair| pair.rows.contains(&row));
-        let iterations: Vec<IterationReport> = self
-            .trace
-            .iterations
-            .iter()
-            .map(|iteration| {
-                let (body, node) = self.system.owner(iteration.worst / D);
-                IterationReport {
-                    residual: iteration.residual,
-                    target: iteration.target,
-                    gap_violation: iteration.violation,
-                    changes: iteration.changes,
-                    active: iteration.active,
-                    body: body.into(),
-                    node,
-                    contact: contact_of(iteration.worst_row).map(|pair| pair.name.clone()),
-                }
-            })
-            .collect();
-        let cause = match failure {
-            Failure::Iterations => {
-                let last = &self.trace.iterations[self.trace.iterations.len().saturating_sub(6)..];
-                let cycling = last.iter().rev().skip(1).map(|iteration| iteration.changes).min().unwrap_or(0);
-                match last.last().and_then(|iteration| contact_of(iteration.worst_row)) {
-                    Some(pair) if cycling > 0 => {
-                        FailureCause::CyclingContact { contact: pair.name.clone(), changing: cycling, nodes: pair.rows.len() }
-                    }
-                    _ => FailureCause::SlowConvergence,
-                }
-            }
-            Failure::Inverted { body, inverted } => {
-                let index = self.system.bodies.iter().position(|other| other.name == *body).unwrap_or(0);
-                let mesh = &self.model.bodies[index].mesh;
-                let corners = mesh.cell(inverted.cell);
-                let mut center = [0.0; 3];
-                for &node in corners {
-                    for i in 0..3 {
-                        center[i] += mesh.points[node as usize][i] / corners.len() as f64;
-                    }
-                }
-                FailureCause::InvertedCell { body: body.clone(), cell: inverted.cell, determinant: inverted.determinant, center }
-            }
-            Failure::Linear(error) => FailureCause::SingularSystem { reason: self.system.explain(error) },
-            Failure::Diverged => FailureCause::Divergence,
-            Failure::BeyondSearch { pair } => FailureCause::TooFast { contact: pair.clone() },
-            Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string() },
+    /// The body that moves most in a motion of all nodes, and how.
+    pub(super) fn moving_body(&self, motion: &[f64]) -> (String, String) {
+        let largest = |nodes: &std::ops::Range<usize>| {
+            let moved = motion[nodes.start * D..nodes.end * D].iter();
+            moved.fold(0.0f64, |most, x| most.max(x.abs()))
         };
-        FailureReport { time: self.state.row.time, step: self.state.row.step + 1, dt, halvings, cause, iterations }
+        let body = self.system.bodies.iter().max_by(|a, b| largest(&a.nodes).total_cmp(&largest(&b.nodes)));
+        let Some(body) = body else { return Default::default() };
+        let range = body.nodes.start * D..body.nodes.end * D;
+        let rigid = rigid_motion_of::<D>(&self.state.positions[range.clone()], &motion[range]);
+        (body.name.clone(), rigid.unwrap_or_else(|| "deform".into()))
+    }
+}
+
+/// What a try of a step came to.
+pub(super) fn tried(failure: &Failure, dt: f64, trace: &Trace) -> TryReport {
+    let last = trace.iterations.last();
+    TryReport {
+        dt,
+        iterations: trace.iterations.len(),
+        residual: last.map_or(f64::NAN, |iteration| iteration.residual),
+        target: last.map_or(f64::NAN, |iteration| iteration.target),
+        outcome: failure.name(),
     }
 }

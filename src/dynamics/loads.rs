@@ -28,35 +28,43 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
+    /// What the time function of a load gives; it may fail.
+    pub(super) fn amplitude(&self, load: &NodalLoad, time: f64) -> Result<f64, StepError> {
+        let failed = |source| StepError::Amplitude { boundary: load.name.clone(), time, source };
+        let amplitude = load.amplitude.value(time).map_err(failed)?;
+        if amplitude.is_finite() { Ok(amplitude) } else { Err(failed(format!("the time function returned {amplitude}").into())) }
+    }
+
+    /// Adds the forces of a load with an amplitude.
+    pub(super) fn load_into(&self, load: &NodalLoad, amplitude: f64, q: &[f64], force: &mut [f64]) {
+        match load.kind {
+            LoadKind::Pressure(pressure) => {
+                for ([a, b], _) in &load.facets {
+                    let (a, b) = (*a as usize * D, *b as usize * D);
+                    // Against the outward normal, which is the facet's direction turned to the right.
+                    let half = [-0.5 * amplitude * pressure * (q[b + 1] - q[a + 1]), 0.5 * amplitude * pressure * (q[b] - q[a])];
+                    for node in [a, b] {
+                        force[node] += half[0];
+                        force[node + 1] += half[1];
+                    }
+                }
+            }
+            LoadKind::Torque => torque_forces::<D>(&load.weights, q, amplitude, force),
+            LoadKind::Traction(vector) => spread::<D>(&load.weights, vector, amplitude, force),
+            LoadKind::Force(vector) => {
+                let area: f64 = load.weights.iter().map(|(_, weight)| weight).sum();
+                spread::<D>(&load.weights, vector, amplitude / area, force);
+            }
+        }
+    }
+
     /// Loads at a configuration and time, gravity not included; a time function may fail.
     pub(super) fn loads_into(&self, q: &[f64], time: f64, force: &mut [f64]) -> Result<bool, StepError> {
         let mut acted = false;
         for load in &self.loads {
-            let failed = |source| StepError::Amplitude { boundary: load.name.clone(), time, source };
-            let amplitude = load.amplitude.value(time).map_err(failed)?;
-            if !amplitude.is_finite() {
-                return Err(failed(format!("the time function returned {amplitude}").into()));
-            }
+            let amplitude = self.amplitude(load, time)?;
             acted |= amplitude != 0.0;
-            match load.kind {
-                LoadKind::Pressure(pressure) => {
-                    for ([a, b], _) in &load.facets {
-                        let (a, b) = (*a as usize * D, *b as usize * D);
-                        // Against the outward normal, which is the facet's direction turned to the right.
-                        let half = [-0.5 * amplitude * pressure * (q[b + 1] - q[a + 1]), 0.5 * amplitude * pressure * (q[b] - q[a])];
-                        for node in [a, b] {
-                            force[node] += half[0];
-                            force[node + 1] += half[1];
-                        }
-                    }
-                }
-                LoadKind::Torque => torque_forces::<D>(&load.weights, q, amplitude, force),
-                LoadKind::Traction(vector) => spread::<D>(&load.weights, vector, amplitude, force),
-                LoadKind::Force(vector) => {
-                    let area: f64 = load.weights.iter().map(|(_, weight)| weight).sum();
-                    spread::<D>(&load.weights, vector, amplitude / area, force);
-                }
-            }
+            self.load_into(load, amplitude, q, force);
         }
         Ok(acted)
     }

@@ -3,6 +3,7 @@
 mod accept;
 mod amplitude;
 mod contact_quantities;
+mod diagnosis;
 mod error;
 mod failed;
 mod fields;
@@ -28,5 +29,5 @@ pub use model::{
     BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model,
     ObstacleDefinition, Prescription, SelfContactDefinition, Support, TieDefinition, UpdateRule,
 };
-pub use report::{FailureCause, FailureReport, IterationReport};
+pub use report::{CyclingNode, FailureCause, FailureReport, IterationReport, TryReport};
 pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

@@ -26,10 +26,12 @@ pub(super) struct Trace {
     pub(super) iterations: Vec<Iteration>,
     /// The last iterate.
     pub(super) q_1: Vec<f64>,
+    /// The iterations of strategies that were tried before.
+    pub(super) earlier: Vec<Vec<Iteration>>,
 }
 
 /// What an iteration looked like.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Iteration {
     /// Largest component of the residual and its unknown.
     pub(super) residual: f64,
@@ -38,11 +40,13 @@ pub(super) struct Iteration {
     pub(super) target: f64,
     /// Round-off of the forces: a residual below it cannot be trusted to fall.
     pub(super) floor: f64,
+    /// Energy that the residual can still move, over what is tolerated.
+    pub(super) energy: f64,
     /// Largest violation of the contact conditions over what is tolerated, and its constraint.
     pub(super) violation: f64,
     pub(super) worst_row: usize,
-    /// Nodes whose contact state changed.
-    pub(super) changes: usize,
+    /// Constraints whose contact state changed.
+    pub(super) changed: Vec<usize>,
     /// Active contact nodes.
     pub(super) active: usize,
 }
@@ -64,6 +68,20 @@ pub(super) enum Failure {
     },
     /// Not a matter of the numerics: do not try again.
     Fatal(StepError),
+}
+
+impl Failure {
+    /// What was seen, in two words.
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Failure::Iterations => "iterations used up",
+            Failure::Inverted { .. } => "inverted cell",
+            Failure::Linear(_) => "singular system",
+            Failure::Diverged => "divergence",
+            Failure::BeyondSearch { .. } => "motion too fast",
+            Failure::Fatal(_) => "given up",
+        }
+    }
 }
 
 impl From<AssemblyError> for Failure {
@@ -113,8 +131,8 @@ where
     Space<D>: Elements<D>,
 {
     let start = task.start;
-    *trace = Trace { iterations: Vec::new(), q_1: task.predicted.to_vec() };
-    let Trace { iterations: history, q_1 } = trace;
+    *trace = Trace { iterations: Vec::new(), q_1: task.predicted.to_vec(), earlier: std::mem::take(&mut trace.earlier) };
+    let Trace { iterations: history, q_1, .. } = trace;
     let mut lambda = task.lambda.to_vec();
     let conditions = task.conditions;
     let dropped = conditions.members.iter().map(|member| !member).collect();
@@ -137,6 +155,7 @@ where
         let (mut record, moved) = measure(system, task, &forces, q_1, &lambda, &contacts.dropped);
         let converged_force = record.residual <= record.target;
         let small = task.tolerance * task.energy.max(forces.internal_work.abs());
+        record.energy = moved / small;
         // Round-off: the energy no longer falls although everything else has converged.
         let stalled = (moved <= 100.0 * small || record.residual <= record.floor) && moved > 0.5 * last_energy;
         if converged_force && record.violation <= 1.0 && (moved <= small || stalled) {
@@ -147,6 +166,7 @@ where
         }
         last_energy = moved;
         if iteration == iterations {
+            record.active = contacts.active.iter().filter(|active| **active).count();
             history.push(record);
             break;
         }
@@ -159,7 +179,7 @@ where
                 system.solve(&forces, &rows).map_err(Failure::Linear)?
             }
         };
-        record.changes = set.iter().zip(&contacts.active).filter(|(a, b)| a != b).count();
+        record.changed = (0..set.len()).filter(|&row| set[row] != contacts.active[row]).collect();
         record.active = set.iter().filter(|active| **active).count();
         contacts.active = set;
         history.push(record);
@@ -182,9 +202,16 @@ where
             Strategy::Backtracking => {
                 let merit_before = merit(system, &forces, conditions, &lambda, &contacts.dropped);
                 let mut best: Option<(f64, f64)> = None;
+                let mut refused = None;
                 for alpha in [1.0, 0.5, 0.25, 0.125] {
                     let (q, l) = moved_to(alpha);
-                    let Ok(trial) = system.assemble(start, &q, &l) else { continue };
+                    let trial = match system.assemble(start, &q, &l) {
+                        Ok(trial) => trial,
+                        Err(error) => {
+                            refused = Some(error);
+                            continue;
+                        }
+                    };
                     let value = merit(system, &trial, conditions, &l, &contacts.dropped);
                     if best.is_none_or(|(least, _)| value < least) {
                         best = Some((value, alpha));
@@ -193,7 +220,7 @@ where
                         break;
                     }
                 }
-                let (_, alpha) = best.ok_or(Failure::Diverged)?;
+                let (_, alpha) = best.ok_or_else(|| refused.map_or(Failure::Diverged, Failure::from))?;
                 (*q_1, lambda) = moved_to(alpha);
                 forces = system.assemble(start, q_1, &lambda)?;
             }

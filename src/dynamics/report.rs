@@ -4,14 +4,43 @@
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FailureCause {
-    /// The contact state of some nodes changed in every one of the last iterations.
+    /// The contact state of some nodes changed at least every second time in the last iterations.
     CyclingContact {
         /// Name of the contact pair.
         contact: String,
-        /// Nodes that changed in each of the last iterations, at least.
-        changing: usize,
+        /// The nodes that changed.
+        cycling: Vec<CyclingNode>,
         /// Secondary nodes of the pair.
         nodes: usize,
+    },
+    /// A load or a prescribed motion moves nodes too far in one step.
+    LoadTooFast {
+        /// What it is, such as `the load on "block.top"`.
+        load: String,
+        /// Body of the node that it moves farthest.
+        body: String,
+        /// That node in the body's mesh.
+        node: usize,
+        /// By how many cells the load alone moves it in the last try.
+        cells: f64,
+        /// What that led to.
+        outcome: Box<FailureCause>,
+    },
+    /// Newton's method came nearer from halving to halving, or was still converging when its iterations were over.
+    StepLimit {
+        /// Residual over target at the end of each try.
+        ratios: Vec<f64>,
+    },
+    /// `settle` found no equilibrium.
+    NoEquilibrium {
+        /// Damped steps taken.
+        steps: usize,
+        /// Energy that the damping took away in the last one.
+        dissipated: f64,
+        /// The body that moves most.
+        body: String,
+        /// How it moves, such as `move along (1.00, 0.00)`.
+        how: String,
     },
     /// The residual fell too slowly or not at all.
     SlowConvergence,
@@ -27,10 +56,12 @@ pub enum FailureCause {
         determinant: f64,
         /// Center of the cell in the undeformed body `[length]`.
         center: [f64; 3],
+        /// Space dimension.
+        dimension: usize,
     },
     /// The linear system could not be solved.
     SingularSystem {
-        /// What the solver said.
+        /// Which body can still move how, or which constraints depend on one another.
         reason: String,
     },
     /// Bodies moved farther in the step than the search for contact reaches.
@@ -40,6 +71,32 @@ pub enum FailureCause {
     },
 }
 
+/// A secondary node whose contact state kept changing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CyclingNode {
+    /// Its body.
+    pub body: String,
+    /// Its number in the body's mesh.
+    pub node: usize,
+    /// Its number among the secondary nodes of the pair.
+    pub index: usize,
+}
+
+/// One try of the step that failed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TryReport {
+    /// Size of the step `[time]`.
+    pub dt: f64,
+    /// Iterations looked at.
+    pub iterations: usize,
+    /// Residual of the last one `[force]`.
+    pub residual: f64,
+    /// Force below which it would have been small enough.
+    pub target: f64,
+    /// How it ended, in two words.
+    pub outcome: &'static str,
+}
+
 /// One Newton iteration of the step that failed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IterationReport {
@@ -47,6 +104,8 @@ pub struct IterationReport {
     pub residual: f64,
     /// Force below which it would have been small enough.
     pub target: f64,
+    /// Energy that the residual can still move, over what the tolerance allows.
+    pub energy: f64,
     /// Largest violation of the contact conditions over what is tolerated.
     pub gap_violation: f64,
     /// Contact nodes that changed their state.
@@ -76,33 +135,54 @@ pub struct FailureReport {
     pub cause: FailureCause,
     /// The iterations of the last try.
     pub iterations: Vec<IterationReport>,
+    /// In `settle`: a body without support on which the loads do not balance, so that only contact can hold it.
+    pub unheld: Option<String>,
+    /// All tries, from the nominal step to the last halving; empty in `settle`.
+    pub tries: Vec<TryReport>,
 }
 
 impl FailureReport {
     /// The cause with its numbers, one sentence.
     pub fn explanation(&self) -> String {
-        let residual = self.iterations.last().map_or(String::new(), |last| {
-            format!(
-                "; after {} iterations the largest residual is {:.1e} at node {} of body \"{}\" (target {:.1e})",
-                self.iterations.len() - 1,
-                last.residual,
-                last.node,
-                last.body,
-                last.target
-            )
-        });
+        let cause = self.cause_text();
+        match &self.unheld {
+            Some(body) => format!("{cause}; body \"{body}\" has no support, and the loads on it do not balance"),
+            None => cause,
+        }
+    }
+
+    fn cause_text(&self) -> String {
+        let residual = self.iterations.last().map_or(String::new(), |last| last.shortfall(self.iterations.len() - 1));
         match &self.cause {
-            FailureCause::CyclingContact { contact, changing, nodes } => {
+            FailureCause::CyclingContact { contact, cycling, nodes } => {
                 format!(
-                    "the contact state of {changing} or more of {nodes} nodes of contact \"{contact}\" changed in every iteration{residual}"
+                    "the contact state of {} of {nodes} nodes of contact \"{contact}\" kept changing ({}){residual}",
+                    cycling.len(),
+                    named(cycling)
                 )
             }
-            FailureCause::SlowConvergence => format!("the residual did not become small{residual}"),
-            FailureCause::Divergence => format!("the iterates grew without bound{residual}"),
-            FailureCause::InvertedCell { body, cell, determinant, center } => format!(
-                "cell {cell} of body \"{body}\", at ({:.4}, {:.4}, {:.4}) when undeformed, turned inside out (det F = {determinant:.2e})",
-                center[0], center[1], center[2]
-            ),
+            FailureCause::SlowConvergence => format!("the iterations did not come nearer to a solution{residual}"),
+            FailureCause::Divergence => format!("the iterates left the range of numbers or grew without bound{residual}"),
+            FailureCause::StepLimit { ratios } if ratios.len() > 1 => {
+                let ratios: Vec<String> = ratios.iter().map(|ratio| format!("{ratio:.0e}")).collect();
+                format!("each halving came nearer (residual over target {}), but the limit of halvings was reached", ratios.join(", "))
+            }
+            FailureCause::StepLimit { .. } => format!("Newton's method still came nearer when its iterations were used up{residual}"),
+            FailureCause::LoadTooFast { load, body, node, cells, outcome } => {
+                let outcome = FailureReport { cause: (**outcome).clone(), ..self.clone() };
+                let size = if *cells < 100.0 { format!("{cells:.1}") } else { format!("{cells:.0e}") };
+                format!("{load} alone moves node {node} of body \"{body}\" by {size} cells in the step; {}", outcome.cause_text())
+            }
+            FailureCause::NoEquilibrium { steps, dissipated, body, how } => {
+                format!("after {steps} damped steps body \"{body}\" can still {how} (dissipated energy {dissipated:.1e} in the last one)")
+            }
+            FailureCause::InvertedCell { body, cell, determinant, center, dimension } => {
+                let center: Vec<String> = center[..*dimension].iter().map(|x| format!("{x:.4}")).collect();
+                format!(
+                    "cell {cell} of body \"{body}\", at ({}) when undeformed, turned inside out (det F = {determinant:.2e})",
+                    center.join(", ")
+                )
+            }
             FailureCause::SingularSystem { reason } => format!("{reason} in the tangent of the step"),
             FailureCause::TooFast { contact } => {
                 format!("the bodies of contact \"{contact}\" moved farther in one step than the search for contact reaches")
@@ -113,13 +193,51 @@ impl FailureReport {
     /// How to mend it; `smaller` says how a smaller step is asked for.
     pub(super) fn cure(&self, smaller: &str) -> String {
         match &self.cause {
+            _ if self.unheld.is_some() => "hold every body with `fix` or by contact against the loads on it before `settle`".into(),
             FailureCause::CyclingContact { .. } => format!("{smaller}; surfaces should slide by less than two facets per step"),
             FailureCause::InvertedCell { .. } => format!("{smaller}, a finer mesh there, or a smaller load"),
             FailureCause::SingularSystem { .. } => {
                 "hold every body against rigid motion with `fix`, and name each contact pair and each support only once".into()
             }
+            FailureCause::NoEquilibrium { .. } => {
+                "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into()
+            }
+            FailureCause::LoadTooFast { .. } => format!("apply the load more slowly, such as with `ramp`, or {smaller}"),
             FailureCause::Divergence => format!("{smaller}, or apply the load more slowly"),
-            FailureCause::SlowConvergence | FailureCause::TooFast { .. } => smaller.into(),
+            FailureCause::SlowConvergence | FailureCause::TooFast { .. } | FailureCause::StepLimit { .. } => smaller.into(),
         }
     }
+}
+
+impl IterationReport {
+    /// What is still wrong after `count` iterations, to follow another clause.
+    fn shortfall(&self, count: usize) -> String {
+        let what = if self.residual > self.target {
+            format!(
+                "the largest residual is {:.1e} at node {} of body \"{}\" (target {:.1e})",
+                self.residual, self.node, self.body, self.target
+            )
+        } else if self.gap_violation > 1.0 {
+            let contact = self.contact.as_deref().unwrap_or("");
+            format!("the gap condition of contact \"{contact}\" is violated by {:.1e} times what is tolerated", self.gap_violation)
+        } else {
+            format!("the residual can still move {:.1e} times the energy that `tolerance` allows", self.energy)
+        };
+        format!("; after {count} iterations {what}")
+    }
+}
+
+/// Nodes that an explanation names at most.
+const NAMED: usize = 4;
+
+/// `nodes 3, 4 and 7 of body "block"`.
+fn named(cycling: &[CyclingNode]) -> String {
+    let numbers: Vec<String> = cycling.iter().take(NAMED).map(|node| node.node.to_string()).collect();
+    let (body, plural) = (cycling.first().map_or("", |node| &node.body), if cycling.len() == 1 { "" } else { "s" });
+    let numbers = match numbers.as_slice() {
+        [first @ .., last] if !first.is_empty() && cycling.len() <= NAMED => format!("{} and {last}", first.join(", ")),
+        _ if cycling.len() > NAMED => format!("{}, …", numbers.join(", ")),
+        _ => numbers.concat(),
+    };
+    format!("node{plural} {numbers} of body \"{body}\"")
 }

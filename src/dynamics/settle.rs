@@ -4,6 +4,7 @@ use super::error::StepError;
 use super::newton::{Failure, Task};
 use super::pairs::Conditions;
 use super::predictor;
+use super::report::FailureCause;
 use super::simulation::{Clock, SettleReport};
 use super::system::StepStart;
 use super::time_loop::{TimeLoop, solve};
@@ -32,6 +33,7 @@ where
     }
 
     fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
+        self.tries.clear();
         let iterations_before = self.statistics.newton_iterations;
         let zero = vec![0.0; self.state.positions.len()];
         // Slowest elastic motion: wave speed over the largest extent.
@@ -101,18 +103,10 @@ where
                 break;
             }
             if steps == MAX_SETTLE_STEPS {
-                let cause =
-                    format!("after {steps} damped steps the bodies still move (dissipated energy {dissipated:.1e} in the last one)");
-                let cure =
-                    "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into();
-                return Err(StepError::NotConverged {
-                    time: self.state.row.time,
-                    step: self.state.row.step,
-                    dt: 0.0,
-                    halvings: 0,
-                    cause,
-                    cure,
-                });
+                let (body, how) = self.moving_body(&motion);
+                let cause = FailureCause::NoEquilibrium { steps, dissipated, body, how };
+                let report = self.evidence(0.0, 0).report_of(cause);
+                return Err(self.given_up(report));
             }
         }
         let contacts = self.contact_totals(&self.state.positions, &self.state.lambda, &self.state.active);

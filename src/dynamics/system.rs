@@ -264,28 +264,14 @@ where
         (&body.name, node - body.nodes.start)
     }
 
-    /// What a failure of the linear solver means for the model: which body can move how, or which constraint is not independent.
-    pub(super) fn explain(&self, error: &LinearError) -> String {
-        let LinearError::Singular { vertex: Some(vertex) } = error else { return error.to_string() };
-        let vertex = *vertex as usize;
-        let Some(node) = (vertex < self.nodes()).then_some(vertex) else {
-            let row = vertex - self.nodes();
-            let pair = self.pairs.iter().find(|pair| pair.rows.contains(&row)).map_or("", |pair| &pair.name);
-            return format!("the constraints of contact \"{pair}\" depend on one another: singular matrix");
-        };
-        let (body, number) = self.owner(node);
-        let nodes = self.bodies.iter().find(|body| body.nodes.contains(&node)).map_or(node..node + 1, |body| body.nodes.clone());
-        let moved = self.factorization.near_null_vector().and_then(|motion| motion.get(..self.reference.len())).unwrap_or_default();
-        let largest = moved.iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
-        let motion = |node: usize| -> Vec<f64> { moved.iter().skip(node * D).take(D).map(|x| x / largest).collect() };
-        let direction = motion(node);
-        let alike = |other: usize| motion(other).iter().zip(&direction).all(|(a, b)| (a - b).abs() < 1e-6);
-        let along = direction.iter().map(|x| format!("{x:.2}")).collect::<Vec<_>>().join(", ");
-        if nodes.len() > 1 && nodes.clone().all(alike) {
-            format!("body \"{body}\" can move along ({along}) without resistance: singular matrix")
-        } else {
-            format!("nothing resists a motion of body \"{body}\" that moves its node {number} along ({along}): singular matrix")
-        }
+    /// A motion and multipliers that the singular tangent of the last solve maps to zero, near enough.
+    pub(super) fn near_null_vector(&self) -> &[f64] {
+        self.factorization.near_null_vector().unwrap_or_default()
+    }
+
+    /// Name of the boundary that moves a prescribed unknown.
+    pub(super) fn prescription(&self, prescribed: &PrescribedUnknown) -> &str {
+        &self.prescriptions[prescribed.function].1
     }
 
     /// Finds the places of all contributions in a new pattern.

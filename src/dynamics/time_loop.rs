@@ -3,13 +3,14 @@
 //! A step is a transaction: it takes the state and puts a new one in its place, or leaves it alone.
 
 use super::error::{ModelError, StepError};
+use super::failed::tried;
 use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::Model;
 use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
 use super::pairs::PairKind;
 use super::predictor::{self, rigid_motion};
-use super::report::FailureReport;
+use super::report::{FailureReport, TryReport};
 use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, StepStart, System};
 use crate::bodies::{Elements, Space};
@@ -30,6 +31,8 @@ pub(super) struct TimeLoop<const D: usize> {
     pub(super) probes: Vec<usize>,
     /// The course of the last step's Newton method.
     pub(super) trace: Trace,
+    /// What the tries of the current step came to.
+    pub(super) tries: Vec<TryReport>,
     /// The last step that failed for good, and the iterate at which it was given up.
     pub(super) failure: Option<(FailureReport, Vec<f64>)>,
 }
@@ -68,6 +71,7 @@ where
             statistics: Statistics::default(),
             probes: Vec::new(),
             trace: Trace::default(),
+            tries: Vec::new(),
             failure: None,
         })
     }
@@ -209,12 +213,16 @@ where
     Space<D>: Elements<D>,
 {
     let before = system.factorizations;
+    trace.earlier.clear();
     let mut outcome = newton::solve(system, task, Strategy::InnerLoop, trace);
+    // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
+    let is_hopeless = matches!(outcome, Err(Failure::Inverted { .. }));
     let retries = [(Strategy::InnerLoop, true), (Strategy::Backtracking, false), (Strategy::Backtracking, true)];
     for (strategy, shared) in retries {
-        if system.multipliers == 0 || matches!(outcome, Ok(_) | Err(Failure::Fatal(_) | Failure::Inverted { .. })) {
+        if system.multipliers == 0 || is_hopeless || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
         }
+        trace.earlier.push(std::mem::take(&mut trace.iterations));
         system.share_corrections(shared);
         outcome = newton::solve(system, task, strategy, trace);
         system.share_corrections(false);
@@ -381,6 +389,7 @@ where
         let mut level = self.state.level;
         let (mut done, mut halvings) = (0usize, 0);
         let mut all = 1usize << level;
+        self.tries.clear();
         while done < all {
             if self.options.interrupted() {
                 return Err(StepError::Interrupted { time: self.state.row.time });
@@ -404,6 +413,7 @@ where
                 }
                 Err(Failure::Fatal(error)) => return Err(error),
                 Err(failure) => {
+                    self.tries.push(tried(&failure, dt / all as f64, &self.trace));
                     if level >= self.options.max_halvings {
                         return Err(self.failed(&failure, dt / all as f64, level));
                     }

@@ -278,9 +278,7 @@ impl Words<'_> {
             _ => Dynamic::UNIT,
         };
         match function.name {
-            "help" => {
-                self.registry.functions().iter().map(|function| function.name.to_string()).chain(topics().map(String::from)).collect()
-            }
+            "help" => self.registry.functions().iter().map(|function| function.name.to_string()).chain(topics()).collect(),
             "read_mesh" => self.files(written, ".msh"),
             "boundary" => match mesh_of(&receiver()) {
                 Some(mesh) => boundaries(&mesh),

@@ -26,7 +26,12 @@ pub fn explain(host: &Host, engine: &Engine, error: &EvalAltResult, source: &str
 
 /// The message of a failure outside of any script, such as a script file that cannot be read.
 pub fn explain_failure(failure: &Failure) -> Diagnostic {
-    Diagnostic { causes: failure.causes.clone(), hints: failure.hints.clone(), ..Diagnostic::error(failure.class, failure.title.clone()) }
+    Diagnostic {
+        place: failure.origin.clone(),
+        causes: failure.causes.clone(),
+        hints: failure.hints.clone(),
+        ..Diagnostic::error(failure.class, failure.title.clone())
+    }
 }
 
 struct Explainer<'a> {

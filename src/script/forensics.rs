@@ -2,14 +2,14 @@
 
 use std::rc::Rc;
 
-use rhai::Dynamic;
+use rhai::{Array, Dynamic, Map};
 
 use super::numbers::{brief, significant};
 use super::registry::{Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
 use super::results::write;
 use super::simulations::{SimulationHandle, example};
 use super::tables::table;
-use crate::dynamics::{FailureCause, FailureReport};
+use crate::dynamics::{FailureCause, FailureReport, IterationReport, TryReport};
 use crate::output::Frame;
 
 /// The report on the last step that failed, if one has.
@@ -54,6 +54,7 @@ impl Handle for FailedStepHandle {
                     index.to_string(),
                     number(iteration.residual),
                     number(iteration.target),
+                    number(iteration.energy),
                     number(iteration.gap_violation),
                     iteration.changes.to_string(),
                     iteration.active.to_string(),
@@ -62,10 +63,20 @@ impl Handle for FailedStepHandle {
                 ]
             })
             .collect();
-        let header = ["iteration", "residual", "target", "gap violation", "set changes", "active", "worst node", "worst contact"];
+        let header = ["iteration", "residual", "target", "energy", "gap", "set changes", "active", "worst node", "worst contact"];
         let mut parts = vec![what];
+        if report.tries.len() > 1 {
+            let tries = report.tries.iter();
+            let row = |tried: &TryReport| {
+                vec![number(tried.dt), tried.iterations.to_string(), number(tried.residual), number(tried.target), tried.outcome.into()]
+            };
+            parts.push(table(&["tried dt", "iterations", "residual", "target", "outcome"], &tries.map(row).collect::<Vec<_>>()));
+        }
         if !rows.is_empty() {
             parts.push(table(&header, &rows));
+            parts.push(
+                "energy: what the residual can still move over what is tolerated; gap: violation of contact over what is tolerated".into(),
+            );
         }
         parts.push(format!("cause: {}", report.explanation()));
         if !self.cure.is_empty() {
@@ -84,7 +95,26 @@ fn name_of(cause: &FailureCause) -> &'static str {
         FailureCause::InvertedCell { .. } => "inverted cell",
         FailureCause::SingularSystem { .. } => "singular system",
         FailureCause::TooFast { .. } => "motion too fast",
+        FailureCause::LoadTooFast { .. } => "load too fast",
+        FailureCause::StepLimit { .. } => "step limit",
+        FailureCause::NoEquilibrium { .. } => "no equilibrium",
     }
+}
+
+/// An iteration as a map.
+fn iteration_map(iteration: &IterationReport) -> Map {
+    let entries: [(&str, Dynamic); 9] = [
+        ("residual", iteration.residual.into()),
+        ("target", iteration.target.into()),
+        ("energy", iteration.energy.into()),
+        ("gap_violation", iteration.gap_violation.into()),
+        ("changes", (iteration.changes as i64).into()),
+        ("active", (iteration.active as i64).into()),
+        ("body", iteration.body.clone().into()),
+        ("node", (iteration.node as i64).into()),
+        ("contact", iteration.contact.clone().unwrap_or_default().into()),
+    ];
+    entries.into_iter().map(|(name, value)| (name.into(), value)).collect()
 }
 
 /// The functions of this file.
@@ -139,6 +169,22 @@ pub fn functions() -> Vec<Function> {
             body: body(|call| Ok(call.receiver::<FailedStepHandle>().report.is_some().into())),
         },
         Function {
+            name: "iterations",
+            form: Form::Property(FailedStepHandle::receiver()),
+            topic: Topic::Simulation,
+            summary: "the iterations of the last try as maps with `residual`, `target`, `energy` and `gap_violation` \
+                      (both over what is tolerated), `changes` and `active` (contact nodes), `body` and `node` of the residual, `contact`; empty when no step has failed",
+            parameters: Vec::new(),
+            returns: "Array",
+            example: example("for iteration in sim.why().iterations { print(iteration.residual / iteration.target); }"),
+            see_also: &["why", "cause"],
+            body: body(|call| {
+                let handle = call.receiver::<FailedStepHandle>();
+                let iterations = handle.report.iter().flat_map(|report| &report.iterations);
+                Ok(iterations.map(|iteration| Dynamic::from(iteration_map(iteration))).collect::<Array>().into())
+            }),
+        },
+        Function {
             name: "cause",
             form: Form::Property(FailedStepHandle::receiver()),
             topic: Topic::Simulation,
@@ -146,7 +192,7 @@ pub fn functions() -> Vec<Function> {
             parameters: Vec::new(),
             returns: "String",
             example: example("print(sim.why().cause);"),
-            see_also: &["why"],
+            see_also: &["why", "iterations"],
             body: body(|call| {
                 let handle = call.receiver::<FailedStepHandle>();
                 Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into())

@@ -145,6 +145,10 @@ pub struct Host {
     passed: RefCell<Vec<String>>,
     study: Cell<Option<Study>>,
     effects: Cell<u64>,
+    /// Changes after which the script is stopped.
+    limit: Cell<Option<u64>>,
+    /// Simulations that take steps now.
+    stepping: Cell<usize>,
 }
 
 /// What holds while a check runs a scenario for itself.
@@ -185,6 +189,8 @@ impl Host {
             passed: RefCell::default(),
             study: Cell::default(),
             effects: Cell::new(0),
+            limit: Cell::default(),
+            stepping: Cell::default(),
         }
     }
 
@@ -196,6 +202,31 @@ impl Host {
     /// Changes of shared objects so far.
     pub fn effects(&self) -> u64 {
         self.effects.get()
+    }
+
+    /// Stops the script after so many changes, until this is set otherwise; what held before.
+    pub fn stop_after(&self, changes: Option<u64>) -> Option<u64> {
+        self.limit.replace(changes)
+    }
+
+    /// Whether the changes are made after which the script stops.
+    pub fn is_stopped(&self) -> bool {
+        self.limit.get().is_some_and(|limit| self.effects.get() >= limit)
+    }
+
+    /// Whether a simulation takes steps: closures between these are not stopped halfway.
+    pub fn is_stepping(&self) -> bool {
+        self.stepping.get() > 0
+    }
+
+    /// Notes that a simulation begins to take steps, until [`Self::end_steps`].
+    pub fn begin_steps(&self) {
+        self.stepping.set(self.stepping.get() + 1);
+    }
+
+    /// Notes that a simulation has taken its steps.
+    pub fn end_steps(&self) {
+        self.stepping.set(self.stepping.get().saturating_sub(1));
     }
 
     /// The engine, while its session lives.
@@ -231,9 +262,9 @@ impl Host {
         self.settings.mode == Mode::Check
     }
 
-    /// Whether the user asked to stop.
+    /// Whether the user asked to stop, or the script is to stop here.
     pub fn is_interrupted(&self) -> bool {
-        self.settings.interrupt.load(Ordering::Relaxed)
+        self.settings.interrupt.load(Ordering::Relaxed) || self.is_stopped()
     }
 
     /// The failure of an interrupted run, if it is interrupted.
@@ -276,6 +307,42 @@ impl Host {
                 .hint(format!("write `{dividend}.0/{divisor}` for the fraction"));
             self.warn(warning);
         }
+    }
+
+    /// Refuses values of `--set` that the script did not ask for: at its end all of them, before that only those for which no `param` is
+    /// written anywhere.
+    ///
+    /// # Errors
+    /// The first such name.
+    pub fn check_overrides(&self, engine: &Engine, is_over: bool) -> Result<(), Failure> {
+        let unused = self.overrides.unused();
+        if unused.is_empty() {
+            return Ok(());
+        }
+        let texts = self.sources.all();
+        let (mut written, mut is_computed) = (Vec::new(), false);
+        for (source, text) in &texts {
+            let lexemes = scan::lexemes(engine, text);
+            for (range, name) in scan::asked_parameters(&lexemes) {
+                is_computed |= name.is_none();
+                let place = Place { source: source.clone(), text: text.clone(), range };
+                written.extend(name.map(|name| (name, place)));
+            }
+            let loaded = |path: &str| texts.iter().any(|(name, _)| name.trim_end_matches(".rhai") == path.trim_end_matches(".rhai"));
+            is_computed |= scan::imports(&lexemes).iter().any(|path| path.as_deref().is_none_or(|path| !loaded(path)));
+        }
+        for name in unused {
+            match written.iter().find(|(known, _)| *known == name) {
+                Some((_, place)) if is_over => return Err(self.overrides.unreached(&name, Some(self.sources.relocate(place.clone())))),
+                Some(_) => {}
+                None if is_computed && !is_over => {}
+                None => {
+                    let written: Vec<String> = written.into_iter().map(|(name, _)| name).collect();
+                    return Err(self.overrides.unknown(&name, &written));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Lets go of everything that holds the host itself.

@@ -183,8 +183,14 @@ impl Interactive {
         let tokens = &lexemes[failed.clone()];
         let text = text[bytes(&failed)].to_string();
         if error.class == Class::Interrupted {
-            let mut steps = self.values_of(tokens);
-            steps.extend(self.steps_since(before));
+            let mut steps = Vec::new();
+            if affected && !is_plain_stepping(tokens) {
+                steps.push(format!("stop_after({}, || {{ {} }});", self.session.host.effects(), text.trim_end_matches(';')));
+                steps.extend(self.values_of(tokens));
+            } else {
+                steps.extend(self.values_of(tokens));
+                steps.extend(self.steps_since(before));
+            }
             self.entries.push(Entry { text, fate: Fate::Interrupted { steps } });
         } else if affected || tokens.iter().any(|lexeme| lexeme.token.is_op_assignment() || matches!(lexeme.token, Token::Equals)) {
             self.entries.push(Entry { text, fate: Fate::Failed });
@@ -362,7 +368,7 @@ impl Interactive {
             Some(name) => {
                 let registry = self.session.host.registry.borrow();
                 let names = registry.functions().iter().map(|function| function.name.to_string());
-                let names = names.chain(help::topics().map(String::from)).chain(registry.types().iter().map(ToString::to_string));
+                let names = names.chain(help::topics()).chain(registry.types().iter().map(ToString::to_string));
                 let mut names: Vec<String> = names.filter(|known| known.starts_with(name)).collect();
                 names.sort();
                 names.dedup();
@@ -454,8 +460,10 @@ impl Interactive {
                     self.terminated(&entry.text)
                 ),
                 Fate::Interrupted { steps } => {
+                    let repeated = steps.iter().any(|step| step.starts_with("stop_after("));
                     let text: Vec<String> = entry.text.lines().map(|line| format!("//   {line}")).collect();
-                    format!("// interrupted at the prompt:\n{}\n{}", text.join("\n"), steps.join("\n")).trim_end().to_string()
+                    let text = if repeated { String::new() } else { format!("{}\n", text.join("\n")) };
+                    format!("// interrupted at the prompt:\n{text}{}", steps.join("\n")).trim_end().to_string()
                 }
             });
         }
@@ -494,6 +502,14 @@ impl Interactive {
     pub fn finish(&mut self) -> Report {
         self.session.finish(None)
     }
+}
+
+/// Whether a statement is `object.run_to(…)` or `object.step(…)` without a call inside: a `run_to` repeats as much of it as was done.
+fn is_plain_stepping(tokens: &[Lexeme]) -> bool {
+    let name = |lexeme: &Lexeme| matches!(&lexeme.token, Token::Identifier(name) if matches!(name.as_str(), "run_to" | "step"));
+    matches!(tokens, [object, dot, method, open, ..]
+        if matches!((&object.token, &dot.token, &open.token), (Token::Identifier(_), Token::Period, Token::LeftParen)) && name(method))
+        && tokens.iter().filter(|lexeme| matches!(lexeme.token, Token::LeftParen | Token::LeftBrace)).count() == 1
 }
 
 /// The statements of a text outside of any bracket, as ranges of lexemes without the semicolons between them.

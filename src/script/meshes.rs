@@ -97,6 +97,15 @@ pub fn named_boundary(call: &Call, mesh: &Mesh) -> Result<Boundary, Failure> {
     })
 }
 
+/// What `boundary_where` of a mesh and of a body take.
+pub fn condition_parameters() -> Vec<Parameter> {
+    let condition = "asked at the nodes of the hull (with z in space); gives `true` or `false`";
+    vec![
+        Parameter::new("name", Kind::Text, "the name of the new boundary"),
+        Parameter::new("condition", Kind::Closure("|x, y|"), condition),
+    ]
+}
+
 /// A mesh with one more boundary, found by the closure `condition` of a call. Warns when it has no facets.
 ///
 /// # Errors
@@ -499,14 +508,7 @@ fn transforms() -> Vec<Function> {
             form: Form::Method(receiver),
             topic: Topic::Meshes,
             summary: "adds a boundary to the mesh: all facets of its hull at whose nodes a condition holds; gives the mesh itself",
-            parameters: vec![
-                Parameter::new("name", Kind::Text, "the name of the new boundary"),
-                Parameter::new(
-                    "condition",
-                    Kind::Closure("|x, y|"),
-                    "asked at the nodes of the hull (with z in space); gives `true` or `false`",
-                ),
-            ],
+            parameters: condition_parameters(),
             returns: MeshHandle::NAME,
             example:
                 "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01);"

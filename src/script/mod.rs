@@ -26,6 +26,7 @@ mod motion;
 mod numbers;
 mod overrides;
 mod probes;
+mod record;
 mod reference;
 mod registry;
 mod results;

@@ -11,7 +11,7 @@ use rhai::{Array, Dynamic};
 use super::arguments::{Argument, Arguments, Call, Options};
 use super::failure::Failure;
 use super::materials::MaterialHandle;
-use super::meshes::{MeshHandle, describe_mesh, named_boundary, with_boundary_where};
+use super::meshes::{MeshHandle, condition_parameters, describe_mesh, named_boundary, with_boundary_where};
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Receiver, Topic, body, number_text};
 use super::sources::Place;
 use super::time_functions::{TimeFunctionHandle, Watched};
@@ -602,14 +602,7 @@ fn body_functions() -> Vec<Function> {
             form: Form::Method(body_receiver),
             topic: Topic::Model,
             summary: "a new boundary of the body: all facets of its hull at whose nodes a condition holds",
-            parameters: vec![
-                Parameter::new("name", Kind::Text, "the name of the new boundary"),
-                Parameter::new(
-                    "condition",
-                    Kind::Closure("|x, y|"),
-                    "asked at the nodes of the hull (with z in space); gives `true` or `false`",
-                ),
-            ],
+            parameters: condition_parameters(),
             returns: BoundaryHandle::NAME,
             example: example("press.fix(plate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01));"),
             see_also: &["boundary"],

@@ -1,7 +1,7 @@
 //! `param(name, default)` and the values that `--set name=value` gives.
 //!
-//! The default decides how a value is read: a number, a truth value or a string. A name that no `param` asks for is an error, reported
-//! as soon as the script makes its first simulation, before time is spent, and again at the end.
+//! The default decides how a value is read: a number, a truth value or a string. A name that no `param` can ask for is an error, reported
+//! as soon as the script makes a simulation, before time is spent; one whose `param` was never reached is an error at the end.
 
 use std::cell::RefCell;
 
@@ -10,6 +10,7 @@ use rhai::Dynamic;
 use super::arguments::{Arguments, as_number};
 use super::failure::{Failure, did_you_mean, listed};
 use super::registry::{Form, Function, Kind, Parameter, Topic, body};
+use super::sources::Place;
 
 struct Override {
     name: String,
@@ -65,23 +66,38 @@ impl Overrides {
         self.asked.borrow().clone()
     }
 
-    /// Refuses overrides of names that the script did not ask for.
-    ///
-    /// # Errors
-    /// The first such name.
-    pub fn check(&self) -> Result<(), Failure> {
-        let (given, asked) = (self.given.borrow(), self.asked.borrow());
-        let Some(unknown) = given.iter().find(|given| !given.used) else { return Ok(()) };
-        let names: Vec<&str> = asked.iter().map(|(name, _)| name.as_str()).collect();
-        let failure = Failure::script(format!("`--set {}={}`: the script has no parameter `{}`", unknown.name, unknown.text, unknown.name));
+    /// Names that were given and that the script did not ask for until now.
+    pub fn unused(&self) -> Vec<String> {
+        self.given.borrow().iter().filter(|given| !given.used).map(|given| given.name.clone()).collect()
+    }
+
+    fn text(&self, name: &str) -> String {
+        self.given.borrow().iter().find(|given| given.name == name).map_or(String::new(), |given| given.text.clone())
+    }
+
+    /// The failure of a name whose `param`, at a place, was not reached.
+    pub fn unreached(&self, name: &str, place: Option<Place>) -> Failure {
+        let failure = Failure::script(format!("`--set {name}={}`: the run ended before the script asked for `{name}`", self.text(name)));
+        failure
+            .cause("the statement with this call of `param` was not reached, so the value had no effect")
+            .hint("call `param` at the top of the script, outside of any condition and function")
+            .placed(place)
+    }
+
+    /// The failure of a name for which the script has no `param`; `written` are names that it may still ask for.
+    pub fn unknown(&self, name: &str, written: &[String]) -> Failure {
+        let asked = self.asked.borrow();
+        let mut names: Vec<&str> = asked.iter().map(|(name, _)| name.as_str()).collect();
+        names.extend(written.iter().map(String::as_str).filter(|name| asked.iter().all(|(known, _)| known != name)));
+        let failure = Failure::script(format!("`--set {name}={}`: the script has no parameter `{name}`", self.text(name)));
         let failure = match names.as_slice() {
-            [] => failure.cause("the script has no parameters").hint(format!("write `param(\"{}\", default)` in the script", unknown.name)),
+            [] => failure.cause("the script has no parameters").hint(format!("write `param(\"{name}\", default)` in the script")),
             names => failure.cause(format!("its parameters are {}", listed(names, "and"))),
         };
-        Err(match did_you_mean(&unknown.name, names.iter().copied()) {
+        match did_you_mean(name, names.iter().copied()) {
             Some(suggestion) => failure.hint(suggestion),
             None => failure,
-        })
+        }
     }
 }
 
@@ -160,7 +176,7 @@ mod tests {
         assert_eq!(given.value("e", 1.0.into()).unwrap().as_float().unwrap(), 1e-3);
         assert_eq!(given.value("f", 1_i64.into()).unwrap().as_int().unwrap(), 5);
         assert_eq!(given.value("g", 7_i64.into()).unwrap().as_int().unwrap(), 7);
-        assert!(given.check().is_ok());
+        assert_eq!(given.unused(), [""; 0]);
         assert!(overrides(&[("a", "fast")]).value("a", 1.0.into()).is_err());
         assert!(overrides(&[("a", "1")]).value("a", true.into()).is_err());
     }
@@ -169,8 +185,10 @@ mod tests {
     fn names_that_nobody_asks_for_are_refused() {
         let given = overrides(&[("torqe", "1")]);
         assert!(given.value("torque", 1.0.into()).is_ok());
-        let failure = given.check().unwrap_err();
+        assert_eq!(given.unused(), ["torqe"]);
+        let failure = given.unknown("torqe", &["later".into()]);
         assert!(failure.title.contains("torqe"));
+        assert_eq!(failure.causes, ["its parameters are `torque` and `later`"]);
         assert_eq!(failure.hints, ["did you mean `torque`?"]);
     }
 }

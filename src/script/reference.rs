@@ -128,35 +128,42 @@ impl Reference {
         names
     }
 
-    /// Everything of that name: functions (also written `Type.name` or `name()`), words, a topic, a type.
+    /// A type with its members, if it has any.
+    pub fn members(&self, type_name: &str) -> Option<Entry> {
+        let name = self.types().into_iter().find(|known| *known == type_name)?;
+        let members = self.functions.iter().filter(|function| function.form.receiver().is_some_and(|receiver| receiver.name == name));
+        Some(Entry::Type(name, members.cloned().collect()))
+    }
+
+    /// Everything of that name: functions (also written `Type.name`, `object.name` or `name()`), words, a topic, a type.
     ///
     /// # Errors
-    /// There is nothing of that name; the text suggests the nearest.
-    pub fn find(&self, name: &str) -> Result<Vec<Entry>, String> {
-        let wanted = name.trim().trim_end_matches("()");
+    /// There is nothing of that name; a suggestion, where a name is near.
+    pub fn find(&self, name: &str) -> Result<Vec<Entry>, Option<String>> {
+        let wanted = name.trim().trim_end_matches("()").trim_end();
         let (owner, last) = wanted.rsplit_once('.').map_or((None, wanted), |(owner, last)| (Some(owner.to_lowercase()), last));
-        let owned = |function: &Function| {
-            let receiver = function.form.receiver().map(|receiver| receiver.name.to_lowercase());
-            owner.as_ref().is_none_or(|owner| receiver.is_some_and(|name| name == *owner) || *owner == "sim" || *owner == "mesh")
-        };
-        let mut found: Vec<Entry> = Vec::new();
-        found.extend(self.functions.iter().filter(|f| f.name == last && owned(f)).cloned().map(Entry::Function));
+        let mut functions: Vec<&Rc<Function>> = self.functions.iter().filter(|function| function.name == last).collect();
+        // An owner that is no type is the name of an object, which may be of any.
+        let is_owned = |function: &Function| function.form.receiver().is_some_and(|of| Some(of.name.to_lowercase()) == owner);
+        if functions.iter().any(|function| is_owned(function)) {
+            functions.retain(|function| is_owned(function));
+        }
+        let mut found: Vec<Entry> = functions.into_iter().cloned().map(Entry::Function).collect();
         found.extend(self.words.iter().filter(|word| word.name == wanted).cloned().map(Entry::Word));
         let lower = wanted.to_lowercase();
-        for (topic, title) in TOPICS.iter().filter(|(_, title)| title.to_lowercase() == lower) {
+        let alone = found.is_empty();
+        let of_title = |title: &str| title == lower || (alone && title.starts_with(&format!("{lower} ")));
+        for (topic, title) in TOPICS.iter().filter(|(_, title)| of_title(&title.to_lowercase())) {
             found.push(Entry::Topic(title, self.of_topic(*topic)));
         }
-        let alone = found.is_empty();
-        for type_name in self.types().into_iter().filter(|name| *name == wanted || (alone && name.to_lowercase() == lower)) {
-            let members = self.functions.iter().filter(|f| f.form.receiver().is_some_and(|receiver| receiver.name == type_name));
-            found.push(Entry::Type(type_name, members.cloned().collect()));
-        }
+        let type_name = self.types().into_iter().find(|name| *name == wanted || (alone && name.to_lowercase() == lower));
+        found.extend(type_name.and_then(|name| self.members(name)));
         if !found.is_empty() {
             return Ok(found);
         }
         let names = self.functions.iter().map(|function| function.name).chain(self.words.iter().map(|word| word.name));
         let names = names.chain(TOPICS.iter().map(|(_, title)| *title)).chain(self.types());
-        Err(did_you_mean(last, names).unwrap_or_else(|| "`conserva doc` lists everything".into()))
+        Err(did_you_mean(last, names))
     }
 
     /// One line for each function and word, topic by topic.

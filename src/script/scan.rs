@@ -158,6 +158,28 @@ pub fn truncating_divisions(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)>
     found
 }
 
+/// The bytes of each `param` in a text, with the name it asks for where that is written as a string.
+pub fn asked_parameters(lexemes: &[Lexeme]) -> Vec<(Range<usize>, Option<String>)> {
+    let called = |window: &[Lexeme]| match (&window[0].token, &window[1].token, &window[2].token) {
+        (Token::Identifier(name), Token::LeftParen, argument) if name.as_str() == "param" => match argument {
+            Token::StringConstant(name) => Some((window[0].range.clone(), Some(name.to_string()))),
+            _ => Some((window[0].range.clone(), None)),
+        },
+        _ => None,
+    };
+    lexemes.windows(3).filter_map(called).collect()
+}
+
+/// Paths of the imports of a text; nothing for a path that is computed.
+pub fn imports(lexemes: &[Lexeme]) -> Vec<Option<String>> {
+    let path = |pair: &[Lexeme]| match (&pair[0].token, &pair[1].token) {
+        (Token::Import, Token::StringConstant(path)) => Some(Some(path.to_string())),
+        (Token::Import, _) => Some(None),
+        _ => None,
+    };
+    lexemes.windows(2).filter_map(path).collect()
+}
+
 /// Functions that a text defines, each with its first byte.
 pub fn functions(lexemes: &[Lexeme]) -> Vec<(String, usize)> {
     let name = |pair: &[Lexeme]| match (&pair[0].token, &pair[1].token) {

@@ -28,7 +28,7 @@ use super::sandbox::{Sandbox, reason};
 use super::scan;
 use super::simulations::{self, ContactHandle, HistoryHandle, IntegratorHandle, SimulationHandle, StateHandle};
 use super::time_functions::{self, TimeFunctionHandle};
-use super::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING, checks, constants, help, numbers, overrides, results, studies};
+use super::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING, checks, constants, help, numbers, overrides, record, results, studies};
 
 /// How a script ended.
 #[derive(Clone, Debug)]
@@ -170,8 +170,10 @@ impl Session {
     /// Ends the run: refuses unknown `--set` names, warns of what never acted, writes the files.
     pub fn finish(&mut self, error: Option<Box<Diagnostic>>) -> Report {
         let host = &self.host;
+        let stopped = error.as_ref().is_some_and(|error| error.class == Class::ResultUsed);
         let error = error.map(|error| *error).filter(|error| error.class != Class::ResultUsed || !self.stopped_at(error));
-        let error = error.or_else(|| host.overrides.check().err().map(|failure| explain_failure(&failure)));
+        let unused = || host.check_overrides(&self.engine.borrow(), !stopped).err().map(|failure| explain_failure(&failure));
+        let error = error.or_else(unused);
         // What never acted may be why a check fails; after any other error it says nothing.
         if error.as_ref().is_none_or(|error| error.class == Class::Check) {
             for simulation in host.simulations.borrow().iter() {
@@ -232,6 +234,7 @@ fn functions() -> Vec<Function> {
         checks::functions(),
         studies::functions(),
         overrides::functions(),
+        record::functions(),
         numbers::functions(),
         help::functions(),
     ]
@@ -265,7 +268,11 @@ fn engine(host: &Rc<Host>) -> Engine {
     engine.disable_symbol("eval");
 
     let interrupt = host.settings.interrupt.clone();
-    engine.on_progress(move |_| interrupt.load(Ordering::Relaxed).then(|| Dynamic::from(Failure::new(Class::Interrupted, "interrupted"))));
+    let progress = Rc::downgrade(host);
+    engine.on_progress(move |_| {
+        let is_over = || progress.upgrade().is_some_and(|host| host.is_stopped() && !host.is_stepping());
+        (interrupt.load(Ordering::Relaxed) || is_over()).then(|| Dynamic::from(Failure::new(Class::Interrupted, "interrupted")))
+    });
     let observer = host.observer.clone();
     engine.on_print(move |text| observer.print(text));
     let observer = host.observer.clone();

@@ -20,7 +20,9 @@ use super::run::Artifacts;
 use super::scan::Target;
 use super::sources::Place;
 use super::tables::table;
-use crate::dynamics::{ContactFields, ContactTotals, FailureCause, LedgerRow, Model, Options, ProbeValues, Simulation, State, StepError};
+use crate::dynamics::{
+    ContactFields, ContactTotals, CyclingNode, FailureCause, LedgerRow, Model, Options, ProbeValues, Simulation, State, StepError,
+};
 use crate::integrators::Integrator;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -167,8 +169,8 @@ pub struct ContactHandle {
     time: f64,
     dimension: usize,
     fields: Rc<ContactFields>,
-    /// Nodes whose state changed in every iteration of the step that failed.
-    cycling: usize,
+    /// Nodes whose state kept changing in the step that failed.
+    cycling: Vec<CyclingNode>,
 }
 
 impl Handle for ContactHandle {
@@ -177,8 +179,12 @@ impl Handle for ContactHandle {
     fn describe(&self) -> String {
         let active = self.fields.active.iter().filter(|active| **active).count();
         let largest = self.fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
+        let cycling = match self.cycling.len() {
+            0 => String::new(),
+            count => format!("; {count} cycling in the step that failed"),
+        };
         format!(
-            "contact \"{}\" at t = {}: {active} of {} nodes active, largest pressure {}, force {}",
+            "contact \"{}\" at t = {}: {active} of {} nodes active, largest pressure {}, force {}{cycling}",
             self.name,
             number_text(self.time),
             self.fields.active.len(),
@@ -479,6 +485,7 @@ impl SimulationHandle {
         let from = self.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
         self.begin(call)?;
         self.0.advancing.set(true);
+        call.host.begin_steps();
         let reached = || end.is_some_and(|end| self.0.simulation.borrow().time() >= end);
         let mut outcome = Ok(());
         let mut taken = 0;
@@ -487,6 +494,7 @@ impl SimulationHandle {
             taken += 1;
         }
         self.0.advancing.set(false);
+        call.host.end_steps();
         call.host.observer.ended();
         outcome
     }
@@ -504,6 +512,13 @@ impl SimulationHandle {
 
     fn take_step(&self, call: &Call, from: f64, end: Option<f64>) -> Result<(), Box<EvalAltResult>> {
         let data = &self.0;
+        let stopped = || {
+            let time = data.simulation.borrow().time();
+            interrupted(format!("interrupted at t = {}", number_text(time))).hint("everything up to this time is kept")
+        };
+        if call.host.is_stopped() {
+            return Err(stopped().into());
+        }
         let mut rows = Vec::new();
         let begun = Instant::now();
         let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.state(), data.history.borrow().len());
@@ -529,16 +544,11 @@ impl SimulationHandle {
         for callback in callbacks {
             let _ = callback.call([Dynamic::from(self.clone())]).map_err(|error| passed_on(&callback, error))?;
         }
-        if call.host.is_interrupted() {
-            let time = data.simulation.borrow().time();
-            return Err(interrupted(format!("interrupted at t = {}", number_text(time))).hint("everything up to this time is kept").into());
-        }
-        Ok(())
+        if call.host.is_interrupted() { Err(stopped().into()) } else { Ok(()) }
     }
 
-    /// What comes before the first step: unknown `--set` names, the first frame of the fields.
+    /// What comes before the first step: the first frame of the fields.
     fn begin(&self, call: &Call) -> Result<(), Failure> {
-        call.host.overrides.check()?;
         if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
             let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
             artifacts.begin(&simulation)?;
@@ -592,7 +602,7 @@ impl SimulationHandle {
             return Ok(Dynamic::UNIT);
         }
         self.refuse_nested(call)?;
-        call.host.overrides.check()?;
+        call.host.go_on()?;
         call.host.observer.began(&format!("settling \"{}\"", data.name));
         let begun = Instant::now();
         let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
@@ -730,7 +740,7 @@ fn simulate() -> Function {
             kernel.threads = call.host.settings.threads;
             kernel.interrupt = Some(call.host.settings.interrupt.clone());
             let fields_every = options.optional_number("fields_every")?;
-            call.host.overrides.check()?;
+            call.host.check_overrides(call.engine(), false)?;
             let model = model.borrow().clone();
             let begun = Instant::now();
             let motion = call.host.motion();
@@ -1079,8 +1089,8 @@ fn contact() -> Vec<Function> {
                 let name = argument.text()?;
                 let found = handle.with(call, |simulation| {
                     let cycling = match simulation.failure().map(|report| &report.cause) {
-                        Some(FailureCause::CyclingContact { contact, changing, .. }) if *contact == name => *changing,
-                        _ => 0,
+                        Some(FailureCause::CyclingContact { contact, cycling, .. }) if *contact == name => cycling.clone(),
+                        _ => Vec::new(),
                     };
                     (simulation.contact(&name), simulation.time(), simulation.dimension(), cycling)
                 })?;
@@ -1099,12 +1109,22 @@ fn contact() -> Vec<Function> {
             name: "cycling",
             form: Form::Property(ContactHandle::receiver()),
             topic: Topic::Contact,
-            summary: "the number of nodes whose contact state changed in every one of the last iterations of the step that failed",
+            summary: "the nodes whose contact state kept changing in the last iterations of the step that failed, as maps with `body`, \
+                      `node` (its number in the body's mesh) and `index` (its place in `positions`, `gap`, `pressure` and `active`)",
             parameters: Vec::new(),
-            returns: "int",
-            example: super::contacts::contact_example("print(sim.contact(\"foot\").cycling);"),
+            returns: "Array",
+            example: super::contacts::contact_example(
+                "let race = sim.contact(\"foot\");\nfor node in race.cycling { print(`node ${node.node} at ${race.positions[node.index]}`); }",
+            ),
             see_also: &["contact", "why"],
-            body: body(|call| Ok(Dynamic::from(call.receiver::<ContactHandle>().cycling as i64))),
+            body: body(|call| {
+                let map = |node: &CyclingNode| -> Dynamic {
+                    let entries: [(&str, Dynamic); 3] =
+                        [("body", node.body.clone().into()), ("node", (node.node as i64).into()), ("index", (node.index as i64).into())];
+                    entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into()
+                };
+                Ok(call.receiver::<ContactHandle>().cycling.iter().map(map).collect::<Array>().into())
+            }),
         },
         number("normal_force", "the sum of the sizes of the nodal contact forces, for a surface with itself too", |fields| {
             fields.normal_force

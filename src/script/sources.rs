@@ -50,6 +50,11 @@ impl Sources {
         Place { source: segment.name.clone(), text: segment.text.clone(), range }
     }
 
+    /// All texts with their names.
+    pub fn all(&self) -> Vec<(String, Arc<str>)> {
+        self.texts.borrow().iter().map(|(name, text)| (name.clone(), text.clone())).collect()
+    }
+
     /// The text of that source.
     pub fn text(&self, name: &str) -> Option<Arc<str>> {
         self.texts.borrow().get(name).cloned()

@@ -316,6 +316,14 @@ fn the_record_of_a_long_exploration_runs_to_the_same_bytes() {
     stop(0);
     assert_eq!(shown(&mut session, "[k, list.len(), other.steps - sim.steps]"), "[3, 3, 3]");
     stop(0);
+    // objects that are made and changed on the way
+    stop(7);
+    message(
+        &mut session,
+        "for k in 1..4 { let s = sim.branch(); s.set(#{ dt: 0.01 / k }); s.step(2 * k); s.back(1); sim.set(#{ dt: 0.02 * k }) }",
+    );
+    stop(0);
+    shown(&mut session, "sim.step()");
     shown(&mut session, "sim.set(#{ dt: 0.004 })");
     shown(&mut session, "let kept = sim.save(); sim.run_to(0.3)");
     shown(&mut session, "sim.restore(kept)");
@@ -327,6 +335,7 @@ fn the_record_of_a_long_exploration_runs_to_the_same_bytes() {
         script.contains("let ans = 40 / 8;")
             && script.contains("sim.run_to(0.09);")
             && script.contains("sim.step(2);\nfn late() { 1 };")
+            && script.contains("stop_after(")
             && script.contains("try {\nfor i in 0..3"),
         "{script}"
     );
@@ -335,8 +344,13 @@ fn the_record_of_a_long_exploration_runs_to_the_same_bytes() {
     let report = again.run_file(&root.join("again.rhai"));
     assert!(report.error.is_none(), "{}\n{script}", report.error.unwrap().render(Ink::Plain));
     let simulations = again.host.simulations.borrow();
-    let rows: Vec<String> = simulations[0].0.history.borrow().iter().map(|row| format!("{row:?}")).collect();
-    assert_eq!(rows, first);
+    let rows = |number: usize| -> Vec<String> { simulations[number].0.history.borrow().iter().map(|row| format!("{row:?}")).collect() };
+    assert_eq!(rows(0), first);
+    // the branch of the interrupted loop, and the simulations of the one that made and changed several
+    assert!(simulations.len() > 3, "{script}");
+    for number in 1..simulations.len() {
+        assert_eq!(rows(number), history_of(&session, number), "simulation {number}:\n{script}");
+    }
     std::fs::remove_dir_all(root).unwrap();
 }
 
