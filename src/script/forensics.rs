@@ -173,7 +173,8 @@ pub fn functions() -> Vec<Function> {
             form: Form::Property(FailedStepHandle::receiver()),
             topic: Topic::Simulation,
             summary: "the iterations of the last try as maps with `residual`, `target`, `energy` and `gap_violation` \
-                      (both over what is tolerated), `changes` and `active` (contact nodes), `body` and `node` of the residual, `contact`; empty when no step has failed",
+                      (both over what is tolerated), `changes` and `active` (contact nodes), `body` and `node` of the residual, \
+                      `contact`; empty when no step has failed",
             parameters: Vec::new(),
             returns: "Array",
             example: example("for iteration in sim.why().iterations { print(iteration.residual / iteration.target); }"),

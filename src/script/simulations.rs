@@ -1114,7 +1114,8 @@ fn contact() -> Vec<Function> {
             parameters: Vec::new(),
             returns: "Array",
             example: super::contacts::contact_example(
-                "let race = sim.contact(\"foot\");\nfor node in race.cycling { print(`node ${node.node} at ${race.positions[node.index]}`); }",
+                "let race = sim.contact(\"foot\");\n\
+                 for node in race.cycling { print(`node ${node.node} at ${race.positions[node.index]}`); }",
             ),
             see_also: &["contact", "why"],
             body: body(|call| {
