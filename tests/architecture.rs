@@ -36,6 +36,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("plotters", &["output"]),
     ("rayon", &["bodies"]),
     ("rhai", &["script", "cli"]),
+    ("spade", &["mesh"]),
     ("rstar", &["contact"]),
     ("rustyline", &["cli"]),
     ("serde", &["dynamics", "output", "script", "cli"]),

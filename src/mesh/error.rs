@@ -26,6 +26,23 @@ pub enum MeshError {
         /// The number.
         value: f64,
     },
+    /// A polygon of fewer than three corners.
+    #[error("a polygon needs at least 3 corners, but has {count}")]
+    FewCorners {
+        /// How many it has.
+        count: usize,
+    },
+    /// Two sides of a polygon have a point in common that is no corner of both; twice the same side: it has no length.
+    #[error("{}", if first == second { format!("side {first} of the polygon has no length") } else { format!("the sides {first} and {second} of the polygon touch or cross") })]
+    CrossingSides {
+        /// Number of the first side, from 1.
+        first: usize,
+        /// Number of the second side, from 1.
+        second: usize,
+    },
+    /// A polygon that could not be divided into triangles.
+    #[error("the polygon cannot be divided into triangles")]
+    NoTriangulation,
     /// A cell count that does not divide as the shape asks.
     #[error("the number of cells {direction} must be a multiple of {of}, but is {count}")]
     NotMultiple {
@@ -404,6 +421,9 @@ impl MeshError {
             | NotFinite { .. }
             | TooFewCells { .. }
             | NotMultiple { .. }
+            | FewCorners { .. }
+            | CrossingSides { .. }
+            | NoTriangulation
             | TooManyCells { .. }
             | Radii { .. }
             | LeavesPlane { .. }
@@ -423,6 +443,9 @@ impl MeshError {
             NotPositive { what: "a scale factor", .. } => "scale by positive numbers; a mirrored mesh would be inside out".into(),
             NotPositive { what, .. } => format!("choose {what} greater than 0"),
             NotFinite { what, .. } => format!("give {what} as a finite number"),
+            FewCorners { .. } => "name the corners in their order around the polygon, the first one once".into(),
+            CrossingSides { .. } => "name the corners in their order around the polygon, so that its sides meet at corners only".into(),
+            NoTriangulation => "check that no two of its sides nearly coincide, or choose smaller cells".into(),
             NotMultiple { count, of, .. } => {
                 format!("ask for {} or {}", count / of * of, (count / of + 1) * of).replace("ask for 0 or ", "ask for ")
             }

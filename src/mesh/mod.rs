@@ -7,6 +7,7 @@ mod check;
 mod error;
 mod generators;
 mod gmsh;
+mod polygon;
 mod selection;
 mod topology;
 mod transform;
@@ -15,6 +16,7 @@ pub use check::Quality;
 pub use error::MeshError;
 pub use generators::{block, disk, half_disk, rectangle, ring};
 pub use gmsh::{read_gmsh, read_gmsh_bytes, read_mesh};
+pub use polygon::polygon;
 pub use selection::SelectionError;
 
 use crate::elements::CellKind;

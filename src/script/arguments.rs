@@ -438,6 +438,25 @@ impl Argument<'_> {
         }
     }
 
+    /// An array of points `[x, y]`.
+    ///
+    /// # Errors
+    /// Not an array, or not of pairs of finite numbers.
+    pub fn points(&self) -> Result<Vec<[f64; 2]>, Failure> {
+        let point = |entry: &Dynamic| -> Option<[f64; 2]> {
+            let numbers: Vec<f64> = entry.read_lock::<Array>()?.iter().map(as_number).collect::<Option<_>>()?;
+            <[f64; 2]>::try_from(numbers).ok().filter(|point| point.iter().all(|x| x.is_finite()))
+        };
+        let entries = self.array()?;
+        let points: Option<Vec<[f64; 2]>> = entries.iter().map(point).collect();
+        points.ok_or_else(|| {
+            let wrong = entries.iter().find(|entry| point(entry).is_none());
+            let given = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
+            let failure = self.fail(format!("every entry of {} must be a point `[x, y]`", self.title()));
+            failure.label(format!("this contains {given}")).hint("write `[[1.0, 0.0], [0.0, 0.0]]`")
+        })
+    }
+
     /// An array of `count` positive whole numbers.
     ///
     /// # Errors

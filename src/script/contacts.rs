@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use rhai::{Array, Dynamic};
 
-use super::arguments::{Argument, Arguments, Call, Options, as_number, describe};
+use super::arguments::{Argument, Arguments, Call, Options, describe};
 use super::failure::Failure;
 use super::models::{BoundaryHandle, ModelData, ModelHandle, PLATE, body_boundary, boundary_of, change, example, vector_text};
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
@@ -276,20 +276,9 @@ fn obstacles() -> Vec<Function> {
             "straight rigid facets as the other side of a contact: the obstacle is on the left of the way through the points",
             vec![Parameter::new("points", Kind::Array, "an array of points `[x, y]`; closed when the last is the first").of("length")],
             "let stairs = rigid_polyline(#{ points: [[4.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]] });",
-            |call, options| {
+            |_, options| {
                 let argument = options.argument("points");
-                let mut points: Vec<[f64; 2]> = Vec::new();
-                for entry in argument.array()? {
-                    let point: Option<Vec<f64>> = entry.read_lock::<Array>().and_then(|point| point.iter().map(as_number).collect());
-                    match point.as_deref() {
-                        Some([x, y]) if x.is_finite() && y.is_finite() => points.push([*x, *y]),
-                        _ => {
-                            let failure = argument.fail(format!("every entry of {} must be a point `[x, y]`", argument.title()));
-                            let failure = failure.label(format!("this contains {}", describe(call.engine(), &entry)));
-                            return Err(failure.hint("write `[[1.0, 0.0], [0.0, 0.0]]`"));
-                        }
-                    }
-                }
+                let points = argument.points()?;
                 if points.len() < 2 {
                     let failure = argument.fail(format!("{} must have at least 2 points", argument.title()));
                     return Err(failure.label(format!("this has {}", points.len())).hint("name the ends of at least one facet"));

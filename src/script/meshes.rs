@@ -18,7 +18,7 @@ use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, bo
 use super::scan::Target;
 use super::tables::table;
 use crate::math::catalogue::Interval;
-use crate::mesh::{Boundary, Mesh, MeshError, SelectionError, block, disk, half_disk, read_mesh, rectangle, ring};
+use crate::mesh::{Boundary, Mesh, MeshError, SelectionError, block, disk, half_disk, polygon, read_mesh, rectangle, ring};
 
 /// A mesh in a script.
 #[derive(Clone)]
@@ -288,6 +288,46 @@ fn generators() -> Vec<Function> {
             }),
         },
         Function {
+            name: "polygon",
+            form: Form::Function,
+            topic: Topic::Meshes,
+            summary: "a polygon of unstructured quadrilaterals with the boundaries `outer` and `side 1`, `side 2`, … or the names given",
+            parameters: vec![Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new("points", Kind::Array, "the corners `[x, y]` in their order around it, the first one once").of("length"),
+                    Parameter::number("size", "length", Interval::Positive, "the length of a cell's edges, about"),
+                    Parameter::new("names", Kind::Array, "a name for each side, from the first corner to the second and so on")
+                        .or(Absent::Means("`side 1`, `side 2`, …")),
+                    element(&["quad4"]),
+                ]),
+                "shape and cells",
+            )],
+            returns: MeshHandle::NAME,
+            example: "let wedge = polygon(#{ points: [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]], size: 0.1, names: [\"floor\", \"wall\", \
+                      \"slope\"] });"
+                .into(),
+            see_also: &["rectangle", "read_mesh", "boundary_where"],
+            body: body(|call| {
+                let options = call.options("options")?;
+                options.text("element")?;
+                let corners = options.argument("points").points()?;
+                let argument = options.argument("names");
+                let names: Vec<String> = if argument.is_given() {
+                    let names: Option<Vec<String>> = argument.array()?.into_iter().map(|name| name.into_string().ok()).collect();
+                    names.filter(|names| names.len() == corners.len()).ok_or_else(|| {
+                        let failure = argument.fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()));
+                        failure
+                            .label(format!("this is {}", describe(call.engine(), &argument.value())))
+                            .hint("write `[\"floor\", \"wall\", …]`")
+                    })?
+                } else {
+                    (1..=corners.len()).map(|side| format!("side {side}")).collect()
+                };
+                mesh_value(call, polygon(&corners, options.number("size")?, &names))
+            }),
+        },
+        Function {
             name: "half_disk",
             form: Form::Function,
             topic: Topic::Meshes,
@@ -454,14 +494,14 @@ fn transforms() -> Vec<Function> {
                         }
                     }
                 });
-                mesh_value(
-                    call,
-                    match moved {
-                        Ok(mesh) => Ok(mesh),
-                        Err(SelectionError::Condition(error)) => return Err(error),
-                        Err(SelectionError::Mesh(error)) => Err(error),
-                    },
-                )
+                match moved {
+                    Ok(mesh) => mesh_value(call, Ok(mesh)),
+                    Err(SelectionError::Condition(error)) => Err(error),
+                    Err(SelectionError::Mesh(error)) => {
+                        let failure = call.argument("place").fail(error.to_string()).label("the mapped mesh cannot be computed with");
+                        Err(failure.hint("a map must neither mirror nor fold the mesh: each cell keeps its sense of rotation").into())
+                    }
+                }
             }),
         },
         Function {
