@@ -293,17 +293,18 @@ impl Explainer<'_> {
         let after_dot = place.is_some_and(|place| place.text[..place.range.start].trim_end().ends_with('.'));
         let registry = self.host.registry.borrow();
         let known: Vec<_> = registry.named(name).cloned().collect();
-        if !known.is_empty() {
-            return self.wrong_call(name, &given, &known, after_dot);
-        }
         let given_words: Vec<String> = given.iter().map(|name| type_phrase(name)).collect();
         let defined = self.defined_functions(source);
         let own: Vec<&(String, Vec<String>)> = defined.iter().filter(|(function, _)| function == name).collect();
-        if !own.is_empty() {
+        // A function of the script hides a property of that name, unless it is called on an object.
+        if !own.is_empty() && (known.is_empty() || !after_dot) {
             let ways: Vec<String> = own.iter().map(|(function, parameters)| format!("`{function}({})`", parameters.join(", "))).collect();
             return script(format!("`{name}` does not take {}", count_of(given.len(), "argument", "arguments")))
                 .cause(format!("it is defined as {}", joined(&ways, "and")))
                 .hint("give as many arguments as it has parameters");
+        }
+        if !known.is_empty() {
+            return self.wrong_call(name, &given, &known, after_dot);
         }
         let builtin = self.builtin_functions();
         let same: Vec<&(String, Vec<String>)> = builtin.iter().filter(|(function, _)| function == name).collect();
