@@ -32,8 +32,14 @@ pub enum MeshError {
         /// How many it has.
         count: usize,
     },
-    /// Two sides of a polygon have a point in common that is no corner of both; twice the same side: it has no length.
-    #[error("{}", if first == second { format!("side {first} of the polygon has no length") } else { format!("the sides {first} and {second} of the polygon touch or cross") })]
+    /// Two corners of a polygon that follow each other coincide.
+    #[error("side {side} of the polygon has no length")]
+    EmptySide {
+        /// Number of the side between them, from 1.
+        side: usize,
+    },
+    /// Two sides of a polygon have a point in common that is no corner of both.
+    #[error("the sides {first} and {second} of the polygon touch or cross")]
     CrossingSides {
         /// Number of the first side, from 1.
         first: usize,
@@ -423,6 +429,7 @@ impl MeshError {
             | NotMultiple { .. }
             | FewCorners { .. }
             | CrossingSides { .. }
+            | EmptySide { .. }
             | NoTriangulation
             | TooManyCells { .. }
             | Radii { .. }
@@ -445,6 +452,7 @@ impl MeshError {
             NotFinite { what, .. } => format!("give {what} as a finite number"),
             FewCorners { .. } => "name the corners in their order around the polygon, the first one once".into(),
             CrossingSides { .. } => "name the corners in their order around the polygon, so that its sides meet at corners only".into(),
+            EmptySide { .. } => "leave out one of the two corners".into(),
             NoTriangulation => "check that no two of its sides nearly coincide, or choose smaller cells".into(),
             NotMultiple { count, of, .. } => {
                 format!("ask for {} or {}", count / of * of, (count / of + 1) * of).replace("ask for 0 or ", "ask for ")

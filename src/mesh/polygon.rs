@@ -67,8 +67,8 @@ fn check(corners: &[[f64; 2]], size: f64) -> Result<(), MeshError> {
     let side = |k: usize| (corners[k], corners[(k + 1) % count]);
     let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| cross([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
     let between = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (0..2).all(|i| c[i] >= a[i].min(b[i]) && c[i] <= a[i].max(b[i]));
-    if let Some(empty) = (1..=count).find(|number| corners[number - 1] == corners[number % count]) {
-        return Err(MeshError::CrossingSides { first: empty, second: empty });
+    if let Some(side) = (1..=count).find(|number| corners[number - 1] == corners[number % count]) {
+        return Err(MeshError::EmptySide { side });
     }
     for first in 0..count {
         let (a, b) = side(first);
