@@ -34,7 +34,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("nalgebra", &["math", "elements", "linear", "materials", "integrators", "bodies", "contact", "dynamics"]),
     ("num-dual", &["contact"]),
     ("plotters", &["output"]),
-    ("rayon", &["bodies"]),
+    ("rayon", &["math"]),
     ("rhai", &["script", "cli"]),
     ("spade", &["mesh"]),
     ("rstar", &["contact"]),

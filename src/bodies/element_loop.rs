@@ -14,9 +14,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
-use super::workers::Workers;
 use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
 use crate::linear::{Block, NodeMatrix, Pattern};
@@ -25,6 +22,7 @@ use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::{mandel_index, mandel_scale};
 use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
+use crate::math::workers::Workers;
 use crate::mesh::Mesh;
 
 /// A cell that is inside out in the deformed configuration.
@@ -613,21 +611,19 @@ impl<C: ReferenceCell<D, A, Q>, const D: usize, const S: usize, const A: usize, 
         workers: &Workers,
     ) -> Result<(), Inverted> {
         let empty = Contribution { force: [[Lanes::ZERO; D]; A], tangent: [[[[Lanes::ZERO; D]; D]; A]; A] };
-        let Some(pool) = workers.pool() else {
+        if !workers.are_many() {
             let mut contribution = empty;
             for index in 0..self.batches.len() {
                 self.check(index, self.contribution(index, integrator, q_1, &mut contribution))?;
                 self.scatter(index, &contribution, force, values);
             }
             return Ok(());
-        };
+        }
         let mut computed = vec![(empty, [0.0; WIDTH]); CHUNK.min(self.batches.len())];
         for first in (0..self.batches.len()).step_by(CHUNK) {
             let count = CHUNK.min(self.batches.len() - first);
-            pool.install(|| {
-                computed[..count].par_iter_mut().with_min_len(8).enumerate().for_each(|(offset, (contribution, determinants))| {
-                    *determinants = self.contribution(first + offset, integrator, q_1, contribution);
-                });
+            workers.for_each(&mut computed[..count], 8, |offset, (contribution, determinants)| {
+                *determinants = self.contribution(first + offset, integrator, q_1, contribution);
             });
             for (offset, (contribution, determinants)) in computed[..count].iter().enumerate() {
                 self.check(first + offset, *determinants)?;

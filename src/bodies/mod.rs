@@ -5,8 +5,6 @@
 
 mod element_loop;
 mod surface_loads;
-mod workers;
 
 pub use element_loop::{ElementLoop, Elements, Inverted, Space};
 pub use surface_loads::{nodal_areas, torque_forces};
-pub use workers::Workers;

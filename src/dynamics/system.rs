@@ -20,10 +20,11 @@ use super::loads::{NodalLoad, PrescribedUnknown};
 use super::model::{LoadKind, Model};
 use super::pairs::{Pair, PairKind, boundary_facets, contact_pairs};
 use super::simulation::PhaseTimes;
-use crate::bodies::{ElementLoop, Elements, Inverted, Space, Workers, nodal_areas};
+use crate::bodies::{ElementLoop, Elements, Inverted, Space, nodal_areas};
 use crate::contact::Candidates;
 use crate::integrators::Integrator;
 use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern};
+use crate::math::workers::Workers;
 
 /// A body in the numbering of the model.
 pub(super) struct Body<const D: usize> {

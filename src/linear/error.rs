@@ -21,6 +21,9 @@ pub enum LinearError {
         /// Largest residual over the largest right-hand side.
         residual: f64,
     },
+    /// The watch was interrupted.
+    #[error("the factorisation was interrupted")]
+    Interrupted,
     /// There is not enough memory.
     #[error("the factorisation of {unknowns} unknowns does not fit into memory")]
     OutOfMemory {

@@ -1,9 +1,14 @@
 //! LU factorisation of a matrix on a [`Pattern`]: scaled, refined, its residual checked, with a second method where the first one fails.
 //!
+//! A pattern has room for couplings that may come: every pair of facets that could meet. Most are zero at any one time, and each costs fill.
+//! So the structure of the factors is that of the blocks that are not zero, or were not since it was made. Whether one has come is looked
+//! up before each factorisation; then the structure is made anew, with the blocks that went before as long as they cost little.
+//!
 //! Every vertex has one scale, a power of two: a node's brings its diagonal block to entries of order one, a multiplier's its constraint.
 //! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
 //! inside a front only; where it had to replace one, or where the residual stays poor, the sparse LU with partial pivoting takes over.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::error::LinearError;
@@ -12,29 +17,52 @@ use super::ordering::{anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
 use super::symbolic::Symbolic;
+use super::watch::Watch;
 use crate::math::tolerances;
+use crate::math::workers::Workers;
 
 /// Growth of the work, since the order of elimination was made, above which a new order pays.
 const WORTH_A_NEW_ORDER: f64 = 1.3;
 
+/// Work per coupling after which another dissection may be tried: twenty times what one costs. Minimum degree costs less than a factorisation.
+const DISSECTION: f64 = 5e5;
+
+/// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to come
+/// back, and each new structure costs a third of a factorisation.
+const WORTH_KEEPING: f64 = 1.1;
+
 /// Refinements at most. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
 
-/// An order of elimination, which outlives changes of the pattern: which one is in use depends on the patterns before.
-#[derive(Clone, Debug, PartialEq)]
+/// An order of elimination, which outlives changes of the pattern, and the blocks that the factors have room for: which ones are in use
+/// depends on the matrices before.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct EliminationOrder {
+    /// Vertices in the order that was found best, multipliers not yet moved.
     vertices: Arc<Vec<u32>>,
+    /// Work of a factorisation when the order was made.
     best: f64,
+    /// Per coupling of the pattern, whether its block is in the structure; empty before the first matrix of a pattern.
+    kept: Arc<Vec<bool>>,
+    /// Work of a factorisation when `kept` was that of one matrix alone.
+    least: f64,
+    /// Work done since the last dissection.
+    spent: f64,
 }
 
 /// The factorisation of a matrix: the order of elimination kept as long as it is good, the structure as long as the pattern stays, the
 /// factors computed for many values.
 pub struct Factorization {
-    /// Vertices in the order that was found best, multipliers not yet moved, and the work of a factorisation when it was made.
     order: EliminationOrder,
+    /// Whether `order` was put in place for the pattern that comes.
+    restored: bool,
     pattern: Pattern,
     symbolic: Symbolic,
+    /// Ranges of values that the structure leaves out: zeros, so far.
+    left_out: Vec<Range<u32>>,
     multifrontal: Multifrontal,
+    workers: Workers,
+    watch: Watch,
     fallback: Option<Box<PartialPivoting>>,
     /// Whether the fallback holds the factors of the last matrix, and is to be used.
     fallen_back: bool,
@@ -74,16 +102,20 @@ fn all_finite(values: &[f64]) -> bool {
 }
 
 impl Factorization {
-    /// Orders the unknowns and finds the structure of the factors.
+    /// For matrices of a pattern.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].
     pub fn new(pattern: &Pattern) -> Result<Self, LinearError> {
         let mut factorization = Factorization {
-            order: EliminationOrder { vertices: Arc::default(), best: 0.0 },
+            order: EliminationOrder::default(),
+            restored: false,
             pattern: Pattern::new(&[], std::iter::empty()),
             symbolic: Symbolic::default(),
+            left_out: Vec::new(),
             multifrontal: Multifrontal::default(),
+            workers: Workers::default(),
+            watch: Watch::default(),
             fallback: None,
             fallen_back: false,
             vertex_scale: Vec::new(),
@@ -96,33 +128,88 @@ impl Factorization {
         Ok(factorization)
     }
 
-    /// Adapts to a changed pattern. The order of elimination is kept unless the vertices are others or the work has grown too much.
+    /// Shares the work among threads; results do not depend on their number.
+    pub fn with_workers(mut self, workers: &Workers) -> Self {
+        self.workers = workers.clone();
+        self
+    }
+
+    /// Lets a long factorisation be looked into.
+    pub fn set_watch(&mut self, watch: Watch) {
+        self.watch = watch;
+    }
+
+    /// Adapts to a changed pattern. The structure of the factors is found with the next matrix.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].
     pub fn renew(&mut self, pattern: &Pattern) -> Result<(), LinearError> {
+        let out_of_memory = LinearError::OutOfMemory { unknowns: pattern.unknowns() };
+        if u32::try_from(pattern.values()).is_err() {
+            return Err(out_of_memory);
+        }
         self.pattern = pattern.clone();
         self.fallback = None;
         self.fallen_back = false;
-        let fits = self.order.vertices.len() == pattern.vertices();
-        if fits {
-            self.symbolic = Symbolic::new(pattern, &anchored(pattern, &self.order.vertices));
-        }
-        if !fits || self.symbolic.operations > WORTH_A_NEW_ORDER * self.order.best {
-            self.order.best = f64::INFINITY;
-            for order in candidates(pattern) {
-                let symbolic = Symbolic::new(pattern, &anchored(pattern, &order));
-                if symbolic.operations < self.order.best {
-                    self.order = EliminationOrder { best: symbolic.operations, vertices: Arc::new(order) };
-                    self.symbolic = symbolic;
-                }
-            }
-        }
         self.vertex_scale.resize(pattern.vertices(), 1.0);
         for buffer in [&mut self.scale, &mut self.solution, &mut self.residual] {
             buffer.resize(pattern.unknowns(), 0.0);
         }
-        self.multifrontal.reserve(&self.symbolic).map_err(|_| LinearError::OutOfMemory { unknowns: pattern.unknowns() })
+        let fits = self.order.vertices.len() == pattern.vertices() && self.order.kept.len() == pattern.couplings();
+        if std::mem::take(&mut self.restored) && fits {
+            let restricted = pattern.restricted(&self.order.kept);
+            self.symbolic = Symbolic::new(&restricted, &anchored(&restricted, &self.order.vertices));
+            return self.use_structure();
+        }
+        self.order.kept = Arc::default();
+        Ok(())
+    }
+
+    /// Makes the structure fit a matrix. The order of elimination is kept unless the vertices are others or the work has grown too much.
+    fn adapt(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        let pattern = &self.pattern;
+        let present = pattern.present(values);
+        let ordered = self.order.vertices.len() == pattern.vertices();
+        if ordered && self.order.kept.len() == present.len() {
+            let kept: Vec<bool> = present.iter().zip(&*self.order.kept).map(|(a, b)| a | b).collect();
+            let restricted = pattern.restricted(&kept);
+            let symbolic = Symbolic::new(&restricted, &anchored(&restricted, &self.order.vertices));
+            if symbolic.operations <= WORTH_KEEPING * self.order.least {
+                self.symbolic = symbolic;
+                self.order.kept = Arc::new(kept);
+                return self.use_structure();
+            }
+        }
+        let restricted = pattern.restricted(&present);
+        if ordered {
+            self.symbolic = Symbolic::new(&restricted, &anchored(&restricted, &self.order.vertices));
+        }
+        if !ordered || self.symbolic.operations > WORTH_A_NEW_ORDER * self.order.best {
+            let price = DISSECTION * pattern.couplings() as f64;
+            let dissect = !ordered || self.order.spent >= price;
+            self.order.best = if ordered { self.symbolic.operations } else { f64::INFINITY };
+            for order in candidates(&restricted, dissect) {
+                let symbolic = Symbolic::new(&restricted, &anchored(&restricted, &order));
+                if symbolic.operations < self.order.best {
+                    self.order.best = symbolic.operations;
+                    self.order.vertices = Arc::new(order);
+                    self.symbolic = symbolic;
+                }
+            }
+            if dissect {
+                // The first matrix is often that of bodies that do not touch yet.
+                self.order.spent = if ordered { 0.0 } else { price };
+            }
+        }
+        self.order.least = self.symbolic.operations;
+        self.order.kept = Arc::new(present);
+        self.use_structure()
+    }
+
+    /// Makes room for the factors of the structure.
+    fn use_structure(&mut self) -> Result<(), LinearError> {
+        self.left_out = self.pattern.left_out(&self.order.kept);
+        self.multifrontal.reserve(&self.symbolic, &self.workers).map_err(|_| LinearError::OutOfMemory { unknowns: self.pattern.unknowns() })
     }
 
     /// The order of elimination that is in use.
@@ -133,6 +220,7 @@ impl Factorization {
     /// Puts an earlier order of elimination in place; [`Self::renew`] must follow.
     pub fn restore_order(&mut self, order: &EliminationOrder) {
         self.order = order.clone();
+        self.restored = true;
     }
 
     /// Floating-point operations of one factorisation.
@@ -148,16 +236,22 @@ impl Factorization {
     /// Factors the matrix with these values.
     ///
     /// # Errors
-    /// [`LinearError::NotFinite`]; whether the matrix is singular is found in [`Self::solve`].
+    /// [`LinearError::NotFinite`], [`LinearError::OutOfMemory`], [`LinearError::Interrupted`]; whether the matrix is singular is found in [`Self::solve`].
     pub fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError> {
         if !all_finite(values) {
             return Err(LinearError::NotFinite);
         }
+        let fits = self.order.kept.len() == self.pattern.couplings();
+        if !fits || self.left_out.iter().any(|range| values[range.start as usize..range.end as usize].iter().any(|&x| x != 0.0)) {
+            self.adapt(values)?;
+        }
+        self.order.spent += self.symbolic.operations;
         self.equilibrate(values);
         self.fallen_back = false;
         self.null_vector = None;
-        self.multifrontal.factorize(&self.symbolic, values, &self.vertex_scale);
-        Ok(())
+        self.multifrontal.factorize(&self.symbolic, values, &self.vertex_scale, &self.workers, &self.watch);
+        self.watch.ended();
+        if self.watch.is_interrupted() { Err(LinearError::Interrupted) } else { Ok(()) }
     }
 
     fn equilibrate(&mut self, values: &[f64]) {

@@ -15,8 +15,10 @@ mod pattern;
 mod symbolic;
 #[cfg(test)]
 mod tests;
+mod watch;
 
 pub use error::LinearError;
 pub use factorization::{EliminationOrder, Factorization};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern};
+pub use watch::Watch;

@@ -1,11 +1,19 @@
 //! Numeric multifrontal LU: every front is assembled from the matrix and its children's updates and eliminated; substitution runs along the
-//! tree. Nothing is allocated once all buffers have their size.
+//! tree. Numbers are not moved once they are computed, and buffers are kept from one factorisation to the next.
+//!
+//! Independent subtrees are shared among threads, then the fronts above them follow one by one, their dense work shared. What is computed for
+//! a front does not depend on who computes it, or when, so the results are the same bytes for any number of threads.
 
 use std::collections::TryReserveError;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::dense::{self, Blocks, WIDTH};
-use super::symbolic::{Front, Run, Symbolic};
+use super::dense::{self, Blocks, Manner, WIDTH};
+use super::symbolic::{Beside, Front, Inside, Run, Symbolic};
+use super::watch::Watch;
 use crate::math::simd::{Kernel, dispatch};
+use crate::math::workers::Workers;
 
 /// Pivots below this, in a matrix scaled to entries of order one, are replaced by [`dense::REPLACEMENT`].
 const TINY: f64 = 1e-10;
@@ -44,14 +52,24 @@ impl AlignedBuffer {
     }
 }
 
+/// What one thread needs to eliminate fronts.
+#[derive(Debug, Default)]
+struct Scratch {
+    /// Updates that wait, level of the tree by level by turns.
+    stacks: [AlignedBuffer; 2],
+    dense: dense::Scratch,
+}
+
 /// The factors of a matrix, and room to compute them.
 #[derive(Debug, Default)]
 pub(super) struct Multifrontal {
     factors: AlignedBuffer,
     /// Per pivot, the row of its front that was exchanged with it.
     swaps: Vec<u32>,
-    stack: AlignedBuffer,
-    rows: Vec<[f64; WIDTH]>,
+    /// Updates that subtrees hand over.
+    handed: AlignedBuffer,
+    /// One for each thread.
+    scratch: Vec<Mutex<Scratch>>,
     /// Places in the order of elimination whose pivots were replaced.
     replaced: Vec<u32>,
     /// The vector in the order of elimination, and its part at a front.
@@ -59,30 +77,97 @@ pub(super) struct Multifrontal {
     at_front: AlignedBuffer,
 }
 
+/// Consecutive fronts and what their elimination writes.
+struct Segment<'a, 'u> {
+    fronts: Range<usize>,
+    factors: &'a mut [f64],
+    swaps: &'a mut [u32],
+    /// The update of the last front, if it is handed over.
+    update: &'u mut [f64],
+    replaced: Vec<u32>,
+}
+
+/// What all fronts write, less what was split off.
+struct Whole<'a> {
+    symbolic: &'a Symbolic,
+    factors: &'a mut [f64],
+    swaps: &'a mut [u32],
+}
+
+impl<'a> Whole<'a> {
+    /// The fronts that come next.
+    fn split_off<'u>(&mut self, fronts: Range<usize>, update: &'u mut [f64]) -> Segment<'a, 'u> {
+        let all = &self.symbolic.fronts[fronts.clone()];
+        let (numbers, pivots) = all.iter().fold((0, 0), |(numbers, pivots), front| (numbers + front.length(), pivots + front.pivots));
+        Segment {
+            fronts,
+            factors: self.factors.split_off_mut(..numbers).unwrap_or_default(),
+            swaps: self.swaps.split_off_mut(..pivots).unwrap_or_default(),
+            update,
+            replaced: Vec::new(),
+        }
+    }
+}
+
 impl Multifrontal {
     /// Makes room for the factors of a structure.
-    pub(super) fn reserve(&mut self, symbolic: &Symbolic) -> Result<(), TryReserveError> {
+    pub(super) fn reserve(&mut self, symbolic: &Symbolic, workers: &Workers) -> Result<(), TryReserveError> {
         self.factors.resize(symbolic.factors)?;
-        self.stack.resize(symbolic.stack)?;
+        self.handed.resize(symbolic.handed)?;
         self.at_front.resize(symbolic.largest)?;
         self.swaps.resize(symbolic.unknowns.len(), 0);
+        self.scratch.resize_with(if symbolic.tasks.is_empty() { 1 } else { workers.count() }, Mutex::default);
+        for scratch in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()) {
+            for (stack, &size) in scratch.stacks.iter_mut().zip(&symbolic.stacks) {
+                stack.resize(size)?;
+            }
+        }
         self.replaced.clear();
         Ok(())
     }
 
-    /// Factors `diag(scale) A diag(scale)`, with one scale per vertex; room was made before.
-    pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64]) {
+    /// Factors `diag(scale) A diag(scale)`, with one scale per vertex; room was made before. What is left when the watch was interrupted is
+    /// of no use.
+    pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64], workers: &Workers, watch: &Watch) {
         self.replaced.clear();
-        dispatch(Elimination {
-            symbolic,
-            values,
-            scale,
-            factors: self.factors.all_mut(),
-            stack: self.stack.all_mut(),
-            swaps: &mut self.swaps,
-            rows: &mut self.rows,
-            replaced: &mut self.replaced,
-        });
+        let Multifrontal { factors, swaps, handed, scratch, replaced, .. } = self;
+        let mut whole = Whole { symbolic, factors: factors.all_mut(), swaps };
+        let (mut tasks, mut above) = (Vec::with_capacity(symbolic.tasks.len()), Vec::with_capacity(symbolic.tasks.len() + 1));
+        let mut updates = handed.all_mut();
+        let mut done = 0;
+        for task in &symbolic.tasks {
+            above.push(whole.split_off(done..task.start, &mut []));
+            let u = symbolic.fronts[task.end - 1].u;
+            tasks.push(whole.split_off(task.clone(), updates.split_off_mut(..u * u).unwrap_or_default()));
+            done = task.end;
+        }
+        above.push(whole.split_off(done..symbolic.fronts.len(), &mut []));
+        let operations = AtomicU64::new(0);
+        let eliminate = |segment: &mut Segment<'_, '_>, handed: &[f64], workers: &Workers| {
+            // There are as many as threads, so one is free.
+            let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
+            dispatch(Elimination {
+                symbolic,
+                values,
+                scale,
+                segment,
+                handed,
+                scratch: &mut scratch,
+                workers,
+                watch,
+                operations: &operations,
+            });
+        };
+        let alone = Workers::default();
+        workers.for_each(&mut tasks, 1, |_, task| eliminate(task, &[], &alone));
+        let found: Vec<u32> = tasks.into_iter().flat_map(|task| task.replaced).collect();
+        let handed = handed.all();
+        for segment in &mut above {
+            eliminate(segment, handed, workers);
+        }
+        replaced.extend(found);
+        replaced.extend(above.into_iter().flat_map(|segment| segment.replaced));
+        replaced.sort_unstable();
     }
 
     /// Places in the order of elimination where no usable pivot was found.
@@ -107,45 +192,58 @@ impl Multifrontal {
     }
 }
 
-struct Elimination<'a> {
+struct Elimination<'a, 's, 'u> {
     symbolic: &'a Symbolic,
     values: &'a [f64],
     scale: &'a [f64],
-    factors: &'a mut [f64],
-    stack: &'a mut [f64],
-    swaps: &'a mut [u32],
-    rows: &'a mut Vec<[f64; WIDTH]>,
-    replaced: &'a mut Vec<u32>,
+    segment: &'a mut Segment<'s, 'u>,
+    handed: &'a [f64],
+    scratch: &'a mut Scratch,
+    workers: &'a Workers,
+    watch: &'a Watch,
+    operations: &'a AtomicU64,
 }
 
-impl Kernel for Elimination<'_> {
+impl Kernel for Elimination<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Elimination { symbolic, values, scale, factors, stack, swaps, rows, replaced } = self;
-        let mut top = 0;
-        for front in &symbolic.fronts {
+        let Elimination { symbolic, values, scale, segment, handed, scratch, workers, watch, operations } = self;
+        let Segment { fronts, factors, swaps, update, replaced } = segment;
+        let Scratch { stacks: [even, odd], dense } = scratch;
+        let (mut factors, mut swaps) = (&mut factors[..], &mut swaps[..]);
+        let stopped = || watch.is_interrupted();
+        for front in &symbolic.fronts[fronts.clone()] {
+            if stopped() {
+                return;
+            }
             let (p, u) = (front.p, front.u);
-            let own = &mut factors[front.factors..][..front.length()];
+            let (own, rest) = factors.split_at_mut(front.length());
+            factors = rest;
             own.fill(0.0);
             let (diagonal, beside) = own.split_at_mut(p * p);
             let (lower, upper) = beside.split_at_mut(u * p);
-            let (updates, free) = stack.split_at_mut(top);
-            let rest = &mut free[..u * u];
+            let children = &symbolic.children[front.children.clone()];
+            let (rest, waiting) = match front.side {
+                0 => (&mut even.all_mut()[front.update_at..][..u * u], odd.all()),
+                1 => (&mut odd.all_mut()[front.update_at..][..u * u], even.all()),
+                _ if children.iter().any(|&child| symbolic.fronts[child as usize].side == 0) => (&mut update[..], even.all()),
+                _ => (&mut update[..], odd.all()),
+            };
             rest.fill(0.0);
             let mut blocks = Blocks { pivots: front.pivots, p, u, diagonal, lower, upper, rest };
             add_entries(symbolic, front, values, scale, &mut blocks);
-            let mut bottom = top;
-            for &child in symbolic.children[front.children.clone()].iter().rev() {
+            for &child in children {
                 let child = &symbolic.fronts[child as usize];
-                bottom -= child.u * child.u;
-                add_update(symbolic, child, &updates[bottom..], &mut blocks);
+                let source = if child.side == 2 { handed } else { waiting };
+                add_update(symbolic, child, &source[child.update_at..][..child.u * child.u], &mut blocks);
             }
-            let swaps = &mut swaps[front.first..][..front.pivots];
-            blocks.eliminate::<FMA>(TINY, swaps, rows, &mut |k| replaced.push((front.first + k) as u32));
-            stack.copy_within(top..top + u * u, bottom);
-            top = bottom + u * u;
+            let manner = Manner { tiny: TINY, workers, stopped: &stopped };
+            let (own, rest) = swaps.split_at_mut(front.pivots);
+            swaps = rest;
+            blocks.eliminate::<FMA>(&manner, own, dense, &mut |k| replaced.push((front.first + k) as u32));
+            watch.progressed(operations.fetch_add(front.operations() as u64, Ordering::Relaxed), symbolic.operations);
         }
     }
 }
@@ -153,34 +251,56 @@ impl Kernel for Elimination<'_> {
 /// Adds the entries of the matrix that belong to a front, and the identity where its pivot block is padded.
 #[inline(always)]
 fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], scale: &[f64], blocks: &mut Blocks) {
-    let (p, u) = (blocks.p, blocks.u);
+    let p = blocks.p;
     for k in blocks.pivots..p {
         blocks.diagonal[k * p + k] = 1.0;
     }
+    let sizes = &symbolic.sizes;
     for entry in &symbolic.inside[front.inside.clone()] {
         let factor = scale[entry.row as usize] * scale[entry.column as usize];
-        let rows = symbolic.sizes[entry.row as usize] as usize;
-        for k in 0..symbolic.sizes[entry.column as usize] as usize {
-            let source = &values[entry.source.at(0, k)..][..rows];
-            let target = &mut blocks.diagonal[entry.target as usize + k * p..][..rows];
-            for (x, value) in target.iter_mut().zip(source) {
-                *x = factor * value;
-            }
+        match (sizes[entry.row as usize], sizes[entry.column as usize]) {
+            (2, 2) => add_inside(entry, 2, 2, factor, values, blocks),
+            (3, 3) => add_inside(entry, 3, 3, factor, values, blocks),
+            (rows, columns) => add_inside(entry, rows as usize, columns as usize, factor, values, blocks),
         }
     }
     for entry in &symbolic.beside[front.beside.clone()] {
         let factor = scale[entry.pivot as usize] * scale[entry.other as usize];
-        let others = symbolic.sizes[entry.other as usize] as usize;
-        for k in 0..symbolic.sizes[entry.pivot as usize] as usize {
-            let at = entry.target as usize + k * u;
-            let lower = &mut blocks.lower[at..][..others];
-            for (x, value) in lower.iter_mut().zip(&values[entry.lower.at(0, k)..][..others]) {
-                *x = factor * value;
-            }
-            let upper = &mut blocks.upper[at..][..others];
-            for (i, x) in upper.iter_mut().enumerate() {
-                *x = factor * values[entry.upper.at(k, i)];
-            }
+        match (sizes[entry.pivot as usize], sizes[entry.other as usize]) {
+            (2, 2) => add_beside(entry, 2, 2, factor, values, blocks),
+            (3, 3) => add_beside(entry, 3, 3, factor, values, blocks),
+            (pivots, others) => add_beside(entry, pivots as usize, others as usize, factor, values, blocks),
+        }
+    }
+}
+
+/// Adds a block inside the pivot block; inlined for the sizes that are common, so that its loops unroll.
+#[inline(always)]
+fn add_inside(entry: &Inside, rows: usize, columns: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
+    for k in 0..columns {
+        let source = &values[entry.source.at(0, k)..][..rows];
+        let target = &mut blocks.diagonal[entry.target as usize + k * blocks.p..][..rows];
+        for i in 0..rows {
+            target[i] = factor * source[i];
+        }
+    }
+}
+
+/// Adds a block below the pivot block and its mirror image.
+#[inline(always)]
+fn add_beside(entry: &Beside, pivots: usize, others: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
+    let target = entry.target as usize;
+    for k in 0..pivots {
+        let source = &values[entry.lower.at(0, k)..][..others];
+        let lower = &mut blocks.lower[target + k * blocks.u..][..others];
+        for i in 0..others {
+            lower[i] = factor * source[i];
+        }
+    }
+    for i in 0..others {
+        let source = &values[entry.upper.at(0, i)..][..pivots];
+        for k in 0..pivots {
+            blocks.upper[target + k * blocks.u + i] = factor * source[k];
         }
     }
 }
@@ -191,35 +311,39 @@ fn add_update(symbolic: &Symbolic, child: &Front, update: &[f64], blocks: &mut B
     let (p, u) = (blocks.p, blocks.u);
     let (pivots, others) = (&symbolic.runs[child.to_pivots.clone()], &symbolic.runs[child.to_others.clone()]);
     for columns in pivots {
-        for k in 0..columns.length as usize {
-            let source = &update[(columns.source as usize + k) * child.u..][..child.update];
-            let column = columns.target as usize + k;
-            add_runs(pivots, source, &mut blocks.diagonal[column * p..][..p]);
-            add_runs(others, source, &mut blocks.lower[column * u..][..u]);
+        let source = &update[columns.source as usize * child.u..][..columns.length as usize * child.u];
+        let first = columns.target as usize;
+        for rows in pivots {
+            add_run(rows, source, child.u, &mut blocks.diagonal[first * p..], p);
+        }
+        for rows in others {
+            add_run(rows, source, child.u, &mut blocks.lower[first * u..], u);
         }
     }
     for columns in others {
-        for k in 0..columns.length as usize {
-            let source = &update[(columns.source as usize + k) * child.u..][..child.update];
-            let column = columns.target as usize + k;
-            for run in pivots {
-                let rows = blocks.upper[run.target as usize * u + column..].iter_mut().step_by(u);
-                for (x, value) in rows.zip(&source[run.source as usize..][..run.length as usize]) {
-                    *x += value;
+        let source = &update[columns.source as usize * child.u..][..columns.length as usize * child.u];
+        let first = columns.target as usize;
+        for rows in pivots {
+            for i in 0..rows.length as usize {
+                let target = &mut blocks.upper[(rows.target as usize + i) * u + first..][..columns.length as usize];
+                for (x, source) in target.iter_mut().zip(source[rows.source as usize + i..].iter().step_by(child.u)) {
+                    *x += source;
                 }
             }
-            add_runs(others, source, &mut blocks.rest[column * u..][..u]);
+        }
+        for rows in others {
+            add_run(rows, source, child.u, &mut blocks.rest[first * u..], u);
         }
     }
 }
 
-/// Adds runs of `source` to where they go in `target`.
+/// Adds a run of rows of some columns to where they go.
 #[inline(always)]
-fn add_runs(runs: &[Run], source: &[f64], target: &mut [f64]) {
-    for run in runs {
-        let length = run.length as usize;
-        let (sources, source_rest) = source[run.source as usize..][..length].as_chunks::<WIDTH>();
-        let (targets, target_rest) = target[run.target as usize..][..length].as_chunks_mut::<WIDTH>();
+fn add_run(rows: &Run, source: &[f64], source_stride: usize, target: &mut [f64], target_stride: usize) {
+    let (length, from, to) = (rows.length as usize, rows.source as usize, rows.target as usize);
+    for (source, target) in source.chunks_exact(source_stride).zip(target.chunks_mut(target_stride)) {
+        let (sources, source_rest) = source[from..from + length].as_chunks::<WIDTH>();
+        let (targets, target_rest) = target[to..to + length].as_chunks_mut::<WIDTH>();
         for (x, value) in targets.iter_mut().zip(sources) {
             for l in 0..WIDTH {
                 x[l] += value[l];

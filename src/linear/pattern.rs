@@ -3,6 +3,8 @@
 //! All columns of a vertex have the same rows, so a block is found by two numbers: the place of its first entry and the distance to the
 //! next column. Column-major inside a block.
 
+use std::ops::Range;
+
 /// Pattern of a sparse matrix on a graph.
 #[derive(Clone, Debug)]
 pub struct Pattern {
@@ -114,6 +116,65 @@ impl Pattern {
             self.anchors[multiplier as usize] = node;
         }
         self
+    }
+
+    /// The couplings that are kept, one flag per neighbor of each vertex in turn, whose values stand where they stood: blocks that are left
+    /// out have no place any more. The flags of a block and of its mirror image must be equal.
+    pub(super) fn restricted(&self, kept: &[bool]) -> Self {
+        let mut starts = Vec::with_capacity(self.starts.len());
+        starts.push(0);
+        let (mut neighbors, mut offsets) = (Vec::with_capacity(kept.len()), Vec::with_capacity(kept.len()));
+        for range in self.starts.windows(2) {
+            for k in (range[0]..range[1]).filter(|&k| kept[k]) {
+                neighbors.push(self.neighbors[k]);
+                offsets.push(self.offsets[k]);
+            }
+            starts.push(neighbors.len());
+        }
+        Pattern { starts, neighbors, offsets, ..self.clone() }
+    }
+
+    /// Per coupling, whether its block or the mirror image of it holds a value that is not zero; a vertex is always coupled with itself.
+    pub(super) fn present(&self, values: &[f64]) -> Vec<bool> {
+        let mut present = vec![false; self.neighbors.len()];
+        // Vertices ascend, so each finds itself next in the ascending list of its neighbor.
+        let mut next: Vec<usize> = self.starts[..self.vertices()].to_vec();
+        for v in 0..self.vertices() {
+            for (k, block) in (self.starts[v]..self.starts[v + 1]).zip(self.column_blocks(v)) {
+                let u = self.neighbors[k] as usize;
+                let mirrored = next[u];
+                next[u] += 1;
+                let rows = self.size(u);
+                if u == v || (0..self.size(v)).any(|column| values[block.at(0, column)..][..rows].iter().any(|&x| x != 0.0)) {
+                    present[k] = true;
+                    present[mirrored] = true;
+                }
+            }
+        }
+        present
+    }
+
+    /// The places of the values of all couplings that are not kept, as ascending ranges.
+    pub(super) fn left_out(&self, kept: &[bool]) -> Vec<Range<u32>> {
+        let mut ranges: Vec<Range<u32>> = Vec::new();
+        for v in 0..self.vertices() {
+            for column in 0..self.size(v) {
+                for (k, block) in (self.starts[v]..self.starts[v + 1]).zip(self.column_blocks(v)).filter(|(k, _)| !kept[*k]) {
+                    let start = block.at(0, column) as u32;
+                    let end = start + self.size(self.neighbors[k] as usize) as u32;
+                    match ranges.last_mut() {
+                        Some(last) if last.end == start => last.end = end,
+                        _ => ranges.push(start..end),
+                    }
+                }
+            }
+        }
+        ranges
+    }
+
+    /// Number of coupled pairs of vertices, each counted from both sides, and of vertices.
+    pub(super) fn couplings(&self) -> usize {
+        self.neighbors.len()
     }
 
     /// Number of vertices.

@@ -17,6 +17,11 @@ const SMALL_ZEROS: f64 = 0.6;
 /// Zeros that any merger may bring.
 const ZEROS: f64 = 0.05;
 
+/// Operations from which on a matrix is worth more than one thread: some tenths of a millisecond.
+const WORTH_TASKS: f64 = 3e6;
+/// Subtrees with more work than the whole divided by this are split: enough parts for a few threads to end at about the same time.
+const TASKS: f64 = 10.0;
+
 const NONE: u32 = u32::MAX;
 
 /// A front. Ranges are into the lists of [`Symbolic`].
@@ -33,6 +38,10 @@ pub(super) struct Front {
     pub(super) u: usize,
     /// Place of the front's factors: `p * p` of the pivot block, `u * p` below it, `u * p` to its right.
     pub(super) factors: usize,
+    /// Where its update waits for the parent: in one of two stacks (0 or 1), by turns from level to level of the tree, or, if the front is
+    /// the last of a task, among the updates that are handed over (2).
+    pub(super) side: usize,
+    pub(super) update_at: usize,
     /// The other unknowns in `rows`.
     pub(super) rows: Range<usize>,
     /// Their places in the parent's front, in `runs`: first those that are pivots there, then the others.
@@ -56,6 +65,12 @@ impl Front {
     pub(super) fn operations(&self) -> f64 {
         let (p, u) = (self.pivots as f64, self.update as f64);
         2.0 / 3.0 * p * p * p + 2.0 * p * p * u + 2.0 * p * u * u
+    }
+
+    /// Time of its elimination in units of an operation: assembling an entry costs about twenty.
+    fn work(&self) -> f64 {
+        let side = (self.p + self.u) as f64;
+        self.operations() + 20.0 * side * side
     }
 }
 
@@ -107,8 +122,11 @@ pub(super) struct Symbolic {
     pub(super) sizes: Vec<u8>,
     /// Length of all factors.
     pub(super) factors: usize,
-    /// Numbers in updates that wait at one time.
-    pub(super) stack: usize,
+    /// Independent subtrees, as ranges of fronts in ascending order: each can be eliminated before what is left. None in a small matrix.
+    pub(super) tasks: Vec<Range<usize>>,
+    /// Numbers in updates that wait at one time on the two stacks of one thread, and in those that tasks hand over.
+    pub(super) stacks: [usize; 2],
+    pub(super) handed: usize,
     /// Unknowns of the largest front.
     pub(super) largest: usize,
     /// Floating-point operations of a factorisation.
@@ -122,14 +140,78 @@ impl Symbolic {
         let mut symbolic = Symbolic { sizes: (0..pattern.vertices()).map(|v| pattern.size(v) as u8).collect(), ..Symbolic::default() };
         let numbering = symbolic.number_fronts(pattern, order, &tree);
         symbolic.place_entries(pattern, order, &tree, &numbering);
-        let mut top = 0;
-        for front in &symbolic.fronts {
-            symbolic.stack = symbolic.stack.max(top + front.u * front.u);
-            let used: usize = symbolic.children[front.children.clone()].iter().map(|&child| symbolic.fronts[child as usize].u.pow(2)).sum();
-            top = top - used + front.u * front.u;
-            symbolic.largest = symbolic.largest.max(front.p + front.u);
-        }
+        symbolic.find_tasks();
+        symbolic.place_updates();
         symbolic
+    }
+
+    /// Splits the tree into independent subtrees of comparable work and the fronts above them.
+    fn find_tasks(&mut self) {
+        if self.operations < WORTH_TASKS {
+            return;
+        }
+        let mut work: Vec<f64> = self.fronts.iter().map(Front::work).collect();
+        // First front of each subtree.
+        let mut from: Vec<usize> = (0..self.fronts.len()).collect();
+        for k in 0..self.fronts.len() {
+            if let Some(parent) = self.fronts[k].parent {
+                work[parent as usize] += work[k];
+                from[parent as usize] = from[parent as usize].min(from[k]);
+            }
+        }
+        let roots = |k: &usize| self.fronts[*k].parent.is_none();
+        let mut open: Vec<usize> = (0..self.fronts.len()).filter(roots).collect();
+        let whole: f64 = open.iter().map(|&k| work[k]).sum();
+        let mut tasks = Vec::new();
+        while let Some(k) = open.pop() {
+            if work[k] > whole / TASKS {
+                open.extend(self.children[self.fronts[k].children.clone()].iter().map(|&child| child as usize));
+            } else if work[k] > whole / (4.0 * TASKS * TASKS) {
+                tasks.push(from[k]..k + 1);
+            }
+        }
+        tasks.sort_unstable_by_key(|task| task.start);
+        self.tasks = tasks;
+    }
+
+    /// Finds where each update waits. The children of a front are last on the stack of the other side.
+    fn place_updates(&mut self) {
+        let mut depth = vec![0u8; self.fronts.len()];
+        for k in (0..self.fronts.len()).rev() {
+            if let Some(parent) = self.fronts[k].parent {
+                depth[k] = 1 - depth[parent as usize];
+            }
+            self.fronts[k].side = depth[k] as usize;
+            self.largest = self.largest.max(self.fronts[k].p + self.fronts[k].u);
+        }
+        for task in &self.tasks {
+            self.fronts[task.end - 1].side = 2;
+        }
+        let mut tasks = self.tasks.iter().peekable();
+        let (mut inside, mut above) = ([0; 2], [0; 2]);
+        for k in 0..self.fronts.len() {
+            while tasks.peek().is_some_and(|task| task.end <= k) {
+                tasks.next();
+            }
+            // A task begins with empty stacks of its own.
+            let tops = if tasks.peek().is_some_and(|task| task.contains(&k)) { &mut inside } else { &mut above };
+            for &child in &self.children[self.fronts[k].children.clone()] {
+                let child = &self.fronts[child as usize];
+                if child.side < 2 {
+                    tops[child.side] -= child.u * child.u;
+                }
+            }
+            let front = &mut self.fronts[k];
+            let size = front.u * front.u;
+            if front.side < 2 {
+                front.update_at = tops[front.side];
+                tops[front.side] += size;
+                self.stacks[front.side] = self.stacks[front.side].max(tops[front.side]);
+            } else {
+                front.update_at = self.handed;
+                self.handed += size;
+            }
+        }
     }
 
     /// Puts the fronts in an order that ends every subtree with its root. Returns the last vertex of each front and, per vertex in the

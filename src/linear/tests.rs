@@ -1,5 +1,8 @@
 //! The factorisation against dense LU, against sparse LU with partial pivoting, and against known solutions.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use nalgebra::{DMatrix, DVector};
 
 use super::factorization::Factorization;
@@ -7,7 +10,8 @@ use super::multifrontal::Multifrontal;
 use super::ordering::{anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::symbolic::Symbolic;
-use super::{LinearError, Pattern};
+use super::{LinearError, Pattern, Watch};
+use crate::math::workers::Workers;
 
 /// Numbers between -1/2 and 1/2 (xorshift).
 struct Noise(u64);
@@ -149,13 +153,13 @@ impl System {
 
 /// Solves without refinement, scaled as given, and returns the solution and how many pivots were replaced.
 fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
-    let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &candidates(&system.pattern)[0]));
+    let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &candidates(&system.pattern, true)[0]));
     let scale = |vertex: usize| if vertex < system.nodes { 2f64.powi(-9) } else { 2f64.powi(9) };
     let vertex_scale: Vec<f64> = (0..system.pattern.vertices()).map(scale).collect();
     let unknown_scale: Vec<f64> = (0..system.pattern.unknowns()).map(|i| scale(system.pattern.vertex_of(i))).collect();
     let mut factors = Multifrontal::default();
-    factors.reserve(&symbolic).unwrap();
-    factors.factorize(&symbolic, &system.values, &vertex_scale);
+    factors.reserve(&symbolic, &Workers::default()).unwrap();
+    factors.factorize(&symbolic, &system.values, &vertex_scale, &Workers::default(), &Watch::default());
     let mut x = right.to_vec();
     factors.solve(&symbolic, &unknown_scale, &mut x);
     (x, factors.replaced().len())
@@ -164,7 +168,7 @@ fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
 #[test]
 fn every_unknown_is_eliminated_once_and_every_multiplier_after_its_anchor() {
     let system = tied::<2>(30, 4, 2, 0.01);
-    let order = anchored(&system.pattern, &candidates(&system.pattern)[0]);
+    let order = anchored(&system.pattern, &candidates(&system.pattern, true)[0]);
     let symbolic = Symbolic::new(&system.pattern, &order);
     let mut unknowns = symbolic.unknowns.clone();
     unknowns.sort_unstable();
@@ -329,13 +333,83 @@ fn a_changed_pattern_keeps_the_order_until_the_work_has_grown() {
         let (error, residual) = system.error(&mut factorization);
         assert!(residual < 1e-13 && error < 1e-9, "shift {shift}: residual {residual}, error {error}");
         assert!(!factorization.has_fallen_back());
-        let fresh = Factorization::new(&system.pattern).unwrap();
+        let mut fresh = Factorization::new(&system.pattern).unwrap();
+        fresh.factorize(&system.values).unwrap();
         // 1.3 of the work at the last new order, which was itself fresh; fresh orders differ by the luck of the dissection.
         assert!(factorization.operations() < 1.8 * fresh.operations(), "shift {shift}");
     }
     // Another number of vertices.
     let system = tied::<2>(10, 3, 0, 0.05);
     factorization.renew(&system.pattern).unwrap();
+    assert!(system.error(&mut factorization).1 < 1e-13);
+}
+
+#[test]
+fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
+    let dense = tied::<2>(40, 6, 1, 0.05);
+    let mut sparse = tied::<2>(40, 6, 1, 0.05);
+    // Without the multipliers' couplings the strips are apart; each multiplier is its own equation.
+    for m in sparse.nodes..sparse.pattern.vertices() {
+        for &other in sparse.pattern.neighbors(m) {
+            for (u, v) in [(m as u32, other), (other, m as u32)] {
+                let block = sparse.pattern.block(u, v);
+                let (rows, columns) = (sparse.pattern.size(u as usize), sparse.pattern.size(v as usize));
+                for place in (0..columns).flat_map(|k| (0..rows).map(move |i| block.at(i, k))) {
+                    sparse.values[place] = if u == v { 1.0 } else { 0.0 };
+                }
+            }
+        }
+    }
+    let mut factorization = Factorization::new(&dense.pattern).unwrap();
+    assert!(sparse.error(&mut factorization).1 < 1e-13);
+    let apart = factorization.operations();
+    // They come, and go again: the second time their room stays only if it is cheap.
+    assert!(dense.error(&mut factorization).1 < 1e-13);
+    let coupled = factorization.operations();
+    assert!(coupled > 1.05 * apart, "{apart} {coupled}");
+    assert!(sparse.error(&mut factorization).1 < 1e-13);
+    // An order and its blocks that are put in place again give the same bytes.
+    let (_, right) = dense.problem();
+    let mut solve = |factorization: &mut Factorization| {
+        let mut x = right.clone();
+        factorization.factorize(&dense.values).unwrap();
+        factorization.solve(&dense.values, &mut x).unwrap();
+        x
+    };
+    let order = factorization.order().clone();
+    let x = solve(&mut factorization);
+    let mut other = Factorization::new(&dense.pattern).unwrap();
+    other.restore_order(&order);
+    other.renew(&dense.pattern).unwrap();
+    assert_eq!(solve(&mut other), x);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    // Large enough for several tasks, and for fronts whose dense work is shared.
+    let system = tied::<2>(220, 30, 1, 0.3);
+    let (_, right) = system.problem();
+    let solve = |threads: usize| {
+        let mut factorization = Factorization::new(&system.pattern).unwrap().with_workers(&Workers::new(threads));
+        factorization.factorize(&system.values).unwrap();
+        let mut x = right.clone();
+        assert!(factorization.solve(&system.values, &mut x).unwrap() < 1e-13);
+        x
+    };
+    let alone = solve(1);
+    for threads in [2, 3] {
+        assert!(solve(threads).iter().zip(&alone).all(|(x, y)| x.to_bits() == y.to_bits()), "{threads} threads");
+    }
+}
+
+#[test]
+fn an_interrupt_ends_a_factorization_and_leaves_the_next_one_alone() {
+    let system = tied::<2>(120, 20, 1, 0.3);
+    let flag = Arc::new(AtomicBool::new(true));
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    factorization.set_watch(Watch { interrupt: Some(flag.clone()), progress: None });
+    assert_eq!(factorization.factorize(&system.values), Err(LinearError::Interrupted));
+    flag.store(false, Ordering::Relaxed);
     assert!(system.error(&mut factorization).1 < 1e-13);
 }
 

@@ -1,0 +1,37 @@
+//! Looking into a factorisation while it runs: how far it is, and that it should end.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+/// Operations from which on a factorisation tells how far it is: a few tenths of a second.
+const LONG: f64 = 5e9;
+
+/// A flag that ends a factorisation, and a number that tells how far it is; both may be shared with other threads.
+#[derive(Clone, Debug, Default)]
+pub struct Watch {
+    /// Ends the factorisation when it becomes true.
+    pub interrupt: Option<Arc<AtomicBool>>,
+    /// Thousandths of a long factorisation that are done; 0 while none runs.
+    pub progress: Option<Arc<AtomicU32>>,
+}
+
+impl Watch {
+    /// Whether the factorisation is to end.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// Takes note of `done` operations out of `all`.
+    pub(super) fn progressed(&self, done: u64, all: f64) {
+        if let Some(progress) = self.progress.as_ref().filter(|_| all > LONG) {
+            progress.store((1e3 * done as f64 / all) as u32, Ordering::Relaxed);
+        }
+    }
+
+    /// Takes note that no factorisation runs.
+    pub(super) fn ended(&self) {
+        if let Some(progress) = &self.progress {
+            progress.store(0, Ordering::Relaxed);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Threads that share a loop. What the loop's items compute must not depend on one another; then no result depends on the number of threads.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+/// A number of threads.
+#[derive(Clone, Default)]
+pub struct Workers {
+    pool: Option<Arc<rayon::ThreadPool>>,
+}
+
+impl Workers {
+    /// `threads` threads; with one, or where none can be started, everything runs on the calling thread.
+    pub fn new(threads: usize) -> Self {
+        let pool = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new)).flatten();
+        Workers { pool }
+    }
+
+    /// Whether there is more than one thread.
+    pub fn are_many(&self) -> bool {
+        self.pool.is_some()
+    }
+
+    /// Number of threads.
+    pub fn count(&self) -> usize {
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+
+    /// Calls `work` for every item with its number, in any order, `together` items at a time.
+    pub fn for_each<T: Send>(&self, items: &mut [T], together: usize, work: impl Fn(usize, &mut T) + Sync + Send) {
+        match &self.pool {
+            Some(pool) if items.len() > together => pool.install(|| {
+                let items = items.par_iter_mut().with_min_len(together).with_max_len(together.max(1));
+                items.enumerate().for_each(|(k, item)| work(k, item));
+            }),
+            _ => items.iter_mut().enumerate().for_each(|(k, item)| work(k, item)),
+        }
+    }
+
+    /// Calls `work` for every `length` numbers of `data` (the last may be fewer) with the number of the part, in any order.
+    pub fn for_each_part(&self, data: &mut [f64], length: usize, work: impl Fn(usize, &mut [f64]) + Sync + Send) {
+        match &self.pool {
+            Some(pool) => pool.install(|| data.par_chunks_mut(length).with_max_len(1).enumerate().for_each(|(k, part)| work(k, part))),
+            None => data.chunks_mut(length).enumerate().for_each(|(k, part)| work(k, part)),
+        }
+    }
+}
