@@ -45,7 +45,8 @@ where
         if lost == 0.0 {
             return Ok(None);
         }
-        let (mut w, mut impulse, work) = self.system.smoothed_jump(&solution.q_1, dt, &lambda).map_err(Failure::Linear)?;
+        let jump = self.system.smoothed_jump(&solution.q_1, dt, &lambda);
+        let (mut w, mut impulse, work) = jump.map_err(|error| Failure::Linear(error).or_interrupt(self.state.row.time))?;
         let state = &self.state;
         let mut momentum = vec![0.0; w.len()];
         self.system.mass.multiply_into::<D>(&w, &mut momentum);

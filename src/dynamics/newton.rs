@@ -94,6 +94,16 @@ impl From<AssemblyError> for Failure {
     }
 }
 
+impl Failure {
+    /// The same, or the end of the run where a factorisation was interrupted.
+    pub(super) fn or_interrupt(self, time: f64) -> Self {
+        match self {
+            Failure::Linear(LinearError::Interrupted) => Failure::Fatal(StepError::Interrupted { time }),
+            failure => failure,
+        }
+    }
+}
+
 /// How Newton's method proceeds.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Strategy {

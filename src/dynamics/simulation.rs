@@ -1,7 +1,7 @@
 //! A running simulation, free of the space dimension.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Duration;
 
 use super::error::{ModelError, StepError};
@@ -24,16 +24,19 @@ pub struct Options {
     pub tolerance: f64,
     /// How often a step may be halved.
     pub max_halvings: usize,
-    /// Threads of the element loop; results do not depend on it.
+    /// Threads of the element loop and of the factorisation; results do not depend on it.
     pub threads: usize,
     /// A flag that ends the run at the last accepted step when it becomes true.
     pub interrupt: Option<Arc<AtomicBool>>,
+    /// A number that tells how far a long factorisation is, in thousandths; 0 while none runs.
+    pub progress: Option<Arc<AtomicU32>>,
 }
 
 impl Options {
     /// Defaults for an integrator and a step size.
     pub fn new(integrator: Integrator, dt: f64) -> Self {
-        Options { integrator, dt, tolerance: crate::math::tolerances::NEWTON_ENERGY, max_halvings: 7, threads: 1, interrupt: None }
+        let tolerance = crate::math::tolerances::NEWTON_ENERGY;
+        Options { integrator, dt, tolerance, max_halvings: 7, threads: 1, interrupt: None, progress: None }
     }
 
     /// Whether the user wants the run to end.

@@ -23,7 +23,7 @@ use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, nodal_areas};
 use crate::contact::Candidates;
 use crate::integrators::Integrator;
-use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern};
+use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch};
 use crate::math::workers::Workers;
 
 /// A body in the numbering of the model.
@@ -208,6 +208,7 @@ where
         }
         let nodal_mass = mass.row_sums();
         let weight = (0..reference.len()).map(|k| nodal_mass[k / D] * model.gravity[k % D]).collect();
+        let workers = Workers::new(threads);
         let factorization = Factorization::new(&pattern).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
         let mut system = System {
             bodies,
@@ -233,10 +234,10 @@ where
             identity_places: Vec::new(),
             zero_places: Vec::new(),
             diagonal_places: Vec::new(),
-            factorization,
+            factorization: factorization.with_workers(&workers),
             stale: false,
             search: Arc::default(),
-            workers: Workers::new(threads),
+            workers,
             reference,
         };
         system.place();
@@ -246,6 +247,11 @@ where
     /// Chooses the contact kernels' discrete gradient ([`ContactKernel::share_correction`]).
     pub(super) fn share_corrections(&mut self, shared: bool) {
         self.pairs.iter_mut().for_each(|pair| pair.kernel.share_correction(shared));
+    }
+
+    /// Lets long factorisations be looked into.
+    pub(super) fn watch(&mut self, watch: Watch) {
+        self.factorization.set_watch(watch);
     }
 
     /// Number of nodes.

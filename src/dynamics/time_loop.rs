@@ -15,6 +15,7 @@ use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, StepStart, System};
 use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
+use crate::linear::Watch;
 use crate::math::tolerances;
 
 /// Reach of a second search when a step converged with more motion than was expected: impacts add elastic motion to the prediction.
@@ -43,6 +44,7 @@ where
 {
     pub(super) fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let mut system = System::<D>::new(model, options.threads)?;
+        system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         let velocities = initial_velocities(&system, model);
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);
@@ -214,7 +216,10 @@ where
 {
     let before = system.factorizations;
     trace.earlier.clear();
-    let mut outcome = newton::solve(system, task, Strategy::InnerLoop, trace);
+    let attempt = |system: &mut System<D>, strategy: Strategy, trace: &mut Trace| {
+        newton::solve(system, task, strategy, trace).map_err(|failure| failure.or_interrupt(task.start.time))
+    };
+    let mut outcome = attempt(system, Strategy::InnerLoop, trace);
     // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
     let is_hopeless = matches!(outcome, Err(Failure::Inverted { .. }));
     let retries = [(Strategy::InnerLoop, true), (Strategy::Backtracking, false), (Strategy::Backtracking, true)];
@@ -224,7 +229,7 @@ where
         }
         trace.earlier.push(std::mem::take(&mut trace.iterations));
         system.share_corrections(shared);
-        outcome = newton::solve(system, task, strategy, trace);
+        outcome = attempt(system, strategy, trace);
         system.share_corrections(false);
     }
     *iterations += outcome.as_ref().map_or(system.factorizations - before, |solution| solution.iterations);
