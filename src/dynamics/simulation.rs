@@ -12,6 +12,7 @@ use super::report::FailureReport;
 use super::system::SearchHistory;
 use super::time_loop::TimeLoop;
 use crate::integrators::Integrator;
+use crate::linear::Work;
 
 /// How a model is integrated.
 #[derive(Clone, Debug)]
@@ -71,6 +72,14 @@ pub struct Statistics {
     pub halvings: usize,
     /// Numeric factorisations.
     pub factorizations: usize,
+    /// What the linear solver has done, factorisations of refused steps included.
+    pub linear: Work,
+    /// Times that residual and tangent of all cells were computed.
+    pub assemblies: usize,
+    /// Cells of all bodies.
+    pub cells: usize,
+    /// Bytes of the factors.
+    pub factor_bytes: usize,
     /// Time by phase.
     pub times: PhaseTimes,
 }

@@ -23,7 +23,7 @@ use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, nodal_areas};
 use crate::contact::Candidates;
 use crate::integrators::Integrator;
-use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch};
+use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch, Work};
 use crate::math::workers::Workers;
 
 /// A body in the numbering of the model.
@@ -106,6 +106,7 @@ pub(super) struct System<const D: usize> {
     pub(super) values: Vec<f64>,
     pub(super) times: PhaseTimes,
     pub(super) factorizations: usize,
+    pub(super) assemblies: usize,
     pattern: Pattern,
     mass_values: Vec<f64>,
     identity_places: Vec<u32>,
@@ -229,6 +230,7 @@ where
             values: Vec::new(),
             times: PhaseTimes::default(),
             factorizations: 0,
+            assemblies: 0,
             pattern,
             mass_values: Vec::new(),
             identity_places: Vec::new(),
@@ -247,6 +249,16 @@ where
     /// Chooses the contact kernels' discrete gradient ([`ContactKernel::share_correction`]).
     pub(super) fn share_corrections(&mut self, shared: bool) {
         self.pairs.iter_mut().for_each(|pair| pair.kernel.share_correction(shared));
+    }
+
+    /// What the linear solver has done.
+    pub(super) fn work(&self) -> Work {
+        self.factorization.work()
+    }
+
+    /// Bytes of the factors.
+    pub(super) fn factor_bytes(&self) -> usize {
+        self.factorization.bytes()
     }
 
     /// Lets long factorisations be looked into.
@@ -422,6 +434,7 @@ where
         for (value, mass) in self.values.iter_mut().zip(&self.mass_values) {
             *value = inertia * mass;
         }
+        self.assemblies += 1;
         let mut internal = vec![0.0; unknowns];
         for body in &self.bodies {
             body.elements

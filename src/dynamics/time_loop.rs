@@ -365,7 +365,15 @@ where
     }
 
     fn statistics(&self) -> Statistics {
-        Statistics { factorizations: self.system.factorizations, times: self.system.times, ..self.statistics }
+        Statistics {
+            factorizations: self.system.factorizations,
+            linear: self.system.work(),
+            assemblies: self.system.assemblies,
+            cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),
+            factor_bytes: self.system.factor_bytes(),
+            times: self.system.times,
+            ..self.statistics
+        }
     }
 }
 

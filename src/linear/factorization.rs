@@ -50,6 +50,19 @@ pub struct EliminationOrder {
     spent: f64,
 }
 
+/// How much has been done: the same on every run and every machine with the same instructions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Numeric factorisations.
+    pub factorizations: usize,
+    /// Floating-point operations of all of them.
+    pub operations: f64,
+    /// Structures of the factors that were found.
+    pub structures: usize,
+    /// Nested dissections among the orders of elimination that were sought.
+    pub dissections: usize,
+}
+
 /// The factorisation of a matrix: the order of elimination kept as long as it is good, the structure as long as the pattern stays, the
 /// factors computed for many values.
 pub struct Factorization {
@@ -61,6 +74,7 @@ pub struct Factorization {
     /// Ranges of values that the structure leaves out: zeros, so far.
     left_out: Vec<Range<u32>>,
     multifrontal: Multifrontal,
+    work: Work,
     workers: Workers,
     watch: Watch,
     fallback: Option<Box<PartialPivoting>>,
@@ -114,6 +128,7 @@ impl Factorization {
             symbolic: Symbolic::default(),
             left_out: Vec::new(),
             multifrontal: Multifrontal::default(),
+            work: Work::default(),
             workers: Workers::default(),
             watch: Watch::default(),
             fallback: None,
@@ -197,6 +212,7 @@ impl Factorization {
                 }
             }
             if dissect {
+                self.work.dissections += 1;
                 // The first matrix is often that of bodies that do not touch yet.
                 self.order.spent = if ordered { 0.0 } else { price };
             }
@@ -208,6 +224,7 @@ impl Factorization {
 
     /// Makes room for the factors of the structure.
     fn use_structure(&mut self) -> Result<(), LinearError> {
+        self.work.structures += 1;
         self.left_out = self.pattern.left_out(&self.order.kept);
         self.multifrontal.reserve(&self.symbolic, &self.workers).map_err(|_| LinearError::OutOfMemory { unknowns: self.pattern.unknowns() })
     }
@@ -228,6 +245,17 @@ impl Factorization {
         self.symbolic.operations
     }
 
+    /// What has been done since it was made.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
+    /// Bytes of the factors and of the updates that wait while they are computed.
+    pub fn bytes(&self) -> usize {
+        let Symbolic { factors, stacks, handed, .. } = &self.symbolic;
+        size_of::<f64>() * (factors + stacks[0] + stacks[1] + handed)
+    }
+
     /// Whether the last solution came from the slower method: pivots had to be replaced, or the residual was poor.
     pub fn has_fallen_back(&self) -> bool {
         self.fallen_back
@@ -245,6 +273,8 @@ impl Factorization {
         if !fits || self.left_out.iter().any(|range| values[range.start as usize..range.end as usize].iter().any(|&x| x != 0.0)) {
             self.adapt(values)?;
         }
+        self.work.factorizations += 1;
+        self.work.operations += self.symbolic.operations;
         self.order.spent += self.symbolic.operations;
         self.equilibrate(values);
         self.fallen_back = false;
@@ -336,7 +366,7 @@ impl Factorization {
     fn substitute(&mut self) {
         match &mut self.fallback {
             Some(fallback) if self.fallen_back => fallback.solve(&self.scale, &mut self.residual),
-            _ => self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual),
+            _ => self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual, &self.workers),
         }
     }
 
@@ -374,7 +404,7 @@ impl Factorization {
         self.solution.fill(0.0);
         let mut image = f64::INFINITY;
         loop {
-            self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual);
+            self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual, &self.workers);
             for (z, x) in self.solution.iter_mut().zip(&self.residual) {
                 *z -= x;
             }

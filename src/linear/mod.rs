@@ -18,7 +18,7 @@ mod tests;
 mod watch;
 
 pub use error::LinearError;
-pub use factorization::{EliminationOrder, Factorization};
+pub use factorization::{EliminationOrder, Factorization, Work};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern};
 pub use watch::Watch;

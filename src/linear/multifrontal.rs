@@ -58,6 +58,8 @@ struct Scratch {
     /// Updates that wait, level of the tree by level by turns.
     stacks: [AlignedBuffer; 2],
     dense: dense::Scratch,
+    /// A vector at a front.
+    at_front: AlignedBuffer,
 }
 
 /// The factors of a matrix, and room to compute them.
@@ -72,9 +74,9 @@ pub(super) struct Multifrontal {
     scratch: Vec<Mutex<Scratch>>,
     /// Places in the order of elimination whose pivots were replaced.
     replaced: Vec<u32>,
-    /// The vector in the order of elimination, and its part at a front.
+    /// The vector in the order of elimination, and what subtrees exchange of it with the fronts above.
     ordered: Vec<f64>,
-    at_front: AlignedBuffer,
+    outside: Vec<f64>,
 }
 
 /// Consecutive fronts and what their elimination writes.
@@ -114,13 +116,15 @@ impl Multifrontal {
     pub(super) fn reserve(&mut self, symbolic: &Symbolic, workers: &Workers) -> Result<(), TryReserveError> {
         self.factors.resize(symbolic.factors)?;
         self.handed.resize(symbolic.handed)?;
-        self.at_front.resize(symbolic.largest)?;
+        let updates = symbolic.tasks.iter().map(|task| symbolic.fronts[task.end - 1].update);
+        self.outside.resize(updates.sum(), 0.0);
         self.swaps.resize(symbolic.unknowns.len(), 0);
         self.scratch.resize_with(if symbolic.tasks.is_empty() { 1 } else { workers.count() }, Mutex::default);
         for scratch in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()) {
             for (stack, &size) in scratch.stacks.iter_mut().zip(&symbolic.stacks) {
                 stack.resize(size)?;
             }
+            scratch.at_front.resize(symbolic.largest)?;
         }
         self.replaced.clear();
         Ok(())
@@ -176,20 +180,89 @@ impl Multifrontal {
     }
 
     /// `x := A^-1 x`, with one scale per unknown.
-    pub(super) fn solve(&mut self, symbolic: &Symbolic, scale: &[f64], x: &mut [f64]) {
-        self.ordered.clear();
-        self.ordered.extend(symbolic.unknowns.iter().map(|&unknown| scale[unknown as usize] * x[unknown as usize]));
-        dispatch(Substitution {
-            symbolic,
-            factors: self.factors.all(),
-            swaps: &self.swaps,
-            ordered: &mut self.ordered,
-            at_front: self.at_front.all_mut(),
-        });
-        for (&unknown, value) in symbolic.unknowns.iter().zip(&self.ordered) {
+    pub(super) fn solve(&mut self, symbolic: &Symbolic, scale: &[f64], x: &mut [f64], workers: &Workers) {
+        let Multifrontal { factors, swaps, ordered, outside, scratch, .. } = self;
+        let (factors, count) = (factors.all(), symbolic.fronts.len());
+        ordered.clear();
+        ordered.extend(symbolic.unknowns.iter().map(|&unknown| scale[unknown as usize] * x[unknown as usize]));
+        outside.fill(0.0);
+        let run = |part: &mut Part<'_>, direction: Direction| {
+            let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
+            let at_front = scratch.at_front.all_mut();
+            dispatch(Substitution { symbolic, factors, swaps, part, at_front, direction });
+        };
+        let above = || {
+            let starts = std::iter::once(0).chain(symbolic.tasks.iter().map(|task| task.end));
+            starts.zip(symbolic.tasks.iter().map(|task| task.start).chain([count])).map(|(start, end)| start..end)
+        };
+
+        let mut tasks = parts(symbolic, ordered, outside);
+        workers.for_each(&mut tasks, 1, |_, part| run(part, Direction::Down));
+        let mut received = &outside[..];
+        for task in &symbolic.tasks {
+            for &row in &symbolic.rows[symbolic.fronts[task.end - 1].rows.clone()] {
+                if let Some((value, rest)) = received.split_first() {
+                    ordered[row as usize] += value;
+                    received = rest;
+                }
+            }
+        }
+        for fronts in above() {
+            run(&mut Part { fronts, start: 0, own: ordered, rows: &[], outside: &mut [] }, Direction::Down);
+        }
+        for fronts in above().collect::<Vec<_>>().into_iter().rev() {
+            run(&mut Part { fronts, start: 0, own: ordered, rows: &[], outside: &mut [] }, Direction::Up);
+        }
+        let mut given = outside.iter_mut();
+        for task in &symbolic.tasks {
+            for (&row, value) in symbolic.rows[symbolic.fronts[task.end - 1].rows.clone()].iter().zip(&mut given) {
+                *value = ordered[row as usize];
+            }
+        }
+        let mut tasks = parts(symbolic, ordered, outside);
+        workers.for_each(&mut tasks, 1, |_, part| run(part, Direction::Up));
+        for (&unknown, value) in symbolic.unknowns.iter().zip(&*ordered) {
             x[unknown as usize] = scale[unknown as usize] * value;
         }
     }
+}
+
+/// Whether a substitution goes from the leaves to the roots (the lower factor) or back (the upper one).
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Direction {
+    Down,
+    Up,
+}
+
+/// Consecutive fronts and the part of the vector that they own, with what they exchange with the fronts above.
+struct Part<'a> {
+    fronts: Range<usize>,
+    /// Place of the first owned number.
+    start: usize,
+    own: &'a mut [f64],
+    /// Places of the numbers above that matter, ascending, and what is added to them, or what they are.
+    rows: &'a [u32],
+    outside: &'a mut [f64],
+}
+
+/// The parts of a vector that belong to the tasks.
+fn parts<'a>(symbolic: &'a Symbolic, mut ordered: &'a mut [f64], mut outside: &'a mut [f64]) -> Vec<Part<'a>> {
+    let mut done = 0;
+    let part = |task: &Range<usize>| {
+        let (start, last) = (symbolic.fronts[task.start].first, &symbolic.fronts[task.end - 1]);
+        let end = last.first + last.pivots;
+        // What stands between two tasks belongs to fronts above.
+        let _ = ordered.split_off_mut(..start - done);
+        done = end;
+        Part {
+            fronts: task.clone(),
+            start,
+            own: ordered.split_off_mut(..end - start).unwrap_or_default(),
+            rows: &symbolic.rows[last.rows.clone()],
+            outside: outside.split_off_mut(..last.update).unwrap_or_default(),
+        }
+    };
+    symbolic.tasks.iter().map(part).collect()
 }
 
 struct Elimination<'a, 's, 'u> {
@@ -211,7 +284,7 @@ impl Kernel for Elimination<'_, '_, '_> {
     fn run<const FMA: bool>(self) {
         let Elimination { symbolic, values, scale, segment, handed, scratch, workers, watch, operations } = self;
         let Segment { fronts, factors, swaps, update, replaced } = segment;
-        let Scratch { stacks: [even, odd], dense } = scratch;
+        let Scratch { stacks: [even, odd], dense, .. } = scratch;
         let (mut factors, mut swaps) = (&mut factors[..], &mut swaps[..]);
         let stopped = || watch.is_interrupted();
         for front in &symbolic.fronts[fronts.clone()] {
@@ -355,46 +428,68 @@ fn add_run(rows: &Run, source: &[f64], source_stride: usize, target: &mut [f64],
     }
 }
 
-struct Substitution<'a> {
+struct Substitution<'a, 'p> {
     symbolic: &'a Symbolic,
     factors: &'a [f64],
     swaps: &'a [u32],
-    ordered: &'a mut [f64],
+    part: &'a mut Part<'p>,
     at_front: &'a mut [f64],
+    direction: Direction,
 }
 
-impl Kernel for Substitution<'_> {
+impl Kernel for Substitution<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Substitution { symbolic, factors, swaps, ordered, at_front } = self;
-        for front in &symbolic.fronts {
-            let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
-            let own = &mut ordered[front.first..][..front.pivots];
-            for (k, &other) in swaps[front.first..][..front.pivots].iter().enumerate() {
-                own.swap(k, other as usize);
+        let Substitution { symbolic, factors, swaps, part, at_front, direction } = self;
+        let Part { fronts, start, own: ordered, rows: above, outside } = part;
+        let fronts = &symbolic.fronts[fronts.clone()];
+        let end = *start + ordered.len();
+        if direction == Direction::Down {
+            for front in fronts {
+                let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
+                let own = &mut ordered[front.first - *start..][..front.pivots];
+                for (k, &other) in swaps[front.first..][..front.pivots].iter().enumerate() {
+                    own.swap(k, other as usize);
+                }
+                let (inside, padding) = pivots.split_at_mut(front.pivots);
+                inside.copy_from_slice(own);
+                padding.fill(0.0);
+                others.fill(0.0);
+                let factors = &factors[front.factors..][..front.length()];
+                let (diagonal, beside) = factors.split_at(front.p * front.p);
+                dense::substitute_lower::<FMA>(diagonal, &beside[..front.u * front.p], pivots, others);
+                own.copy_from_slice(&pivots[..front.pivots]);
+                let rows = &symbolic.rows[front.rows.clone()];
+                let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+                for (&row, value) in mine.iter().zip(&*others) {
+                    ordered[row as usize - *start] += value;
+                }
+                let mut k = 0;
+                for (&row, value) in theirs.iter().zip(&others[mine.len()..]) {
+                    k += above[k..].iter().take_while(|&&other| other < row).count();
+                    outside[k] += value;
+                }
             }
-            let (inside, padding) = pivots.split_at_mut(front.pivots);
-            inside.copy_from_slice(own);
-            padding.fill(0.0);
-            others.fill(0.0);
-            let factors = &factors[front.factors..][..front.length()];
-            let (diagonal, beside) = factors.split_at(front.p * front.p);
-            dense::substitute_lower::<FMA>(diagonal, &beside[..front.u * front.p], pivots, others);
-            own.copy_from_slice(&pivots[..front.pivots]);
-            for (&row, value) in symbolic.rows[front.rows.clone()].iter().zip(&*others) {
-                ordered[row as usize] += value;
-            }
+            return;
         }
-        for front in symbolic.fronts.iter().rev() {
+        for front in fronts.iter().rev() {
             let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
             let (known, padding) = others.split_at_mut(front.update);
-            for (&row, value) in symbolic.rows[front.rows.clone()].iter().zip(known) {
-                *value = ordered[row as usize];
+            let rows = &symbolic.rows[front.rows.clone()];
+            let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+            let (inside, beyond) = known.split_at_mut(mine.len());
+            for (&row, value) in mine.iter().zip(inside) {
+                *value = ordered[row as usize - *start];
+            }
+            let mut k = 0;
+            for (&row, value) in theirs.iter().zip(beyond) {
+                k += above[k..].iter().take_while(|&&other| other < row).count();
+                *value = outside[k];
             }
             padding.fill(0.0);
-            let own = &mut ordered[front.first..][..front.pivots];
+            let own = &mut ordered[front.first - *start..][..front.pivots];
             let (inside, padding) = pivots.split_at_mut(front.pivots);
             inside.copy_from_slice(own);
             padding.fill(0.0);

@@ -161,7 +161,7 @@ fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
     factors.reserve(&symbolic, &Workers::default()).unwrap();
     factors.factorize(&symbolic, &system.values, &vertex_scale, &Workers::default(), &Watch::default());
     let mut x = right.to_vec();
-    factors.solve(&symbolic, &unknown_scale, &mut x);
+    factors.solve(&symbolic, &unknown_scale, &mut x, &Workers::default());
     (x, factors.replaced().len())
 }
 
@@ -370,7 +370,7 @@ fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     assert!(sparse.error(&mut factorization).1 < 1e-13);
     // An order and its blocks that are put in place again give the same bytes.
     let (_, right) = dense.problem();
-    let mut solve = |factorization: &mut Factorization| {
+    let solve = |factorization: &mut Factorization| {
         let mut x = right.clone();
         factorization.factorize(&dense.values).unwrap();
         factorization.solve(&dense.values, &mut x).unwrap();
