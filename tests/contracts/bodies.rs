@@ -1,11 +1,12 @@
 //! What the element loop promises for every cell kind, material and integrator, on random states of a distorted mesh:
 //! exact tangent; directionality and orthogonality of the discrete gradient to round-off; indifference to rigid motions.
 
-use conserva::bodies::{ElementLoop, Elements, Space, Workers};
+use conserva::bodies::{ElementLoop, Elements, Space};
 use conserva::elements::CellKind;
 use conserva::integrators::Integrator;
 use conserva::linear::Pattern;
 use conserva::materials::{CATALOGUE, Material};
+use conserva::math::workers::Workers;
 use conserva::mesh::{Mesh, block, rectangle};
 
 use crate::common::{Random, difference};
