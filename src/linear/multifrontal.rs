@@ -33,6 +33,8 @@ impl AlignedBuffer {
     /// Makes room for at least `length` numbers, whose values are lost.
     fn resize(&mut self, length: usize) -> Result<(), TryReserveError> {
         if self.storage.len() < length + LINE {
+            // The old numbers go first: both at once would be the peak of the whole run.
+            self.storage = Vec::new();
             let mut storage = Vec::new();
             storage.try_reserve_exact(length + LINE)?;
             storage.resize(length + LINE, 0.0);
