@@ -7,6 +7,8 @@
 mod dense;
 mod error;
 mod factorization;
+#[cfg(test)]
+mod fixtures;
 mod multifrontal;
 mod node_matrix;
 mod ordering;

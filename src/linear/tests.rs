@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use nalgebra::{DMatrix, DVector};
 
 use super::factorization::Factorization;
+use super::fixtures::{System, saddle_point};
 use super::multifrontal::Multifrontal;
 use super::ordering::{anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
@@ -13,52 +14,8 @@ use super::symbolic::Symbolic;
 use super::{LinearError, Pattern, Watch};
 use crate::math::workers::Workers;
 
-/// Numbers between -1/2 and 1/2 (xorshift).
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    }
-}
-
-/// A matrix of the kind that contact makes.
-struct System {
-    pattern: Pattern,
-    values: Vec<f64>,
-    nodes: usize,
-}
-
-/// Stiffness of a neighbor pair of nodes in `D` dimensions relative to 1e5, and how it is disturbed.
-fn add_cells<const D: usize>(pattern: &Pattern, values: &mut [f64], cells: &[Vec<u32>], disturbance: f64, noise: &mut Noise) {
-    for cell in cells {
-        let count = cell.len() as f64;
-        for &a in cell {
-            for &b in cell {
-                let block = pattern.block(a, b);
-                for i in 0..D {
-                    for k in 0..D {
-                        // A multiple of the graph's Laplacian with coupled components, plus a little mass.
-                        let value = match (a == b, i == k) {
-                            (true, true) => count - 1.0 + 0.2,
-                            (false, true) => -1.0,
-                            (true, false) => 0.3,
-                            (false, false) => -0.3 / (count - 1.0),
-                        };
-                        values[block.at(i, k)] += 1e5 * value * (1.0 + disturbance * noise.next());
-                    }
-                }
-            }
-        }
-    }
-}
-
 /// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by a multiplier per node of the first one.
 fn tied<const D: usize>(along: usize, across: usize, shift: usize, disturbance: f64) -> System {
-    let mut noise = Noise(88_172_645_463_325_252);
     let depth = if D == 3 { 2 } else { 1 };
     let (long, wide) = (along + 1, across + 1);
     let body = long * wide * depth;
@@ -72,38 +29,17 @@ fn tied<const D: usize>(along: usize, across: usize, shift: usize, disturbance: 
             }
         }
     }
-    let nodes = 2 * body;
-    let interface = long * depth;
-    let mut sizes = vec![D as u8; nodes];
-    sizes.resize(nodes + interface, 1);
-    let constraints: Vec<Vec<u32>> = (0..interface)
+    let constraints: Vec<Vec<(u32, f64)>> = (0..long * depth)
         .map(|m| {
             let (i, k) = (m % long, m / long);
             let other = (i + shift).min(along);
-            let mut clique = vec![node(0, i, 0, k), node(0, (i + 1).min(along), 0, k), node(1, other, across, k)];
-            clique.push(node(1, other.saturating_sub(1), across, k));
-            clique.sort_unstable();
-            clique.dedup();
-            clique.push((nodes + m) as u32);
-            clique
+            let mut row = vec![(node(0, i, 0, k), 0.6), (node(0, (i + 1).min(along), 0, k), 0.6), (node(1, other, across, k), -0.5)];
+            row.push((node(1, other.saturating_sub(1), across, k), -0.5));
+            row.dedup_by_key(|(node, _)| *node);
+            row
         })
         .collect();
-    let pattern = Pattern::new(&sizes, cells.iter().chain(&constraints).map(|clique| &clique[..]))
-        .with_anchors((0..interface).map(|m| ((nodes + m) as u32, node(0, m % long, 0, m / long))));
-    let mut values = vec![0.0; pattern.values()];
-    add_cells::<D>(&pattern, &mut values, &cells, disturbance, &mut noise);
-    for constraint in &constraints {
-        let (multiplier, others) = constraint.split_last().unwrap();
-        for &other in others {
-            let weight = if (other as usize) < body { 0.6 } else { -0.5 };
-            for i in 0..D {
-                let entry = weight * (1.0 + 0.3 * i as f64);
-                values[pattern.block(*multiplier, other).at(0, i)] = entry * (1.0 + 0.02 * noise.next());
-                values[pattern.block(other, *multiplier).at(i, 0)] = -entry * (1.0 + 0.02 * noise.next());
-            }
-        }
-    }
-    System { pattern, values, nodes }
+    saddle_point::<D>(2 * body, &cells, &constraints, disturbance)
 }
 
 impl System {

@@ -1,10 +1,7 @@
 //! The linear solver beside faer's sparse LU, on systems like those of the bearing: two rings of quadrilaterals tied by multipliers.
 //!
-//! `cargo bench --bench linear -- [refine ...]` (1 2 4 without arguments; 8 takes a minute). Milliseconds of processor time of one thread,
-//! the least of several repetitions, both solvers in one run: ratios hold on a loaded machine. The matrices: quadrilaterals with
-//! stiffness and mass of the bearing's size, disturbed unsymmetrically by 1 %, one multiplier per node of the inner ring's surface.
+//! Milliseconds of processor time of one thread, the least of several repetitions, both solvers in one run: ratios hold on a loaded machine.
 
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 use conserva::linear::{Factorization, Pattern};
@@ -14,17 +11,7 @@ use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, factorize_sym
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par};
 
-/// Numbers between -1/2 and 1/2 (xorshift).
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    }
-}
+use crate::fixtures::{System, saddle_point};
 
 /// Seconds: processor time of this thread where the system tells it, else time of the clock.
 fn seconds(start: Instant) -> f64 {
@@ -48,14 +35,13 @@ fn least(repetitions: usize, mut run: impl FnMut()) -> f64 {
 
 /// Pattern and values of the rings; the outer one is turned by `slide` of its elements.
 fn rings(refine: usize, slide: usize) -> (Pattern, Vec<f64>) {
-    let mut noise = Noise(88_172_645_463_325_252);
     let (outer, inner, layers) = (48 * refine, 40 * refine, 10 * refine);
-    let mut cells: Vec<[u32; 4]> = Vec::new();
+    let mut cells: Vec<Vec<u32>> = Vec::new();
     let mut first = 0;
     for around in [outer, inner] {
         let node = |i: usize, j: usize| (first + i * around + j % around) as u32;
         for i in 0..layers {
-            cells.extend((0..around).map(|j| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]));
+            cells.extend((0..around).map(|j| vec![node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]));
         }
         first += (layers + 1) * around;
     }
@@ -63,47 +49,14 @@ fn rings(refine: usize, slide: usize) -> (Pattern, Vec<f64>) {
     let surface = (layers + 1) * outer + layers * inner;
     let constraints: Vec<Vec<(u32, f64)>> = (0..inner)
         .map(|m| {
-            let own = [(inner - 1, 1.0 / 6.0), (0, 2.0 / 3.0), (1, 1.0 / 6.0)].map(|(d, w)| ((surface + (m + d) % inner) as u32, w));
+            // The anchor, the node itself, comes first.
+            let own = [(0, 2.0 / 3.0), (inner - 1, 1.0 / 6.0), (1, 1.0 / 6.0)].map(|(d, w)| ((surface + (m + d) % inner) as u32, w));
             let opposite = m * outer / inner + slide;
             let other = [(outer - 1, -0.1), (0, -0.4), (1, -0.4), (2, -0.1)].map(|(d, w)| (((opposite + d) % outer) as u32, w));
             own.into_iter().chain(other).collect()
         })
         .collect();
-    let mut sizes = vec![2u8; nodes];
-    sizes.resize(nodes + inner, 1);
-    let couplings: Vec<[u32; 2]> =
-        constraints.iter().enumerate().flat_map(|(m, row)| row.iter().map(move |(node, _)| [*node, (nodes + m) as u32])).collect();
-    let cliques = cells.iter().map(|cell| &cell[..]).chain(couplings.iter().map(|pair| &pair[..]));
-    let pattern = Pattern::new(&sizes, cliques).with_anchors((0..inner).map(|m| ((nodes + m) as u32, (surface + m) as u32)));
-    let mut values = vec![0.0; pattern.values()];
-    for cell in &cells {
-        for (a, &u) in cell.iter().enumerate() {
-            for (b, &v) in cell.iter().enumerate() {
-                let block = pattern.block(u, v);
-                for i in 0..2 {
-                    for k in 0..2 {
-                        let value = match (i == k, (4 + b - a) % 4) {
-                            (true, 0) => 1.1e5,
-                            (true, 2) => -5e4,
-                            (true, _) => -1e4,
-                            (false, _) => 2e4 * if (a + b + i) % 2 == 0 { 1.0 } else { -1.0 },
-                        };
-                        values[block.at(i, k)] += value * (1.0 + 0.01 * noise.next());
-                    }
-                }
-            }
-        }
-    }
-    for (m, row) in constraints.iter().enumerate() {
-        let (sin, cos) = (TAU * m as f64 / inner as f64).sin_cos();
-        let multiplier = (nodes + m) as u32;
-        for &(node, weight) in row {
-            for (i, direction) in [cos, sin].into_iter().enumerate() {
-                values[pattern.block(multiplier, node).at(0, i)] = weight * direction * (1.0 + 0.02 * noise.next());
-                values[pattern.block(node, multiplier).at(i, 0)] = -weight * direction * (1.0 + 0.02 * noise.next());
-            }
-        }
-    }
+    let System { pattern, values, .. } = saddle_point::<2>(nodes, &cells, &constraints, 0.01);
     (pattern, values)
 }
 
@@ -126,9 +79,15 @@ fn residual(pattern: &Pattern, values: &[f64], x: &[f64], right: &[f64]) -> f64 
 fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
     let (pattern, values) = rings(refine, 0);
     let mut factorization = Factorization::new(&pattern).expect("it fits into memory");
-    let order = least(1, || factorization = Factorization::new(&pattern).expect("it fits into memory"));
-    let structure = least(repetitions, || factorization.renew(&pattern).expect("it fits into memory"));
+    // The first matrix also finds the order and the structure.
+    let first = least(1, || factorization.factorize(&values).expect("values are finite"));
     let factor = least(repetitions, || factorization.factorize(&values).expect("values are finite"));
+    let order = factorization.order().clone();
+    let structure = least(repetitions, || {
+        factorization.restore_order(&order);
+        factorization.renew(&pattern).expect("it fits into memory");
+    });
+    factorization.factorize(&values).expect("values are finite");
     let mut x = right.to_vec();
     let solve = least(repetitions, || {
         x.copy_from_slice(right);
@@ -136,12 +95,16 @@ fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
     });
     let unknowns = pattern.unknowns() as f64;
     let operations = factorization.operations();
-    factorization.renew(&rings(refine, 1).0).expect("it fits into memory");
+    let (slid, slid_values) = rings(refine, 1);
+    factorization.renew(&slid).expect("it fits into memory");
+    factorization.factorize(&slid_values).expect("values are finite");
     println!(
-        "refine {refine}: {unknowns} unknowns, order {order:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid",
+        "refine {refine}: {unknowns} unknowns, order {:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid, {:.0} bytes per unknown",
+        first - factor - structure,
         1e-6 * operations,
         1e-6 * operations / factor,
         factorization.operations() / operations,
+        factorization.bytes() as f64 / unknowns,
     );
     Row { unknowns, structure, factor, solve, residual: residual(&pattern, &values, &x, right) }
 }
@@ -171,14 +134,14 @@ fn faer_lu(refine: usize, right: &[f64], repetitions: usize) -> Row {
     Row { unknowns: n as f64, structure: symbolic_time, factor, solve, residual: residual(&pattern, &values, &x, right) }
 }
 
-fn main() {
-    let asked: Vec<usize> = std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
-    let sizes = if asked.is_empty() { vec![1, 2, 4] } else { asked };
+/// Prints the comparison; returns the milliseconds of faer's factorization and solution at each size.
+pub fn compare(sizes: &[usize]) -> Vec<f64> {
     println!(
-        "milliseconds of processor time, one thread: structure for a known order, factorization, solution with residual and refinement"
+        "linear solver: ms of processor time, one thread: structure for a known order, factorization, solution with residual and refinement"
     );
     let mut last: Option<Row> = None;
-    for refine in sizes {
+    let mut others = Vec::new();
+    for &refine in sizes {
         let (pattern, values) = rings(refine, 0);
         let exact: Vec<f64> = (0..pattern.unknowns()).map(|i| (i as f64 * 0.7).sin()).collect();
         let mut right = vec![0.0; exact.len()];
@@ -192,11 +155,8 @@ fn main() {
                 row.structure, row.factor, row.solve, row.residual
             );
         }
-        println!(
-            "  ours / faer: factor {:.3}, factor + solve {:.3}",
-            own.factor / other.factor,
-            (own.factor + own.solve) / (other.factor + other.solve)
-        );
+        let both = other.factor + other.solve;
+        println!("  ours / faer: factor {:.3}, factor + solve {:.3}", own.factor / other.factor, (own.factor + own.solve) / both);
         if let Some(last) = last.filter(|last| last.unknowns < own.unknowns) {
             let exponent = |now: f64, before: f64| (now / before).ln() / (own.unknowns / last.unknowns).ln();
             println!(
@@ -206,6 +166,8 @@ fn main() {
                 exponent(own.solve, last.solve)
             );
         }
+        others.push(other.factor);
         last = Some(own);
     }
+    others
 }

@@ -1,11 +1,9 @@
-//! Milliseconds per Newton iteration of the bearing by phase, one thread, at refine 1, 2 and 4, and how each phase grows with the unknowns.
+//! Milliseconds per Newton iteration of the bearing by phase, and how each phase grows with the unknowns.
 //!
 //! A run is deterministic: step k costs the same work in every repetition. So each phase of each step is timed in every repetition and the
 //! least time is kept: what other programs on the machine took from single steps drops out as soon as one repetition of that step was
 //! left alone. What is summed up is `per step the minimum over repetitions`; it needs no quiet machine, only one that is quiet now and
 //! then.
-//!
-//! `cargo bench --bench bearing -- [--refine 8] [--repetitions 5]` (`--refine n` adds a size)
 
 use std::error::Error;
 use std::rc::Rc;
@@ -21,7 +19,7 @@ use conserva::mesh::ring;
 /// Phases as they are printed; the last is what no other counts.
 const PHASES: [&str; 6] = ["assembly", "contact", "factorization", "solve", "search", "other"];
 
-fn bearing(refine: usize) -> Result<Simulation, Box<dyn Error>> {
+fn bearing(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
     let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").ok_or("no such material")?;
     let steel = Material::new(row, &[1e5, 0.1, 1e-3]);
     let mut model = Model { name: "bearing".into(), ..Model::default() };
@@ -37,7 +35,8 @@ fn bearing(refine: usize) -> Result<Simulation, Box<dyn Error>> {
     model.contacts.push(ContactDefinition::new("race", journal, race));
     model.loads.push(Load { kind: LoadKind::Torque, on: bore, amplitude: Rc::new(Hat { start: 0.0, end: 0.5, peak: 0.1 }) });
     // At every size a step slides by the same part of a facet.
-    let mut sim = Simulation::new(&model, Options::new(Integrator::EnergyMomentum, 0.005 / refine as f64))?;
+    let options = Options { threads, ..Options::new(Integrator::EnergyMomentum, 0.005 / refine as f64) };
+    let mut sim = Simulation::new(&model, options)?;
     sim.settle()?;
     Ok(sim)
 }
@@ -51,17 +50,17 @@ struct Timing {
     unknowns: usize,
     steps: usize,
     iterations: usize,
-    factorizations: usize,
+    cells: usize,
     /// Seconds of all steps by phase.
     seconds: [f64; 6],
 }
 
 /// Least time of each phase of each step over all repetitions, summed.
-fn measure(refine: usize, steps: usize, repetitions: usize) -> Result<Timing, Box<dyn Error>> {
+fn measure(refine: usize, steps: usize, repetitions: usize, threads: usize) -> Result<Timing, Box<dyn Error>> {
     let mut least = vec![[f64::INFINITY; 6]; steps];
-    let (mut unknowns, mut iterations, mut factorizations) = (0, 0, 0);
+    let (mut unknowns, mut iterations, mut cells) = (0, 0, 0);
     for _ in 0..repetitions {
-        let mut sim = bearing(refine)?;
+        let mut sim = bearing(refine, threads)?;
         // Spun up already: the pattern has been made anew and the set has moved on before the clock starts.
         for _ in 0..5 {
             sim.step(None, &mut |_| ())?;
@@ -85,57 +84,51 @@ fn measure(refine: usize, steps: usize, repetitions: usize) -> Result<Timing, Bo
         }
         unknowns = sim.unknowns();
         iterations = counted.newton_iterations - before.newton_iterations;
-        factorizations = counted.factorizations - before.factorizations;
+        cells = counted.cells;
     }
     let seconds = std::array::from_fn(|phase| least.iter().map(|step| step[phase]).sum());
-    Ok(Timing { unknowns, steps, iterations, factorizations, seconds })
+    Ok(Timing { unknowns, steps, iterations, cells, seconds })
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    // Cargo adds `--bench`.
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|text| text != "--bench").collect();
-    let (mut sizes, mut repetitions) = (vec![1, 2, 4], 3);
-    for pair in arguments.chunks(2) {
-        match pair {
-            [name, value] if name == "--refine" => sizes.push(value.parse()?),
-            [name, value] if name == "--repetitions" => repetitions = value.parse()?,
-            other => return Err(format!("unknown arguments {other:?}; known are `--refine n` and `--repetitions n`").into()),
-        }
-    }
-    println!("bearing, one thread, ms per Newton iteration: per step the minimum over {repetitions} repetitions, summed over the steps");
+/// Gauss points of a cell, and nanoseconds per point below which no variant of the element loop came on a Zen 4 core.
+const POINTS: usize = 4;
+const FLOOR: f64 = 32.0;
+
+/// Prints the phases at each size; `others` are the milliseconds of faer's LU on a system of each size.
+pub fn phases_of_an_iteration(sizes: &[usize], others: &[f64], repetitions: usize, threads: usize) -> Result<(), Box<dyn Error>> {
     println!(
-        "{:>6} {:>9} {:>6} {:>6} {:>7}{}",
-        "refine",
-        "unknowns",
-        "steps",
-        "its",
-        "LU/it",
-        PHASES.map(|name| format!("{name:>14}")).concat()
+        "bearing, {threads} thread(s): ms per Newton iteration, per step the minimum over {repetitions} repetitions, summed over the steps"
+    );
+    let titles = PHASES.map(|name| format!("{name:>14}")).concat();
+    println!(
+        "{:>6} {:>9} {:>6} {:>6}{titles}{:>10} {:>12} {:>16}",
+        "refine", "unknowns", "steps", "its", "sum", "sum/faer LU", "assembly ns/point"
     );
     let mut timings = Vec::new();
-    for refine in sizes {
+    for (k, &refine) in sizes.iter().enumerate() {
         let steps = if refine == 1 { 40 } else { 12 / refine.min(4) + 2 };
-        let timing = measure(refine, steps, repetitions)?;
+        let timing = measure(refine, steps, repetitions, threads)?;
         let per_iteration = timing.seconds.map(|seconds| 1e3 * seconds / timing.iterations as f64);
+        let sum: f64 = per_iteration.iter().sum();
+        let points = (timing.cells * POINTS) as f64;
         println!(
-            "{refine:>6} {:>9} {:>6} {:>6} {:>7.2}{}   sum {:.3}",
+            "{refine:>6} {:>9} {:>6} {:>6}{}{sum:>10.3} {:>12} {:>8.0} (floor {FLOOR})",
             timing.unknowns,
             timing.steps,
             timing.iterations,
-            timing.factorizations as f64 / timing.iterations as f64,
             per_iteration.map(|ms| format!("{ms:>14.3}")).concat(),
-            per_iteration.iter().sum::<f64>()
+            others.get(k).map(|other| format!("{:.3}", sum / other)).unwrap_or_default(),
+            1e6 * per_iteration[0] / points,
         );
         timings.push((timing.unknowns as f64, per_iteration));
     }
-    for pair in timings.windows(2) {
-        let ratio = (pair[1].0 / pair[0].0).ln();
-        let exponents: [f64; 6] = std::array::from_fn(|phase| (pair[1].1[phase] / pair[0].1[phase]).ln() / ratio);
-        println!("growth with unknowns to the power of{:>2}{}", "", exponents.map(|x| format!("{x:>14.2}")).concat());
+    let exponents = |first: &(f64, [f64; 6]), last: &(f64, [f64; 6]), pick: &dyn Fn(&[f64; 6]) -> f64| {
+        (pick(&last.1) / pick(&first.1)).ln() / (last.0 / first.0).ln()
+    };
+    if let [first, .., last] = &timings[..] {
+        let linear = exponents(first, last, &|times| times[2] + times[3]);
+        let rest = exponents(first, last, &|times| times[0] + times[1] + times[4] + times[5]);
+        println!("  growth with the unknowns, first size to last: factorization and solve {linear:.2}, everything else {rest:.2}");
     }
-    let (_, first) = timings[0];
-    let sum: f64 = first.iter().sum();
-    println!("refine 1: assembly + contact {:.3} ms (required: 2, goal: 0.4)", first[0] + first[1]);
-    println!("refine 1: search {:.2} %, outside all phases {:.2} % of the time", 100.0 * first[4] / sum, 100.0 * first[5] / sum);
     Ok(())
 }

@@ -1,0 +1,40 @@
+//! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]`.
+//!
+//! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers were
+//! and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.
+
+mod bearing;
+#[path = "../../src/linear/fixtures.rs"]
+mod fixtures;
+mod linear;
+mod startup;
+
+use std::error::Error;
+
+// For `fixtures`, which the tests of the linear solver share.
+use conserva::linear::Pattern;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (mut sizes, mut threads, mut repetitions) = (Vec::new(), 1, 3);
+    // Cargo adds `--bench`.
+    let mut arguments = std::env::args().skip(1).filter(|text| text != "--bench");
+    while let Some(argument) = arguments.next() {
+        let mut number = || arguments.next().ok_or(format!("`{argument}` needs a number"));
+        match argument.as_str() {
+            "--threads" => threads = number()?.parse()?,
+            "--repetitions" => repetitions = number()?.parse()?,
+            size => {
+                sizes.push(size.parse().map_err(|_| format!("unknown argument `{size}`; known are sizes, --threads n, --repetitions n"))?)
+            }
+        }
+    }
+    if sizes.is_empty() {
+        sizes = vec![1, 2, 4, 8];
+    }
+    let others = linear::compare(&sizes);
+    bearing::phases_of_an_iteration(&sizes, &others, repetitions, 1)?;
+    if threads > 1 {
+        bearing::phases_of_an_iteration(&sizes, &others, repetitions, threads)?;
+    }
+    startup::times(repetitions)
+}
