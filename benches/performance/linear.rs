@@ -34,7 +34,7 @@ fn least(repetitions: usize, mut run: impl FnMut()) -> f64 {
 }
 
 /// Pattern and values of the rings; the outer one is turned by `slide` of its elements.
-fn rings(refine: usize, slide: usize) -> (Pattern, Vec<f64>) {
+fn rings(refine: usize, slide: usize) -> System {
     let (outer, inner, layers) = (48 * refine, 40 * refine, 10 * refine);
     let mut cells: Vec<Vec<u32>> = Vec::new();
     let mut first = 0;
@@ -56,8 +56,7 @@ fn rings(refine: usize, slide: usize) -> (Pattern, Vec<f64>) {
             own.into_iter().chain(other).collect()
         })
         .collect();
-    let System { pattern, values, .. } = saddle_point::<2>(nodes, &cells, &constraints, 0.01);
-    (pattern, values)
+    saddle_point::<2>(nodes, &cells, &constraints, 0.01)
 }
 
 /// Milliseconds of the phases and the relative residual.
@@ -77,7 +76,7 @@ fn residual(pattern: &Pattern, values: &[f64], x: &[f64], right: &[f64]) -> f64 
 }
 
 fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
-    let (pattern, values) = rings(refine, 0);
+    let System { pattern, values, nodes } = rings(refine, 0);
     let mut factorization = Factorization::new(&pattern).expect("it fits into memory");
     // The first matrix also finds the order and the structure.
     let first = least(1, || factorization.factorize(&values).expect("values are finite"));
@@ -95,11 +94,12 @@ fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
     });
     let unknowns = pattern.unknowns() as f64;
     let operations = factorization.operations();
-    let (slid, slid_values) = rings(refine, 1);
+    let System { pattern: slid, values: slid_values, .. } = rings(refine, 1);
     factorization.renew(&slid).expect("it fits into memory");
     factorization.factorize(&slid_values).expect("values are finite");
     println!(
-        "refine {refine}: {unknowns} unknowns, order {:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid, {:.0} bytes per unknown",
+        "refine {refine}: {unknowns} unknowns, {} of them multipliers, order {:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid, {:.0} bytes per unknown",
+        pattern.vertices() - nodes,
         first - factor - structure,
         1e-6 * operations,
         1e-6 * operations / factor,
@@ -110,7 +110,7 @@ fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
 }
 
 fn faer_lu(refine: usize, right: &[f64], repetitions: usize) -> Row {
-    let (pattern, values) = rings(refine, 0);
+    let System { pattern, values, .. } = rings(refine, 0);
     let (starts, rows) = pattern.compressed_columns();
     let n = pattern.unknowns();
     let structure = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &rows);
@@ -142,7 +142,7 @@ pub fn compare(sizes: &[usize]) -> Vec<f64> {
     let mut last: Option<Row> = None;
     let mut others = Vec::new();
     for &refine in sizes {
-        let (pattern, values) = rings(refine, 0);
+        let System { pattern, values, .. } = rings(refine, 0);
         let exact: Vec<f64> = (0..pattern.unknowns()).map(|i| (i as f64 * 0.7).sin()).collect();
         let mut right = vec![0.0; exact.len()];
         pattern.multiply_into(&values, &exact, &mut right);

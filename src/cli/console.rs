@@ -5,9 +5,11 @@
 
 use std::cell::{Cell, RefCell};
 use std::io::{IsTerminal, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::script::{Diagnostic, Ink, Observer, Progress};
 
@@ -38,6 +40,7 @@ pub struct Console {
     begun: Cell<Instant>,
     last: Cell<(Instant, f64)>,
     line: RefCell<String>,
+    factorization: Arc<AtomicU32>,
 }
 
 impl Console {
@@ -52,7 +55,13 @@ impl Console {
             begun: Cell::new(now),
             last: Cell::new((now, 0.0)),
             line: RefCell::default(),
+            factorization: Arc::default(),
         }
+    }
+
+    /// Where the linear solver tells how far a long factorization is; the bar shows it.
+    pub fn factorization(&self) -> Arc<AtomicU32> {
+        self.factorization.clone()
     }
 
     /// Writes a line to standard output, above the progress bar.
@@ -92,10 +101,21 @@ impl Console {
         let fresh = || {
             let bar = ProgressBar::with_draw_target(until.map(|_| BAR), ProgressDrawTarget::stderr_with_hz(10));
             // The message gives way where the terminal is narrow.
-            let template = if until.is_some() { "{bar:16} {percent:>3} %, {eta} left  {wide_msg}" } else { "{spinner} {wide_msg}" };
+            let template = match until {
+                Some(_) => "{bar:16} {percent:>3} %, {eta} left  {factorization}{wide_msg}",
+                None => "{spinner} {factorization}{wide_msg}",
+            };
             if let Ok(style) = ProgressStyle::with_template(template) {
-                bar.set_style(style);
+                let factorization = self.factorization();
+                let tell = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+                    let done = factorization.load(Ordering::Relaxed);
+                    if done > 0 {
+                        let _ = write!(out, "factorization {} %  ", done / 10);
+                    }
+                };
+                bar.set_style(style.with_key("factorization", tell));
             }
+            bar.enable_steady_tick(Duration::from_millis(250));
             bar
         };
         slot.get_or_insert_with(fresh).clone()

@@ -198,6 +198,7 @@ pub fn repl(arguments: Arguments) -> u8 {
         threads: usize::from(arguments.threads),
         max_operations: MAX_OPERATIONS,
         interrupt: interrupt.clone(),
+        factorization: console.factorization(),
         interactive: true,
     };
     let home = arguments.script.as_deref().map_or(Path::new("."), home);

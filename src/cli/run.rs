@@ -60,6 +60,7 @@ pub fn run(arguments: Arguments) -> u8 {
         threads: usize::from(arguments.threads),
         max_operations,
         interrupt,
+        factorization: console.factorization(),
         interactive: false,
     };
     let report = match Session::new(settings, home(&script), console.clone()) {

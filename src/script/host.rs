@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::{Rc, Weak};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use rhai::{Engine, NativeCallContextStore, Position};
 
@@ -49,6 +49,8 @@ pub struct Settings {
     pub max_operations: u64,
     /// Ends the run at the last accepted step when it becomes true.
     pub interrupt: Arc<AtomicBool>,
+    /// Tells how far a long factorization is, in thousandths; 0 while none runs.
+    pub factorization: Arc<AtomicU32>,
     /// Whether somebody sits at a prompt, who can ask further.
     pub interactive: bool,
 }
@@ -66,6 +68,7 @@ impl Default for Settings {
             threads: 1,
             max_operations: MAX_OPERATIONS,
             interrupt: Arc::default(),
+            factorization: Arc::default(),
             interactive: false,
         }
     }

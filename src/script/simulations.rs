@@ -739,6 +739,7 @@ fn simulate() -> Function {
             kernel.max_halvings = options.integer("max_halvings")? as usize;
             kernel.threads = call.host.settings.threads;
             kernel.interrupt = Some(call.host.settings.interrupt.clone());
+            kernel.progress = Some(call.host.settings.factorization.clone());
             let fields_every = options.optional_number("fields_every")?;
             call.host.check_overrides(call.engine(), false)?;
             let model = model.borrow().clone();
