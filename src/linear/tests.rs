@@ -11,7 +11,7 @@ use super::multifrontal::Multifrontal;
 use super::ordering::{anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::symbolic::Symbolic;
-use super::{LinearError, Pattern, Watch};
+use super::{LinearError, Watch};
 use crate::math::workers::Workers;
 
 /// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by a multiplier per node of the first one.
