@@ -1,5 +1,5 @@
-//! What a run costs in counts that do not depend on the machine's speed, against a record: a change that makes the program slower shows here
-//! even where times cannot be trusted.
+//! What a run costs in counts that do not depend on the machine's speed, against a record: a change that makes the program slower shows
+//! here even where times cannot be trusted.
 //!
 //! Counted on the bearing (refine 1, 30 steps after `settle`): Newton iterations, assemblies, structures, operations of the factorisations,
 //! allocations per step; and the solver's operations and memory on larger meshes. A count may grow by a tenth. `tests/cost.txt` holds the

@@ -1,6 +1,7 @@
 //! The linear solver beside faer's sparse LU, on systems like those of the bearing: two rings of quadrilaterals tied by multipliers.
 //!
-//! Milliseconds of processor time of one thread, the least of several repetitions, both solvers in one run: ratios hold on a loaded machine.
+//! Milliseconds of processor time of one thread, the least of several repetitions, both solvers in one run: ratios hold on a loaded
+//! machine.
 
 use std::time::Instant;
 
@@ -98,7 +99,8 @@ fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
     factorization.renew(&slid).expect("it fits into memory");
     factorization.factorize(&slid_values).expect("values are finite");
     println!(
-        "refine {refine}: {unknowns} unknowns, {} of them multipliers, order {:.1} ms, {:.1} Mflop at {:.1} Gflop/s, {:.2} times as many when slid, {:.0} bytes per unknown",
+        "refine {refine}: {unknowns} unknowns, {} of them multipliers, order {:.1} ms, {:.1} Mflop at {:.1} Gflop/s, \
+         {:.2} times as many when slid, {:.0} bytes per unknown",
         pattern.vertices() - nodes,
         first - factor - structure,
         1e-6 * operations,

@@ -1,7 +1,7 @@
 //! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]`.
 //!
-//! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers were
-//! and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.
+//! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers
+//! were and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.
 
 mod bearing;
 #[path = "../../src/linear/fixtures.rs"]

@@ -237,8 +237,8 @@ impl Blocks<'_> {
         });
     }
 
-    /// LU of the pivot block. The parts of the upper factor above its 4 x 4 blocks on the diagonal are left in `upper_rows`, row by row, for
-    /// one column of blocks after the other; of a large front also the lower factor's in `lower_rows`.
+    /// LU of the pivot block. The parts of the upper factor above its 4 x 4 blocks on the diagonal are left in `upper_rows`, row by row,
+    /// for one column of blocks after the other; of a large front also the lower factor's in `lower_rows`.
     #[inline(always)]
     fn factor_diagonal<const FMA: bool>(
         &mut self,
@@ -502,8 +502,8 @@ fn largest(x: &[f64]) -> f64 {
     lanes.iter().chain(rest).fold(0.0, |a, b| larger(*b, a))
 }
 
-/// `X := X T^-1` for `4 * M` rows, with `T` the upper factor or (`UNIT`) the transposed lower factor of the pivot block, whose rows are given
-/// as [`Blocks::factor_diagonal`] leaves them.
+/// `X := X T^-1` for `4 * M` rows, with `T` the upper factor or (`UNIT`) the transposed lower factor of the pivot block, whose rows are
+/// given as [`Blocks::factor_diagonal`] leaves them.
 #[inline(always)]
 fn solve_strip<const FMA: bool, const M: usize, const UNIT: bool, const STRIDED: bool>(
     x: &mut [f64],

@@ -1,8 +1,8 @@
 //! LU factorisation of a matrix on a [`Pattern`]: scaled, refined, its residual checked, with a second method where the first one fails.
 //!
-//! A pattern has room for couplings that may come: every pair of facets that could meet. Most are zero at any one time, and each costs fill.
-//! So the structure of the factors is that of the blocks that are not zero, or were not since it was made. Whether one has come is looked
-//! up before each factorisation; then the structure is made anew, with the blocks that went before as long as they cost little.
+//! A pattern has room for couplings that may come: every pair of facets that could meet. Most are zero at any one time, and each costs
+//! fill. So the structure of the factors is that of the blocks that are not zero, or were not since it was made. Whether one has come is
+//! looked up before each factorisation; then the structure is made anew, with the blocks that went before as long as they cost little.
 //!
 //! Every vertex has one scale, a power of two: a node's brings its diagonal block to entries of order one, a multiplier's its constraint.
 //! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
@@ -24,11 +24,12 @@ use crate::math::workers::Workers;
 /// Growth of the work, since the order of elimination was made, above which a new order pays.
 const WORTH_A_NEW_ORDER: f64 = 1.3;
 
-/// Work per coupling after which another dissection may be tried: twenty times what one costs. Minimum degree costs less than a factorisation.
+/// Work per coupling after which another dissection may be tried: twenty times what one costs. Minimum degree costs less than a
+/// factorisation.
 const DISSECTION: f64 = 5e5;
 
-/// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to come
-/// back, and each new structure costs a third of a factorisation.
+/// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to
+/// come back, and each new structure costs a third of a factorisation.
 const WORTH_KEEPING: f64 = 1.1;
 
 /// Refinements at most. One restores full accuracy unless the factors are useless.
@@ -264,7 +265,8 @@ impl Factorization {
     /// Factors the matrix with these values.
     ///
     /// # Errors
-    /// [`LinearError::NotFinite`], [`LinearError::OutOfMemory`], [`LinearError::Interrupted`]; whether the matrix is singular is found in [`Self::solve`].
+    /// [`LinearError::NotFinite`], [`LinearError::OutOfMemory`], [`LinearError::Interrupted`]; whether the matrix is singular is found in
+    /// [`Self::solve`].
     pub fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError> {
         if !all_finite(values) {
             return Err(LinearError::NotFinite);

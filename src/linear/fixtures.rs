@@ -28,8 +28,8 @@ pub struct System {
     pub nodes: usize,
 }
 
-/// Nodes with `D` unknowns coupled by cells, and a multiplier for each list of (node, weight), anchored at the list's first node. Every entry
-/// is disturbed by up to half of `disturbance`, those of the constraints by a hundredth.
+/// Nodes with `D` unknowns coupled by cells, and a multiplier for each list of (node, weight), anchored at the list's first node. Every
+/// entry is disturbed by up to half of `disturbance`, those of the constraints by a hundredth.
 pub fn saddle_point<const D: usize>(nodes: usize, cells: &[Vec<u32>], constraints: &[Vec<(u32, f64)>], disturbance: f64) -> System {
     let mut noise = Noise::default();
     let mut sizes = vec![D as u8; nodes];

@@ -1,8 +1,8 @@
 //! Numeric multifrontal LU: every front is assembled from the matrix and its children's updates and eliminated; substitution runs along the
 //! tree. Numbers are not moved once they are computed, and buffers are kept from one factorisation to the next.
 //!
-//! Independent subtrees are shared among threads, then the fronts above them follow one by one, their dense work shared. What is computed for
-//! a front does not depend on who computes it, or when, so the results are the same bytes for any number of threads.
+//! Independent subtrees are shared among threads, then the fronts above them follow one by one, their dense work shared. What is computed
+//! for a front does not depend on who computes it, or when, so the results are the same bytes for any number of threads.
 
 use std::collections::TryReserveError;
 use std::ops::Range;

@@ -6,8 +6,8 @@
 //! opposes), it moves to the place directly behind.
 //!
 //! Dissection by the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis
-//! and Duff 1996). Dissection needs less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long as
-//! minimum degree.
+//! and Duff 1996). Dissection needs less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long
+//! as minimum degree.
 
 use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 

@@ -1,4 +1,5 @@
-//! Threads that share a loop. What the loop's items compute must not depend on one another; then no result depends on the number of threads.
+//! Threads that share a loop. What the loop's items compute must not depend on one another; then no result depends on the number of
+//! threads.
 
 use std::sync::Arc;
 
