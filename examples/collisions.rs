@@ -6,13 +6,14 @@
 //! 60 steps; their recommended algorithm halved no step and took 3.6 iterations on it, and 3.8 with three times the step (a stress test:
 //! approach of up to one and a half facets a step), 40 steps.
 //!
-//! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty]`
+//! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty] [a contact
+//! method, such as mortar] [augmented]`
 
 use std::error::Error;
 use std::rc::Rc;
 
 use conserva::dynamics::{
-    BodyBoundary, BodyDefinition, ContactDefinition, Enforcement, InitialVelocity, Model, Options, Simulation, UpdateRule,
+    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Model, Options, Simulation, UpdateRule,
 };
 use conserva::integrators::Integrator;
 use conserva::materials::{CATALOGUE, Material};
@@ -33,7 +34,7 @@ impl Random {
 }
 
 /// A collision: two rings with a small clearance, moving towards each other.
-fn collision(number: usize, rule: &str) -> Result<(Model, f64), Box<dyn Error>> {
+fn collision(number: usize, rule: &str, method: ContactMethod, augmented: bool) -> Result<(Model, f64), Box<dyn Error>> {
     let random = &mut Random(1000 + 7919 * number as u64);
     random.between(0.0, 1.0);
     let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").ok_or("no such material")?;
@@ -67,7 +68,8 @@ fn collision(number: usize, rule: &str) -> Result<(Model, f64), Box<dyn Error>> 
         "penalty" => (UpdateRule::Gap, Enforcement::Penalty { factor: 1.0 }),
         name => (*UpdateRule::ALL.iter().find(|rule| rule.name() == name).ok_or("no such rule")?, Enforcement::Multiplier),
     };
-    model.contacts.push(ContactDefinition { update, enforcement, ..pair });
+    let enforcement = if augmented { Enforcement::AugmentedLagrange { factor: 100.0 } } else { enforcement };
+    model.contacts.push(ContactDefinition { method, update, enforcement, ..pair });
     let (s, c) = direction.sin_cos();
     for (body, spin) in spins.into_iter().enumerate() {
         let share = [0.7 * speed, -0.3 * speed][body];
@@ -79,14 +81,17 @@ fn collision(number: usize, rule: &str) -> Result<(Model, f64), Box<dyn Error>> 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |index: usize, default: f64| arguments.get(index).map_or(Ok(default), |text| text.parse::<f64>());
-    let (count, factor) = (number(0, 40.0)? as usize, number(1, 1.0)?);
+    let (count, factor) = (number(0, 200.0)? as usize, number(1, 1.0)?);
     let rule = arguments.get(2).map_or("gap", String::as_str);
+    let name = arguments.get(3).map_or("mortar", String::as_str);
+    let method = *ContactMethod::ALL.iter().find(|method| method.name() == name).ok_or("no such method")?;
+    let augmented = arguments.get(4).is_some_and(|word| word == "augmented");
     let steps = if factor > 1.0 { 40 } else { 60 };
 
     let (mut nominal, mut halved, mut pieces, mut iterations, mut most, mut active, mut lost) = (0, 0, 0, 0, 0, 0, 0);
     let (mut ledger, mut momentum, mut angular, mut penetration) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     for k in 0..count {
-        let (model, dt) = collision(k, rule)?;
+        let (model, dt) = collision(k, rule, method, augmented)?;
         let mut sim = Simulation::new(&model, Options::new(Integrator::EnergyMomentum, factor * dt))?;
         let energy = sim.row().total();
         // Momenta that are compared with: of the bodies' masses at the speed that the energy stands for, about an arm of one.
@@ -122,7 +127,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("collision {k} (dt {}): touching in {touched} steps, worst ledger defect {worst:.1e}{report}", factor * dt);
         }
     }
-    println!("{count} collisions with `{rule}`, {factor} times the step: {nominal} nominal steps, {active} accepted ones in contact");
+    let enforced = if augmented { ", augmented Lagrange" } else { "" };
+    println!(
+        "{count} collisions with `{rule}`, {name}{enforced}, {factor} times the step: {nominal} nominal steps, {active} accepted ones in contact"
+    );
     println!("halved {halved} ({:.2} %), lost runs {lost}", 100.0 * halved as f64 / nominal as f64);
     println!("iterations {:.2} in the mean, {most} at most", iterations as f64 / pieces as f64);
     println!("worst defects of a step: energy {ledger:.1e}, momentum {momentum:.1e}, angular momentum {angular:.1e} (relative)");

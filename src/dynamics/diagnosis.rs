@@ -48,6 +48,7 @@ where
             Failure::Inverted { body, inverted } => self.blamed_on_a_load(self.inverted_cell(body, inverted)),
             Failure::Diverged => self.blamed_on_a_load(FailureCause::Divergence),
             Failure::Linear(error) => FailureCause::SingularSystem { reason: self.system.explain(error, &self.state.positions) },
+            Failure::Foreseen(motion) => FailureCause::TooFast { contact: motion.contact.clone() },
             Failure::BeyondSearch { pair } => FailureCause::TooFast { contact: pair.clone() },
             Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string() },
         };

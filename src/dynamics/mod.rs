@@ -29,5 +29,6 @@ pub use model::{
     BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model,
     ObstacleDefinition, Prescription, SelfContactDefinition, Support, TieDefinition, UpdateRule,
 };
+pub use pairs::LargeMotion;
 pub use report::{CyclingNode, FailureCause, FailureReport, IterationReport, TryReport};
 pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

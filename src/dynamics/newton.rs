@@ -5,7 +5,7 @@
 //! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
 use super::error::StepError;
-use super::pairs::{Conditions, Pair};
+use super::pairs::{Conditions, LargeMotion, Pair};
 use super::system::{AssemblyError, ConstraintRows, Forces, StepStart, System};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::linear::LinearError;
@@ -66,6 +66,8 @@ pub(super) enum Failure {
     BeyondSearch {
         pair: String,
     },
+    /// The predicted motion is too large: the step was not tried.
+    Foreseen(LargeMotion),
     /// Not a matter of the numerics: do not try again.
     Fatal(StepError),
 }
@@ -78,7 +80,7 @@ impl Failure {
             Failure::Inverted { .. } => "inverted cell",
             Failure::Linear(_) => "singular system",
             Failure::Diverged => "divergence",
-            Failure::BeyondSearch { .. } => "motion too fast",
+            Failure::Foreseen(_) | Failure::BeyondSearch { .. } => "motion too fast",
             Failure::Fatal(_) => "given up",
         }
     }

@@ -47,6 +47,17 @@ pub(super) struct Pair {
     pub(super) column_places: Vec<Block>,
 }
 
+/// Why a step was halved before it was tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LargeMotion {
+    /// Name of the contact.
+    pub contact: String,
+    /// Whether bodies approach each other under the persistency rule; otherwise they slide.
+    pub approach: bool,
+    /// How far within the step, in secondary facets.
+    pub facets: f64,
+}
+
 /// The contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that presses or is zero.
 pub(super) struct Conditions {
     /// Weighted gaps at the start of the step.
@@ -96,6 +107,51 @@ impl<const D: usize> System<D> {
             }
         }
         Conditions { gap_n, targets, members, compliance: self.compliance(start), end_point: start.integrator == Integrator::Trapezoidal }
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// The motion within a step, as predicted, that is too large to be tried whole: sliding of surfaces in contact beyond
+    /// [`tolerances::SLIDING`], approach beyond [`tolerances::APPROACH`] under the persistency rule.
+    pub(super) fn foreseen(&self, q_0: &[f64], predicted: &[f64], conditions: &Conditions, active: &[bool]) -> Option<LargeMotion> {
+        for pair in self.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
+            let size = pair.kernel.facet_size();
+            let facets = self.sliding(pair, q_0, predicted, active) / size;
+            if facets > tolerances::SLIDING {
+                return Some(LargeMotion { contact: pair.name.clone(), approach: false, facets });
+            }
+            if pair.update == UpdateRule::Persistency && pair.penalty == 0.0 && !pair.equality {
+                let (gaps, coverage, weights) = (pair.kernel.gap(predicted), pair.kernel.coverage(predicted), pair.kernel.weights());
+                let open = (0..gaps.len()).filter(|&k| !conditions.members[pair.rows.start + k] && coverage[k] > tolerances::SLIVER);
+                let facets = open.map(|k| -gaps[k] / (coverage[k] * weights[k] * size)).fold(0.0, f64::max);
+                if facets > tolerances::APPROACH {
+                    return Some(LargeMotion { contact: pair.name.clone(), approach: true, facets });
+                }
+            }
+        }
+        None
+    }
+
+    /// Largest predicted motion of the nodes of an active patch's secondary side relative to those of its primary side `[length]`.
+    fn sliding(&self, pair: &Pair, q_0: &[f64], predicted: &[f64], active: &[bool]) -> f64 {
+        let (patches, secondary, primary) = (pair.kernel.patches(), pair.kernel.secondary(), pair.kernel.primary());
+        let mut largest = 0.0f64;
+        for p in 0..patches.len() {
+            if !patches.rows(p).iter().any(|&row| active[pair.rows.start + row as usize]) {
+                continue;
+            }
+            let mean = |side: &Surface, other: &Surface| -> Option<[f64; D]> {
+                let own = |&&node: &&u32| side.index(node).is_some() && other.index(node).is_none();
+                let nodes: Vec<usize> = patches.nodes(p).iter().filter(own).map(|&node| node as usize).collect();
+                let motion = |k: usize| predicted[k] - q_0[k];
+                let count = nodes.len() as f64;
+                (!nodes.is_empty()).then(|| std::array::from_fn(|i| nodes.iter().map(|node| motion(node * D + i)).sum::<f64>() / count))
+            };
+            if let (Some(a), Some(b)) = (mean(secondary, primary), mean(primary, secondary)) {
+                largest = largest.max((0..D).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt());
+            }
+        }
+        largest
     }
 }
 

@@ -8,6 +8,7 @@ use super::error::{ModelError, StepError};
 use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::Model;
+use super::pairs::LargeMotion;
 use super::report::FailureReport;
 use super::system::SearchHistory;
 use super::time_loop::TimeLoop;
@@ -155,6 +156,8 @@ pub(super) trait Steps {
     fn closed_nodes(&self) -> Vec<usize>;
     fn failure(&self) -> Option<&FailureReport>;
     fn failed_fields(&self) -> Option<Vec<BodyFields>>;
+    fn foreseen(&self) -> Option<&LargeMotion>;
+
     fn statistics(&self) -> Statistics;
 }
 
@@ -284,6 +287,11 @@ impl Simulation {
     /// Counters and times so far.
     pub fn statistics(&self) -> Statistics {
         self.steps.statistics()
+    }
+
+    /// The first step that was halved before it was tried, because bodies would have slid or approached too far in it.
+    pub fn halved_beforehand(&self) -> Option<&LargeMotion> {
+        self.steps.foreseen()
     }
 
     /// End of the last step in which a load acted, 0 when none did so far `[time]`.

@@ -8,7 +8,7 @@ use super::fields::{BodyFields, ContactFields};
 use super::ledger::LedgerRow;
 use super::model::Model;
 use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
-use super::pairs::PairKind;
+use super::pairs::{LargeMotion, PairKind};
 use super::predictor::{self, rigid_motion};
 use super::report::{FailureReport, TryReport};
 use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
@@ -36,6 +36,8 @@ pub(super) struct TimeLoop<const D: usize> {
     pub(super) tries: Vec<TryReport>,
     /// The last step that failed for good, and the iterate at which it was given up.
     pub(super) failure: Option<(FailureReport, Vec<f64>)>,
+    /// The first step that was halved before it was tried.
+    foreseen: Option<LargeMotion>,
 }
 
 impl<const D: usize> TimeLoop<D>
@@ -75,19 +77,22 @@ where
             trace: Trace::default(),
             tries: Vec::new(),
             failure: None,
+            foreseen: None,
         })
     }
 
     /// One piece of a step from the current state: the new state, or why there is none.
-    fn piece(&mut self, dt: f64) -> Result<State, Failure> {
-        match self.piece_within(dt, 1.0) {
-            Err(Failure::BeyondSearch { .. }) => self.piece_within(dt, WIDER_SEARCH),
+    ///
+    /// A step that `may_be_halved` is not tried when its predicted motion is too large.
+    fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
+        match self.piece_within(dt, 1.0, may_be_halved) {
+            Err(Failure::BeyondSearch { .. }) => self.piece_within(dt, WIDER_SEARCH, may_be_halved),
             outcome => outcome,
         }
     }
 
     /// [`Self::piece`] with a multiple of the usual reach of the search for contact.
-    fn piece_within(&mut self, dt: f64, reach: f64) -> Result<State, Failure> {
+    fn piece_within(&mut self, dt: f64, reach: f64, may_be_halved: bool) -> Result<State, Failure> {
         let state = self.state.clone();
         let (integrator, time) = (self.options.integrator, state.row.time);
         let (displacement, prescribed_v_1) = self.system.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
@@ -125,6 +130,9 @@ where
             damping: None,
         };
         let conditions = self.system.conditions(&start);
+        if may_be_halved && let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
+            return Err(Failure::Foreseen(motion));
+        }
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
         let task = Task {
@@ -364,6 +372,10 @@ where
         self.system.pairs.iter().map(|pair| count(pair.rows.clone())).collect()
     }
 
+    fn foreseen(&self) -> Option<&LargeMotion> {
+        self.foreseen.as_ref()
+    }
+
     fn statistics(&self) -> Statistics {
         Statistics {
             factorizations: self.system.factorizations,
@@ -407,7 +419,7 @@ where
             if self.options.interrupted() {
                 return Err(StepError::Interrupted { time: self.state.row.time });
             }
-            match self.piece(dt / all as f64) {
+            match self.piece(dt / all as f64, level < self.options.max_halvings) {
                 Ok(mut state) => {
                     done += 1;
                     state.row.time = if done == all { target } else { from + dt * (done as f64 / all as f64) };
@@ -425,6 +437,11 @@ where
                     accepted(&self.state.row);
                 }
                 Err(Failure::Fatal(error)) => return Err(error),
+                Err(Failure::Foreseen(motion)) => {
+                    level += 1;
+                    (done, all) = (2 * done, 2 * all);
+                    self.foreseen.get_or_insert(motion);
+                }
                 Err(failure) => {
                     self.tries.push(tried(&failure, dt / all as f64, &self.trace));
                     if level >= self.options.max_halvings {

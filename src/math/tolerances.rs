@@ -41,6 +41,14 @@ pub const FACING: f64 = 1e-6;
 /// facets in contact look opposite ways, -1, and the sharpest corner comes to 0.
 pub const SAME_WAY: f64 = 0.5;
 
+/// Sliding of two surfaces within a step, in secondary facets, beyond which the step is halved beforehand: uniqueness of its solution and
+/// the convergence of Newton's method are lost between two and three.
+pub const SLIDING: f64 = 2.0;
+
+/// Approach of an open node beyond the other side within a step of the persistency rule, in secondary facets, beyond which the step is
+/// halved beforehand: it would stay as penetration.
+pub const APPROACH: f64 = 0.1;
+
 /// Share of a facet that may be missing from one that counts as wholly opposite the other side: round-off of some overlaps.
 pub const WHOLE: f64 = 1e-9;
 

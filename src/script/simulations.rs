@@ -68,6 +68,8 @@ pub struct SimulationData {
     /// Points that are followed.
     pub probes: RefCell<Vec<Probe>>,
     callbacks: RefCell<Vec<Callback>>,
+    /// Whether it was said that steps are halved before they are tried.
+    told_of_large_motion: Cell<bool>,
     scale: Cell<f64>,
     advancing: Cell<bool>,
 }
@@ -334,6 +336,7 @@ impl SimulationHandle {
             past: RefCell::default(),
             probes: RefCell::new(probes),
             callbacks: RefCell::default(),
+            told_of_large_motion: Cell::default(),
             advancing: Cell::new(false),
         };
         let handle = SimulationHandle(Rc::new(data));
@@ -538,6 +541,7 @@ impl SimulationHandle {
             self.accept(call, row, from, end)?;
         }
         self.note_contact();
+        self.tell_of_large_motion(call.host);
         stepped.map_err(|error| self.step_failure(call, error))?;
         // Called without a borrow: a closure may look at everything, and hand over further closures.
         let callbacks = data.callbacks.borrow().clone();
@@ -545,6 +549,29 @@ impl SimulationHandle {
             let _ = callback.call([Dynamic::from(self.clone())]).map_err(|error| passed_on(&callback, error))?;
         }
         if call.host.is_interrupted() { Err(stopped().into()) } else { Ok(()) }
+    }
+
+    /// Says once that steps are halved before they are tried.
+    fn tell_of_large_motion(&self, host: &Host) {
+        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
+        let Some(motion) = simulation.halved_beforehand().filter(|_| !self.0.told_of_large_motion.replace(true)) else { return };
+        let (name, dt) = (&motion.contact, number_text(simulation.options().dt));
+        let facets = format!("{:.2}", motion.facets);
+        let (title, cause) = if motion.approach {
+            (
+                "approach",
+                format!("in a step of dt = {dt} its sides would penetrate by {facets} facets, and `persistency` would leave it so"),
+            )
+        } else {
+            ("sliding", format!("in a step of dt = {dt} its sides would slide by {facets} facets, where a step may have several solutions"))
+        };
+        let warning = Diagnostic::warning(
+            format!("steps are halved beforehand: fast {title} in contact \"{name}\""),
+            self.0.model.place_of_contact(name),
+        )
+        .cause(cause)
+        .hint("nothing is lost but time; a smaller dt or coarser facets avoid it");
+        host.warn(warning);
     }
 
     /// What comes before the first step: the first frame of the fields.
