@@ -65,7 +65,7 @@ impl Mortar {
     /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
     ///
     /// They are negative in places, where a facet that is covered in part would take an opening for a penetration: facets that are not
-    /// wholly covered at the start of a step have the standard ones in it.
+    /// wholly covered at the start of a step, with their neighbors, have the standard ones in it.
     pub fn with_dual_multipliers(self) -> Self {
         Mortar { dual: true, ..self }
     }
@@ -79,7 +79,13 @@ impl Mortar {
                 covered[pair[0] as usize] += overlap.as_ref().map_or(0.0, |overlap| overlap.coverage().iter().sum::<f64>());
             }
         }
-        pairs.iter().map(|pair| if covered[pair[0] as usize] > 1.0 - WHOLE { DUAL } else { STANDARD }).collect()
+        let whole: Vec<bool> = covered.iter().map(|covered| *covered > 1.0 - WHOLE).collect();
+        let secondary = &self.sides.secondary;
+        let inside = |facet: u32| {
+            let ends = secondary.local_facets()[facet as usize];
+            ends.into_iter().all(|node| secondary.adjacent_facets(node as usize).iter().all(|&other| whole[other as usize]))
+        };
+        pairs.iter().map(|pair| if inside(pair[0]) { DUAL } else { STANDARD }).collect()
     }
 
     /// Shape functions of a pair in this step.
@@ -170,10 +176,10 @@ fn dot(a: &Invariants, b: &Invariants) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
 }
 
-/// Covered length of each node's hat function in one pair.
+/// Covered length of each node's shape function in one pair.
 #[inline(always)]
-fn covered_length(pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
-    overlap.coverage().map(|share| share * pi[0].sqrt())
+fn covered_length(shape: &Shape, pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
+    combined(shape, &overlap.coverage()).map(|share| share * pi[0].sqrt())
 }
 
 /// Functions of the standard shapes combined to those of others.
@@ -292,7 +298,7 @@ impl ContactKernel for Mortar {
             let mut end_value = [0.0; 2];
             if let Some(end) = &end {
                 end_value = combined(&start.shape, &end.value());
-                for ((row, value), length) in rows.into_iter().zip(end_value).zip(covered_length(&end_pi, end)) {
+                for ((row, value), length) in rows.into_iter().zip(end_value).zip(covered_length(&start.shape, &end_pi, end)) {
                     out.gap[row] += value;
                     out.coverage[row] += length;
                 }
@@ -376,7 +382,7 @@ impl ContactKernel for Mortar {
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut covered = self.sum(q, |_, pi, overlap| covered_length(pi, overlap));
+        let mut covered = self.sum(q, |p, pi, overlap| covered_length(self.shape(p), pi, overlap));
         self.normalize(&mut covered, q);
         covered
     }

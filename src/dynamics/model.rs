@@ -107,7 +107,8 @@ impl ContactMethod {
             ContactMethod::DualMortar => "mortar method with dual shape functions: each multiplier presses its own node and no other",
             ContactMethod::AveragedMortar => "mortar method with averaged nodal normals: the normal is continuous along the secondary side",
             ContactMethod::NodeToSegment => {
-                "node-to-segment method: no secondary node enters the primary side; locks where both are polygons"
+                "node-to-segment method: no secondary node enters the primary side; locks where both are polygons. In two passes: two \
+                 contacts with the sides swapped, both with `penalty` or `augmented_lagrange`"
             }
         }
     }

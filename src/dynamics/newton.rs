@@ -6,7 +6,7 @@
 
 use super::error::StepError;
 use super::pairs::{Conditions, LargeMotion, Pair};
-use super::system::{AssemblyError, ConstraintRows, Forces, StepStart, System};
+use super::system::{AssemblyError, ConstraintRows, Forces, StepStart, System, moment, resultant};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::linear::LinearError;
 use crate::math::tolerances;
@@ -276,13 +276,19 @@ where
 {
     let mut record = Iteration::default();
     let mut work = 0.0;
+    let mut unbalanced = vec![0.0; q_1.len()];
     for k in (0..q_1.len()).filter(|&k| !system.fixed[k]) {
         let r = forces.without_contact[k] - forces.contact[k];
+        unbalanced[k] = r;
         if r.abs() > record.residual {
             (record.residual, record.worst) = (r.abs(), k);
         }
         work += r * (q_1[k] - task.start.q_0[k]);
     }
+    // Momenta that the residual gives, as an energy at the speed that the energy stands for.
+    let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let kick = size(resultant::<D>(&unbalanced)) + size(moment::<D>(q_1, &unbalanced)) / system.extent;
+    let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt * kick * (2.0 * task.energy / system.nodal_mass.iter().sum::<f64>()).sqrt();
     // Positions carry round-off in proportion to their size; stiffness and inertia turn it into force.
     let reach = q_1.iter().fold(system.extent, |reach, q| reach.max(q.abs()));
     let stiffness = system.modulus * system.extent.powi(D as i32 - 2) + task.start.inertia() * system.largest_nodal_mass;
@@ -299,7 +305,7 @@ where
             contact_work += energy;
         }
     }
-    (record, work.abs() + contact_work.abs())
+    (record, momentum.max(work.abs() + contact_work.abs()))
 }
 
 /// The set that an iteration begins with: pressed nodes and nodes that overlap.

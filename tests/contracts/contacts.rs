@@ -70,3 +70,27 @@ fn augmented_lagrange_moves_as_multipliers_do() {
         assert!(difference < 1e-6 * solved.total(), "{update:?}: strain energies differ by {difference:.1e} of {:.1e}", solved.total());
     }
 }
+
+/// Two passes of node-to-segment contact, each side secondary once: more constraints than independent motions, which augmented Lagrange and
+/// the penalty cope with.
+#[test]
+fn two_passes_of_node_to_segment_contact_conserve() {
+    for enforcement in [Enforcement::AugmentedLagrange { factor: 100.0 }, Enforcement::Penalty { factor: 1.0 }] {
+        let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+        let mut builder = Builder::default();
+        let outer = builder.body("outer ring", ring(1.0, 1.5, [2, 36], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
+        let inner = builder.body("inner ring", ring(0.5, 0.95, [2, 28], [0.0; 2], 0.1).expect("the mesh is sound"), &steel);
+        builder.contact((inner, "outer"), (outer, "inner"));
+        builder.contact((outer, "inner"), (inner, "outer"));
+        for (contact, name) in builder.model.contacts.iter_mut().zip(["there", "and back"]) {
+            (contact.name, contact.method) = (name.into(), ContactMethod::NodeToSegment);
+            (contact.update, contact.enforcement) = (UpdateRule::Persistency, enforcement);
+        }
+        builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
+        let rows = run(&mut builder.simulate(Integrator::EnergyMomentum, 0.001), 0.03);
+        let energy = rows[0].total();
+        assert!(rows.iter().filter(|row| row.active > 0).count() >= 2, "{enforcement:?}: it meets");
+        assert!(worst(&rows, |row| row.total() - energy) < 1e-10 * energy, "{enforcement:?}");
+        assert!(drift(&rows, |row| row.momentum) < 1e-13 && drift(&rows, |row| row.angular_momentum) < 1e-13, "{enforcement:?}");
+    }
+}
