@@ -6,8 +6,8 @@
 //! 60 steps; their recommended algorithm halved no step and took 3.6 iterations on it, and 3.8 with three times the step (a stress test:
 //! approach of up to one and a half facets a step), 40 steps.
 //!
-//! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty] [a contact
-//! method, such as mortar] [augmented]`
+//! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty]
+//! [a contact method, such as mortar] [augmented]`
 
 use std::error::Error;
 use std::rc::Rc;
@@ -128,9 +128,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let enforced = if augmented { ", augmented Lagrange" } else { "" };
-    println!(
-        "{count} collisions with `{rule}`, {name}{enforced}, {factor} times the step: {nominal} nominal steps, {active} accepted ones in contact"
-    );
+    println!("{count} collisions with `{rule}`, {name}{enforced}, {factor} times the step");
+    println!("{nominal} nominal steps, {active} accepted ones in contact");
     println!("halved {halved} ({:.2} %), lost runs {lost}", 100.0 * halved as f64 / nominal as f64);
     println!("iterations {:.2} in the mean, {most} at most", iterations as f64 / pieces as f64);
     println!("worst defects of a step: energy {ledger:.1e}, momentum {momentum:.1e}, angular momentum {angular:.1e} (relative)");
