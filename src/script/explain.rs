@@ -7,8 +7,11 @@ use rhai::{Engine, EvalAltResult, LexError, ParseErrorType, Position};
 
 use super::diagnostics::{Diagnostic, Frame};
 use super::failure::{Class, Failure, did_you_mean, joined, listed};
+use super::habits;
 use super::host::Host;
-use super::registry::{Form, Function, with_article};
+use super::meshes::MeshHandle;
+use super::models::BodyHandle;
+use super::registry::{Form, Function, Handle, with_article};
 use super::scan::{self, Target};
 use super::sources::Place;
 
@@ -100,7 +103,7 @@ impl Explainer<'_> {
         let script = |title: String| Diagnostic::error(Class::Script, title);
         match error {
             ErrorParsing(kind, _) => self.reword_syntax(kind, source, place),
-            ErrorVariableNotFound(name, _) | ErrorForbiddenVariable(name, _) => self.unknown_variable(name, source),
+            ErrorVariableNotFound(name, _) | ErrorForbiddenVariable(name, _) => self.unknown_variable(name, source, place),
             ErrorVariableExists(name, _) => script(format!("there already is a variable `{name}`")).hint("choose another name"),
             ErrorPropertyNotFound(name, _) => script(format!("the map has no entry `{name}`"))
                 .hint("`print` the map to see its entries; `map.contains(\"name\")` asks for one"),
@@ -183,6 +186,9 @@ impl Explainer<'_> {
             ParseErrorType::BadInput(LexError::UnterminatedString) => {
                 script("the string has no end".into()).hint("close it with `\"` in the same line")
             }
+            ParseErrorType::BadInput(LexError::UnexpectedInput(text)) if text == "fn" => {
+                script("`fn` means nothing here".into()).hint("write a closure as `|x| …`; `fn name(x) { … }` stands by itself")
+            }
             ParseErrorType::BadInput(LexError::UnexpectedInput(text)) => {
                 script(format!("`{text}` means nothing here")).hint("remove it; strings stand in double quotes")
             }
@@ -192,18 +198,30 @@ impl Explainer<'_> {
             ParseErrorType::BadInput(LexError::MalformedNumber(text)) => {
                 script(format!("`{text}` is not a number")).hint("write numbers such as `12`, `0.5` or `1e-3`")
             }
+            ParseErrorType::BadInput(LexError::ImproperSymbol(text, _)) if habits::operator(text).is_some() => {
+                script(format!("there is no operator `{text}`")).hint(habits::operator(text).unwrap_or_default())
+            }
+            ParseErrorType::BadInput(error) if error.to_string().contains("typo of '=='") => {
+                script("`=` gives a variable a value; it does not compare".into()).hint("write `==`")
+            }
             ParseErrorType::BadInput(error) => script(lower(&error.to_string())),
-            ParseErrorType::UnknownOperator(text) => script(format!("there is no operator `{text}`")),
+            ParseErrorType::UnknownOperator(text) => {
+                let error = script(format!("there is no operator `{text}`"));
+                error.hint(habits::operator(text).unwrap_or("the operators are `+ - * / % **`, comparisons, `&&`, `||` and `!`"))
+            }
             ParseErrorType::MissingToken(token, purpose) => {
-                script(format!("`{token}` is missing {}", lower(purpose))).hint(missing_hint(token))
+                let hint = habits::instead_of(word).map(String::from).unwrap_or_else(|| missing_hint(token));
+                script(format!("`{token}` is missing {}", lower(purpose))).hint(hint)
             }
             ParseErrorType::VariableExpected | ParseErrorType::PropertyExpected | ParseErrorType::FnMissingName
                 if word.chars().all(char::is_alphabetic) && !word.is_empty() =>
             {
                 script(format!("`{word}` is a word of the language and cannot be a name")).hint("choose another name")
             }
-            ParseErrorType::Reserved(word) => script(format!("`{word}` is a reserved word")).hint("choose another name"),
-            ParseErrorType::VariableUndefined(name) => self.unknown_variable(name, source),
+            ParseErrorType::Reserved(word) => {
+                script(format!("`{word}` is a reserved word")).hint(habits::instead_of(word).unwrap_or("choose another name"))
+            }
+            ParseErrorType::VariableUndefined(name) => self.unknown_variable(name, source, place),
             ParseErrorType::ModuleUndefined(name) => {
                 script(format!("there is no module `{name}`")).hint(format!("import it first: `import \"path\" as {name};`"))
             }
@@ -233,13 +251,20 @@ impl Explainer<'_> {
         }
     }
 
-    fn unknown_variable(&self, name: &str, source: &str) -> Diagnostic {
+    fn unknown_variable(&self, name: &str, source: &str, place: Option<&Place>) -> Diagnostic {
         let mut diagnostic = Diagnostic::error(Class::Script, format!("there is no variable `{name}`"));
         let declared = self.lexemes(source).map(|lexemes| scan::declared(&lexemes)).unwrap_or_default();
         let registry = self.host.registry.borrow();
-        if let Some(suggestion) = did_you_mean(name, declared.iter().map(String::as_str)) {
+        let meant = place.and_then(|place| habits::meant(&place.text[..place.range.start], name, &place.text[place.range.end..]));
+        // Names of one letter are all alike.
+        let near = did_you_mean(name, declared.iter().map(String::as_str)).filter(|_| name.chars().count() > 1);
+        if let Some(hint) = meant {
+            diagnostic = diagnostic.hint(hint);
+        } else if let Some(hint) = habits::instead_of(name) {
+            diagnostic = diagnostic.hint(hint);
+        } else if let Some(suggestion) = near {
             diagnostic = diagnostic.hint(suggestion);
-        } else if declared.iter().any(|other| other == name) {
+        } else if self.lexemes(source).is_some_and(|lexemes| scan::has_variable(&lexemes, name)) {
             diagnostic = diagnostic
                 .cause("a function sees its parameters and constants of its own, not the variables around it")
                 .hint(format!("pass `{name}` as a parameter"));
@@ -277,8 +302,13 @@ impl Explainer<'_> {
         }
         let diagnostic =
             if members.is_empty() { diagnostic } else { diagnostic.cause(format!("it has {}", listed(&distinct(&members), "and"))) };
+        let is_function = || self.builtin_functions().iter().any(|(function, types)| function == name && types.len() == 1);
         match did_you_mean(name, members.iter().copied()) {
             Some(suggestion) => diagnostic.hint(suggestion),
+            None if type_name == BodyHandle::NAME || type_name == MeshHandle::NAME => {
+                diagnostic.hint(format!("write `.boundary(\"{name}\")` for a boundary of that name"))
+            }
+            None if members.is_empty() && is_function() => diagnostic.hint(format!("call it: `{name}(x)` or `x.{name}()`")),
             None => diagnostic,
         }
     }
@@ -290,6 +320,12 @@ impl Explainer<'_> {
             return self.unknown_operator(name, &given);
         }
         let name = name.rsplit("::").next().unwrap_or(name);
+        if name.starts_with("anon$") {
+            let parameters = ["x", "y", "z"].into_iter().take(given.len()).collect::<Vec<_>>().join(", ");
+            return script("the closure has the wrong number of parameters".into())
+                .cause(format!("it is called with {}", count_of(given.len(), "value", "values")))
+                .hint(format!("write `|{parameters}| …`"));
+        }
         let after_dot = place.is_some_and(|place| place.text[..place.range.start].trim_end().ends_with('.'));
         let registry = self.host.registry.borrow();
         let known: Vec<_> = registry.named(name).cloned().collect();
@@ -306,7 +342,9 @@ impl Explainer<'_> {
         if !known.is_empty() {
             return self.wrong_call(name, &given, &known, after_dot);
         }
-        let builtin = self.builtin_functions();
+        let mut builtin = self.builtin_functions();
+        // Numbers that no script has.
+        builtin.retain(|(_, types)| !types.iter().any(|name| FOREIGN_NUMBERS.contains(&name.as_str())));
         let same: Vec<&(String, Vec<String>)> = builtin.iter().filter(|(function, _)| function == name).collect();
         if !same.is_empty() {
             return self.wrong_builtin_call(name, &given, &same);
@@ -336,7 +374,8 @@ impl Explainer<'_> {
             None if given.is_empty() => script(title),
             None => script(title).cause(format!("it was called with {}", joined(&given_words, "and"))),
         };
-        match did_you_mean(name, candidates.iter().copied()) {
+        let habit = habits::instead_of_call(name).map(String::from);
+        match habit.or_else(|| did_you_mean(name, candidates.iter().copied())) {
             Some(suggestion) => diagnostic.hint(suggestion),
             None => diagnostic.hint("functions are defined with `fn name(parameters) { … }`"),
         }
@@ -411,6 +450,9 @@ impl Explainer<'_> {
     fn unknown_operator(&self, operator: &str, given: &[String]) -> Diagnostic {
         let words: Vec<String> = given.iter().map(|name| type_phrase(name)).collect();
         let diagnostic = Diagnostic::error(Class::Script, format!("`{operator}` does not work on {}", joined(&words, "and")));
+        if let Some(hint) = habits::operator(operator) {
+            return diagnostic.hint(hint);
+        }
         if given.iter().any(|name| is_string(name)) && given.iter().any(|name| name == "i64" || name == "f64") {
             return diagnostic.hint("a string is not a number: leave out the quotes, or convert it with `parse_float(text)`");
         }
@@ -460,6 +502,9 @@ impl Explainer<'_> {
         )
     }
 }
+
+/// Types of numbers for which the engine brings functions, though scripts have whole numbers and fractions only.
+const FOREIGN_NUMBERS: [&str; 12] = ["f32", "i8", "i16", "i32", "i128", "u8", "u16", "u32", "u64", "u128", "isize", "usize"];
 
 fn distinct<'a>(names: &[&'a str]) -> Vec<&'a str> {
     let mut names = names.to_vec();

@@ -14,6 +14,7 @@ use rhai::{Engine, NativeCallContextStore, Position};
 use super::arguments::{Call, interrupted};
 use super::diagnostics::{Diagnostic, Ink};
 use super::failure::Failure;
+use super::models::ModelHandle;
 use super::motion::Motion;
 use super::overrides::Overrides;
 use super::registry::Registry;
@@ -148,6 +149,8 @@ pub struct Host {
     passed: RefCell<Vec<String>>,
     study: Cell<Option<Study>>,
     effects: Cell<u64>,
+    /// Models of which simulations were made.
+    models: RefCell<Vec<ModelHandle>>,
     /// Changes after which the script is stopped.
     limit: Cell<Option<u64>>,
     /// Simulations that take steps now.
@@ -192,6 +195,7 @@ impl Host {
             passed: RefCell::default(),
             study: Cell::default(),
             effects: Cell::new(0),
+            models: RefCell::default(),
             limit: Cell::default(),
             stepping: Cell::default(),
         }
@@ -205,6 +209,27 @@ impl Host {
     /// Changes of shared objects so far.
     pub fn effects(&self) -> u64 {
         self.effects.get()
+    }
+
+    /// Notes that a simulation was made of a model as it is now.
+    pub fn keep_model(&self, model: &ModelHandle) {
+        let mut data = model.0.borrow_mut();
+        (data.is_simulated, data.unseen) = (true, None);
+        let mut models = self.models.borrow_mut();
+        if !self.is_study() && !models.iter().any(|known| Rc::ptr_eq(&known.0, &model.0)) {
+            models.push(model.clone());
+        }
+    }
+
+    /// Warns of changes of models that came after the last `simulate`.
+    pub fn warn_of_unseen_changes(&self) {
+        for model in self.models.borrow().iter() {
+            let data = model.0.borrow();
+            let Some((function, place)) = &data.unseen else { continue };
+            let title = format!("`{function}` changes model \"{}\" after its simulation was made", data.model.name);
+            let warning = Diagnostic::warning(title, place.clone()).cause("a simulation is one of the model as it was at `simulate`");
+            self.warn(warning.hint("complete the model before `simulate`, or make another simulation after the change"));
+        }
     }
 
     /// Stops the script after so many changes, until this is set otherwise; what held before.
@@ -299,10 +324,16 @@ impl Host {
         }
     }
 
-    /// Warns of what a text certainly does not mean: a division of two whole numbers that drops a remainder.
+    /// Warns of what a text certainly does not mean: a division of two whole numbers that drops a remainder, `^` for a power.
     pub fn lint(&self, engine: &Engine, source: &str) {
         let Some(text) = self.sources.text(source) else { return };
-        for (range, dividend, divisor) in scan::truncating_divisions(&scan::lexemes(engine, &text)) {
+        let lexemes = scan::lexemes(engine, &text);
+        for (range, a, b) in scan::exclusive_ors(&lexemes) {
+            let place = Place { source: source.to_string(), text: text.clone(), range };
+            let warning = Diagnostic::warning(format!("{a} ^ {b} is {}", a ^ b), Some(place)).label("an exclusive or of bits");
+            self.warn(warning.hint(format!("write `{a} ** {b}` for the power")));
+        }
+        for (range, dividend, divisor) in scan::truncating_divisions(&lexemes) {
             let place = Place { source: source.to_string(), text: text.clone(), range };
             let warning = Diagnostic::warning(format!("{dividend}/{divisor} is {}", dividend / divisor), Some(place))
                 .label("a division of whole numbers")
@@ -351,6 +382,7 @@ impl Host {
     /// Lets go of everything that holds the host itself.
     pub fn release(&self) {
         self.simulations.borrow_mut().clear();
+        self.models.borrow_mut().clear();
         self.module_contexts.borrow_mut().clear();
     }
 

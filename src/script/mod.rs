@@ -15,6 +15,7 @@ mod diagnostics;
 mod explain;
 mod failure;
 mod forensics;
+mod habits;
 mod help;
 mod host;
 mod interactive;

@@ -13,6 +13,7 @@ use super::failure::Failure;
 use super::materials::MaterialHandle;
 use super::meshes::{MeshHandle, condition_parameters, describe_mesh, named_boundary, with_boundary_where};
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Receiver, Topic, body, number_text};
+use super::scan::Target;
 use super::sources::Place;
 use super::time_functions::{TimeFunctionHandle, Watched};
 use crate::contact::Finding;
@@ -40,6 +41,10 @@ pub struct ModelData {
     pub loads: Vec<LoadNote>,
     /// One for each contact pair: its name, and where it was written.
     pub contacts: Vec<(String, Option<Place>)>,
+    /// Whether a simulation was made of it.
+    pub is_simulated: bool,
+    /// Name and place of the first change that no simulation has seen, once there is one.
+    pub unseen: Option<(String, Option<Place>)>,
 }
 
 impl ModelData {
@@ -185,10 +190,20 @@ pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelDa
     let before = handle.0.borrow().clone();
     apply(&mut handle.0.borrow_mut());
     let checked = handle.0.borrow().model.check();
-    checked.map(|()| call.host.count_effect()).map_err(|error| {
-        *handle.0.borrow_mut() = before;
-        call.fail(error.to_string()).hint(error.cure())
-    })
+    match checked {
+        Ok(()) => {
+            call.host.count_effect();
+            let mut data = handle.0.borrow_mut();
+            if data.is_simulated && data.unseen.is_none() {
+                data.unseen = Some((call.function.name.into(), call.place(&Target::Call)));
+            }
+            Ok(())
+        }
+        Err(error) => {
+            *handle.0.borrow_mut() = before;
+            Err(call.fail(error.to_string()).hint(error.cure()))
+        }
+    }
 }
 
 fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure> {

@@ -158,6 +158,15 @@ pub fn truncating_divisions(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)>
     found
 }
 
+/// Exclusive ors of two integer literals, which were hardly meant: their bytes and the two numbers.
+pub fn exclusive_ors(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)> {
+    let found = |window: &[Lexeme]| match (&window[0].token, &window[1].token, &window[2].token) {
+        (Token::IntegerConstant(a), Token::XOr, Token::IntegerConstant(b)) => Some((window[0].range.start..window[2].range.end, *a, *b)),
+        _ => None,
+    };
+    lexemes.windows(3).filter_map(found).collect()
+}
+
 /// The bytes of each `param` in a text, with the name it asks for where that is written as a string.
 pub fn asked_parameters(lexemes: &[Lexeme]) -> Vec<(Range<usize>, Option<String>)> {
     let called = |window: &[Lexeme]| match (&window[0].token, &window[1].token, &window[2].token) {
@@ -204,6 +213,14 @@ pub fn declared(lexemes: &[Lexeme]) -> Vec<String> {
     names.sort();
     names.dedup();
     names
+}
+
+/// Whether a text declares a variable of that name somewhere.
+pub fn has_variable(lexemes: &[Lexeme], name: &str) -> bool {
+    lexemes.windows(2).any(|pair| {
+        matches!(pair[0].token, Token::Let | Token::Const | Token::For)
+            && matches!(&pair[1].token, Token::Identifier(found) if found.as_str() == name)
+    })
 }
 
 /// Index ranges of the comma-separated elements inside the bracket at `open`.

@@ -179,6 +179,7 @@ impl Session {
             for simulation in host.simulations.borrow().iter() {
                 simulation.warn_of_idle_parts(host);
             }
+            host.warn_of_unseen_changes();
         }
         let outcome = match &error {
             None => "completed".to_string(),

@@ -769,7 +769,8 @@ fn simulate() -> Function {
             kernel.progress = Some(call.host.settings.factorization.clone());
             let fields_every = options.optional_number("fields_every")?;
             call.host.check_overrides(call.engine(), false)?;
-            let model = model.borrow().clone();
+            let original = model;
+            let model = original.borrow().clone();
             let begun = Instant::now();
             let motion = call.host.motion();
             let moved = motion.map(|motion| motion.model(&model.model)).transpose().map_err(|cause| call.fail(cause))?;
@@ -784,6 +785,7 @@ fn simulate() -> Function {
             let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
             let handle = SimulationHandle::create(call, model, simulation, motion, fields_every, course)?;
             handle.note_contact();
+            call.host.keep_model(&ModelHandle(original));
             Ok(Dynamic::from(handle))
         }),
     }

@@ -1,0 +1,91 @@
+//! Words and signs that other languages have and this one writes otherwise.
+//!
+//! Consulted where a name means nothing here, before the nearest name is suggested.
+
+/// Words that are no functions elsewhere, with what to do here.
+const WORDS: &[(&[&str], &str)] = &[
+    (&["null", "None", "nil", "undefined", "NULL"], "the empty value is written `()`"),
+    (&["and"], "write `&&`"),
+    (&["or"], "write `||`"),
+    (&["not"], "write `!`"),
+    (&["elif", "elsif", "elseif"], "write `else if`"),
+    (&["True"], "write `true`"),
+    (&["False"], "write `false`"),
+    (&["def", "function", "func", "lambda"], "functions are written `fn name(x) { … }`, closures `|x| …`"),
+    (&["var"], "write `let`"),
+];
+
+/// Functions of other languages, with what to do here.
+const CALLS: &[(&[&str], &str)] = &[
+    (&["pow", "power"], "write a power as `x ** y`"),
+    (&["format", "sprintf"], "write values inside back-ticks, `` `t = ${t}` ``; `fmt(x, 3)` rounds a number"),
+    (&["printf", "println", "echo", "disp", "puts"], "write `print(value)`"),
+    (&["length", "size", "count"], "write `x.len()`"),
+    (&["append", "add", "push_back"], "write `array.push(value)`"),
+    (&["str", "string"], "write `x.to_string()`"),
+    (&["int", "integer"], "write `x.to_int()`"),
+    (&["float", "double"], "write `x.to_float()`"),
+    (
+        &["expect_equal", "assert_eq", "assert_equal", "assert", "check"],
+        "write `expect(a == b)` or `expect_close(a, b, #{ relative: 1e-9 })`",
+    ),
+    (&["arange", "linspace"], "write a loop over whole numbers: `for i in 0..10 { let t = 0.1 * i; }`"),
+];
+
+fn found(word: &str, among: &'static [(&[&str], &str)]) -> Option<&'static str> {
+    among.iter().find(|(words, _)| words.contains(&word)).map(|(_, hint)| *hint)
+}
+
+/// How a word of another language is written here.
+pub fn instead_of(word: &str) -> Option<&'static str> {
+    found(word, WORDS)
+}
+
+/// What to write for a call of a function of another language.
+pub fn instead_of_call(name: &str) -> Option<&'static str> {
+    found(name, CALLS).or_else(|| found(name, WORDS))
+}
+
+/// What a name in front of `rest` of the text was meant to begin, if that is written otherwise here.
+pub fn meant(before: &str, name: &str, rest: &str) -> Option<String> {
+    let (before, rest) = (before.trim_end(), rest.trim_start());
+    if rest.starts_with("=>") || rest.starts_with("->") {
+        return Some(format!("write a closure as `|{name}| …`"));
+    }
+    let is_entry = rest.starts_with(':') && !rest.starts_with("::");
+    if is_entry && before.ends_with(['(', '{', ',']) {
+        return Some(format!("options are a map that begins with `#{{`, such as `#{{ {name}: … }}`"));
+    }
+    None
+}
+
+/// How an operator of another language, or between the wrong values, is written here.
+pub fn operator(sign: &str) -> Option<&'static str> {
+    match sign {
+        "++" => Some("write `i += 1`"),
+        "--" => Some("write `i -= 1`"),
+        "?" => Some("`if` gives a value: `let a = if condition { 1 } else { 2 };`"),
+        "^" => Some("write a power as `x ** y`"),
+        ".." | "..=" => Some("a range is one of whole numbers: `for i in 0..10 { let t = 0.1 * i; }`"),
+        "===" => Some("write `==`"),
+        "!==" | "<>" => Some("write `!=`"),
+        "//" => Some("write `(a / b).floor()`"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_follows_a_name_tells_what_was_meant() {
+        assert_eq!(meant("f(", "t", " => 2 * t)").unwrap(), "write a closure as `|t| …`");
+        assert!(meant("rectangle({ ", "size", ": [2, 1] })").unwrap().contains("`#{ size: … }`"));
+        assert!(meant("rectangle(size: 1, ", "cells", ": 2)").is_some());
+        assert_eq!(meant("x = ", "rings", "::f()"), None);
+        assert_eq!(meant("x = ", "a", " + 1"), None);
+        assert_eq!(instead_of("and"), Some("write `&&`"));
+        assert_eq!((instead_of("size"), instead_of_call("size")), (None, Some("write `x.len()`")));
+    }
+}
