@@ -247,8 +247,13 @@ where
         let vertex = *vertex as usize;
         if vertex >= self.nodes() {
             let row = vertex - self.nodes();
-            let pair = self.pairs.iter().find(|pair| pair.rows.contains(&row)).map_or("", |pair| &pair.name);
-            return format!("the constraints of contact \"{pair}\" depend on one another: singular matrix");
+            let node = |pair: &Pair| pair.kernel.secondary().nodes()[(row - pair.rows.start) / pair.kernel.rows_per_node()];
+            let node = self.pairs.iter().find(|pair| pair.rows.contains(&row)).map(node);
+            // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
+            let pairs = self.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
+            let names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();
+            let contacts = if names.len() == 1 { "contact" } else { "contacts" };
+            return format!("the constraints of {contacts} {} depend on one another: singular matrix", names.join(" and "));
         }
         let (body, number) = self.owner(vertex);
         let nodes = self.bodies.iter().find(|body| body.nodes.contains(&vertex)).map_or(vertex..vertex + 1, |body| body.nodes.clone());

@@ -185,7 +185,9 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
             let close = distance <= 1 + lower.chars().count().min(other.chars().count()) / 4;
             let (short, long) = (lower.len().min(other.len()), lower.len().max(other.len()));
             let inside = short >= 3 && 2 * short >= long && (other.contains(&lower) || lower.contains(&other));
-            let score = match (close, inside) {
+            // `half_plane` for `rigid_plane`
+            let shares_a_word = lower.split('_').any(|word| word.len() >= 4 && other.split('_').any(|own| own == word));
+            let score = match (close, inside || shares_a_word) {
                 (true, _) => 1.0 + similarity,
                 (false, true) => 0.9 + 0.05 * similarity,
                 (false, false) => similarity,
