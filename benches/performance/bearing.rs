@@ -3,7 +3,7 @@
 //! A run is deterministic: step k costs the same work in every repetition. So each phase of each step is timed in every repetition and the
 //! least time is kept: what other programs on the machine took from single steps drops out as soon as one repetition of that step was
 //! left alone. What is summed up is `per step the minimum over repetitions`; it needs no quiet machine, only one that is quiet now and
-//! then.
+//! then. The processor time of whole steps is taken likewise.
 
 use std::error::Error;
 use std::rc::Rc;
@@ -15,6 +15,8 @@ use conserva::dynamics::{
 use conserva::integrators::Integrator;
 use conserva::materials::{CATALOGUE, Material};
 use conserva::mesh::ring;
+
+use crate::linear::seconds;
 
 /// Phases as they are printed; the last is what no other counts.
 const PHASES: [&str; 6] = ["assembly", "contact", "factorization", "solve", "search", "other"];
@@ -51,13 +53,15 @@ struct Timing {
     steps: usize,
     iterations: usize,
     cells: usize,
-    /// Seconds of all steps by phase.
+    /// Seconds of all steps by phase, and processor time of this thread.
     seconds: [f64; 6],
+    processor: f64,
 }
 
 /// Least time of each phase of each step over all repetitions, summed.
 fn measure(refine: usize, steps: usize, repetitions: usize, threads: usize) -> Result<Timing, Box<dyn Error>> {
-    let mut least = vec![[f64::INFINITY; 6]; steps];
+    let mut least = vec![[f64::INFINITY; 7]; steps];
+    let start = Instant::now();
     let (mut unknowns, mut iterations, mut cells) = (0, 0, 0);
     for _ in 0..repetitions {
         let mut sim = bearing(refine, threads)?;
@@ -68,15 +72,16 @@ fn measure(refine: usize, steps: usize, repetitions: usize, threads: usize) -> R
         let before = sim.statistics();
         let mut counted = before;
         for least in &mut least {
-            let clock = Instant::now();
+            let (clock, processor) = (Instant::now(), seconds(start));
             sim.step(None, &mut |_| ())?;
             let whole = clock.elapsed();
             let now = sim.statistics();
-            let mut parts = [0.0; 6];
+            let mut parts = [0.0; 7];
             for (part, (a, b)) in parts.iter_mut().zip(phases(&counted).iter().zip(&phases(&now))) {
                 *part = (*b - *a).as_secs_f64();
             }
             parts[5] = whole.as_secs_f64() - parts.iter().sum::<f64>();
+            parts[6] = seconds(start) - processor;
             for (least, part) in least.iter_mut().zip(parts) {
                 *least = least.min(part);
             }
@@ -86,8 +91,8 @@ fn measure(refine: usize, steps: usize, repetitions: usize, threads: usize) -> R
         iterations = counted.newton_iterations - before.newton_iterations;
         cells = counted.cells;
     }
-    let seconds = std::array::from_fn(|phase| least.iter().map(|step| step[phase]).sum());
-    Ok(Timing { unknowns, steps, iterations, cells, seconds })
+    let sum = |part: usize| least.iter().map(|step| step[part]).sum();
+    Ok(Timing { unknowns, steps, iterations, cells, seconds: std::array::from_fn(sum), processor: sum(6) })
 }
 
 /// Gauss points of a cell, and nanoseconds per point below which no variant of the element loop came on a Zen 4 core.
@@ -101,8 +106,8 @@ pub fn phases_of_an_iteration(sizes: &[usize], others: &[f64], repetitions: usiz
     );
     let titles = PHASES.map(|name| format!("{name:>14}")).concat();
     println!(
-        "{:>6} {:>9} {:>6} {:>6}{titles}{:>10} {:>12} {:>16}",
-        "refine", "unknowns", "steps", "its", "sum", "sum/faer LU", "assembly ns/point"
+        "{:>6} {:>9} {:>6} {:>6}{titles}{:>10} {:>10} {:>13} {:>18}",
+        "refine", "unknowns", "steps", "its", "sum", "processor", "over faer LU", "assembly ns/point"
     );
     let mut timings = Vec::new();
     for (k, &refine) in sizes.iter().enumerate() {
@@ -110,14 +115,16 @@ pub fn phases_of_an_iteration(sizes: &[usize], others: &[f64], repetitions: usiz
         let timing = measure(refine, steps, repetitions, threads)?;
         let per_iteration = timing.seconds.map(|seconds| 1e3 * seconds / timing.iterations as f64);
         let sum: f64 = per_iteration.iter().sum();
+        // What one thread used tells more than the clock where other programs run; of several threads only the clock tells.
+        let used = if threads == 1 { 1e3 * timing.processor / timing.iterations as f64 } else { sum };
         let points = (timing.cells * POINTS) as f64;
         println!(
-            "{refine:>6} {:>9} {:>6} {:>6}{}{sum:>10.3} {:>12} {:>8.0} (floor {FLOOR})",
+            "{refine:>6} {:>9} {:>6} {:>6}{}{sum:>10.3} {used:>10.3} {:>13} {:>7.0} (floor {FLOOR})",
             timing.unknowns,
             timing.steps,
             timing.iterations,
             per_iteration.map(|ms| format!("{ms:>14.3}")).concat(),
-            others.get(k).map(|other| format!("{:.3}", sum / other)).unwrap_or_default(),
+            others.get(k).map(|other| format!("{:.3}", used / other)).unwrap_or_default(),
             1e6 * per_iteration[0] / points,
         );
         timings.push((timing.unknowns as f64, per_iteration));

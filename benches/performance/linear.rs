@@ -15,7 +15,7 @@ use faer::{Conj, MatMut, Par};
 use crate::fixtures::{System, saddle_point};
 
 /// Seconds: processor time of this thread where the system tells it, else time of the clock.
-fn seconds(start: Instant) -> f64 {
+pub fn seconds(start: Instant) -> f64 {
     // The count is brought up to date when the thread gives way.
     std::thread::yield_now();
     let of_thread = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
