@@ -142,10 +142,15 @@ impl<const D: usize> System<D> {
             }
             let mean = |side: &Surface, other: &Surface| -> Option<[f64; D]> {
                 let own = |&&node: &&u32| side.index(node).is_some() && other.index(node).is_none();
-                let nodes: Vec<usize> = patches.nodes(p).iter().filter(own).map(|&node| node as usize).collect();
-                let motion = |k: usize| predicted[k] - q_0[k];
-                let count = nodes.len() as f64;
-                (!nodes.is_empty()).then(|| std::array::from_fn(|i| nodes.iter().map(|node| motion(node * D + i)).sum::<f64>() / count))
+                let (mut sum, mut count) = ([0.0; D], 0.0);
+                for &node in patches.nodes(p).iter().filter(own) {
+                    count += 1.0;
+                    for i in 0..D {
+                        let k = node as usize * D + i;
+                        sum[i] += predicted[k] - q_0[k];
+                    }
+                }
+                (count > 0.0).then(|| sum.map(|sum| sum / count))
             };
             if let (Some(a), Some(b)) = (mean(secondary, primary), mean(primary, secondary)) {
                 largest = largest.max((0..D).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt());
