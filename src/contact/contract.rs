@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use super::fixtures::{dense_rows, difference, evaluated, product, unbalance};
-use super::{AveragedMortar, ContactKernel, Mortar, NodeToSegment};
+use super::{AveragedMortar, ContactKernel, Correction, Mortar, NodeToSegment};
 use crate::integrators::Integrator;
 
 /// Nodes 0 to 3 are the secondary chain, which looks down; 4 to 8 the primary one, which looks up.
@@ -40,11 +40,15 @@ fn step() -> impl Strategy<Value = (Positions, Positions)> {
 fn kernels(q_0: &[f64]) -> Vec<(&'static str, Box<dyn ContactKernel>)> {
     let reference = chains();
     let mortar = || Mortar::new(&SECONDARY, &PRIMARY, &reference);
-    let mut shared = mortar();
-    shared.share_correction(true);
+    let with = |correction| {
+        let mut mortar = mortar();
+        mortar.set_correction(correction);
+        mortar
+    };
     let mut all: Vec<(&'static str, Box<dyn ContactKernel>)> = vec![
         ("mortar", Box::new(mortar())),
-        ("shared correction", Box::new(shared)),
+        ("shared correction", Box::new(with(Correction::PerNode))),
+        ("steady ends", Box::new(with(Correction::SteadyEnds))),
         ("dual", Box::new(mortar().with_dual_multipliers())),
         ("averaged", Box::new(AveragedMortar::new(&SECONDARY, &PRIMARY, &reference))),
         ("node to segment", Box::new(NodeToSegment::new(&SECONDARY, &PRIMARY, &reference))),

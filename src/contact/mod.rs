@@ -37,6 +37,22 @@ pub use tie::Tie;
 
 use crate::integrators::Integrator;
 
+/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Correction {
+    /// The gradient at mid-step, corrected patch by patch.
+    #[default]
+    PerPatch,
+    /// As `PerPatch`, but the overlaps of mid-step end at the nodes at which they end at the start of the step. Where nodes of both sides
+    /// stay aligned while a gap closes, as those of two equal blocks, the gradient at mid-step pulls them together from both sides with the
+    /// depth at the overlap's end: a force that no position balances. Steady ends have no such pull.
+    SteadyEnds,
+    /// One correction for each secondary node. A patch's own correction jumps where its overlap changes ends; in the sum over a node's
+    /// patches the jumps cancel before they are divided by the size of the step. The tangent leaves out the correction's derivative, which
+    /// would couple all patches of a node.
+    PerNode,
+}
+
 /// A contact method on one pair of surfaces, as the solver of a step sees it.
 ///
 /// Constraint `A` belongs to the secondary node `secondary().nodes()[A]` (with several rows for each node: those of node `A` follow each
@@ -103,12 +119,8 @@ pub trait ContactKernel: Send + Sync {
     /// Constraint functions at the start of the step.
     fn start_gap(&self) -> Vec<f64>;
 
-    /// Whether the discrete gradient's correction is one per secondary node instead of one per patch.
-    ///
-    /// Both conserve. A patch's own correction jumps where its overlap changes ends; in the sum over a node's patches the jumps cancel
-    /// before they are divided by the size of the step. Newton's method can fail on the first where it does not on the second, whose
-    /// tangent leaves out the correction's derivative (it would couple all patches of a node). Kernels without patch sums ignore it.
-    fn share_correction(&mut self, _shared: bool) {}
+    /// Chooses among discrete gradients that all conserve. Kernels without patch sums ignore it.
+    fn set_correction(&mut self, _correction: Correction) {}
 
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);

@@ -7,11 +7,11 @@
 //! The correction of the discrete gradient is taken per pair. Where vertices of both meshes meet at rest, kinks of neighboring pairs cancel
 //! in the sum but not in their corrections; one correction for each node would cure that, at the price of coupling all its pairs.
 
-use super::ContactKernel;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
 use super::patches::Evaluation;
 use super::search::{Candidates, PairSearch};
 use super::surface::Sides;
+use super::{ContactKernel, Correction};
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
 use crate::math::tolerances::{INVARIANT_INCREMENT, WHOLE};
 
@@ -38,7 +38,7 @@ pub struct Mortar {
     search: PairSearch,
     dual: bool,
     start: Vec<Start>,
-    shared_correction: bool,
+    correction: Correction,
 }
 
 /// What a pair keeps of the start of the step.
@@ -48,6 +48,8 @@ struct Start {
     invariants: Invariants,
     value: PerNode<f64>,
     overlaps: bool,
+    /// Which nodes set the ends of the overlap, if there is one.
+    steady_ends: Option<[bool; 2]>,
     shape: Shape,
 }
 
@@ -59,7 +61,7 @@ impl Mortar {
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
-        Mortar { sides, search, dual: false, start: Vec::new(), shared_correction: false }
+        Mortar { sides, search, dual: false, start: Vec::new(), correction: Correction::PerPatch }
     }
 
     /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
@@ -249,8 +251,8 @@ impl ContactKernel for Mortar {
         gaps
     }
 
-    fn share_correction(&mut self, shared: bool) {
-        self.shared_correction = shared;
+    fn set_correction(&mut self, correction: Correction) {
+        self.correction = correction;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -264,6 +266,7 @@ impl ContactKernel for Mortar {
             invariants: invariants(&offsets),
             value: value(&shape, &overlap),
             overlaps: overlap.is_some(),
+            steady_ends: overlap.as_ref().map(Overlap::clearly_moving_ends),
             shape,
         }));
         self.start = start;
@@ -274,7 +277,7 @@ impl ContactKernel for Mortar {
         let placement = integrator.placement();
         let conserving = integrator == Integrator::EnergyMomentum;
         out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
-        let shared = (conserving && self.shared_correction).then(|| self.shared_corrections(q_1));
+        let shared = (conserving && self.correction == Correction::PerNode).then(|| self.shared_corrections(q_1));
         for (p, start) in self.start.iter().enumerate() {
             if !self.search.near[p] {
                 out.clear_patch(&self.sides.patches, p);
@@ -293,7 +296,11 @@ impl ContactKernel for Mortar {
             out.live[p] = true;
 
             let rows = [self.sides.patches.rows(p)[0] as usize, self.sides.patches.rows(p)[1] as usize];
-            let (end, middle) = (Overlap::new(&end_pi), Overlap::new(&middle_pi));
+            let middle = match start.steady_ends {
+                Some(moves) if conserving && self.correction == Correction::SteadyEnds => Overlap::with_ends(&middle_pi, moves),
+                _ => Overlap::new(&middle_pi),
+            };
+            let end = Overlap::new(&end_pi);
             let end_gradient = gradient(&start.shape, &end);
             let mut end_value = [0.0; 2];
             if let Some(end) = &end {
@@ -525,7 +532,7 @@ mod tests {
         {
             let Rings { inner, outer, q } = rings(40, 48, clearance);
             let mut mortar = if secondary_inside { Mortar::new(&inner, &outer, &q) } else { Mortar::new(&outer, &inner, &q) };
-            mortar.share_correction(shared);
+            mortar.set_correction(if shared { Correction::PerNode } else { Correction::PerPatch });
             let q_0 = turned(&q, 40, 0.3, 1e-3);
             let q_1 = turned(&q_0, 40, 0.4, 2e-3); // 2.5 facets
             assert!(mortar.update_candidates(&q_0, 0.5));

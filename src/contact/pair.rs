@@ -21,7 +21,7 @@
 
 #![allow(clippy::needless_range_loop)] // indices are those of the formulas
 
-use crate::math::tolerances::FACING;
+use crate::math::tolerances::{ALIGNED, FACING};
 
 /// The five invariants, or a gradient with respect to them.
 pub type Invariants = [f64; 5];
@@ -80,16 +80,29 @@ impl Overlap {
     /// The overlap at `pi`; `None` where the functions vanish.
     #[inline(always)]
     pub fn new(pi: &Invariants) -> Option<Overlap> {
-        if !overlaps(pi) {
-            return None;
-        }
+        overlaps(pi).then(|| Overlap::between(pi, [pi[2] > 0.0, pi[1] < pi[0]]))
+    }
+
+    /// The overlap at `pi`, if there is one, but with its ends set by the nodes that are given instead of the nearer ones: the functions of
+    /// these ends, continued smoothly beyond a node's passing of another.
+    #[inline(always)]
+    pub fn with_ends(pi: &Invariants, moves: [bool; 2]) -> Option<Overlap> {
+        overlaps(pi).then(|| Overlap::between(pi, moves))
+    }
+
+    /// Which ends primary nodes set, those that are within [`ALIGNED`] of a secondary node left out.
+    pub fn clearly_moving_ends(&self) -> [bool; 2] {
+        [self.moves[0] && self.ends[0] > ALIGNED, self.moves[1] && self.ends[1] < 1.0 - ALIGNED]
+    }
+
+    #[inline(always)]
+    fn between(pi: &Invariants, moves: [bool; 2]) -> Overlap {
         let inverse = 1.0 / pi[0];
         let (s_1, s_2) = (pi[1] * inverse, pi[2] * inverse);
-        let moves = [pi[2] > 0.0, pi[1] < pi[0]];
         let (a, b) = (if moves[0] { s_2 } else { 0.0 }, if moves[1] { s_1 } else { 1.0 });
         let middle = 0.5 * (a + b);
         let extent = pi[1] - pi[2];
-        Some(Overlap {
+        Overlap {
             pi: *pi,
             ends: [a, b],
             moves,
@@ -99,7 +112,7 @@ impl Overlap {
             shift: 0.5 * ((a - s_2) + (b - s_1)),
             extent,
             slope: pi[4] / extent,
-        })
+        }
     }
 
     /// `int N_k ds` over the overlap; one half each when the facet is wholly covered.

@@ -21,7 +21,7 @@ use super::model::{LoadKind, Model};
 use super::pairs::{Pair, PairKind, boundary_facets, contact_pairs};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, nodal_areas};
-use crate::contact::Candidates;
+use crate::contact::{Candidates, Correction};
 use crate::integrators::Integrator;
 use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch, Work};
 use crate::math::workers::Workers;
@@ -246,9 +246,9 @@ where
         Ok(system)
     }
 
-    /// Chooses the contact kernels' discrete gradient ([`ContactKernel::share_correction`]).
-    pub(super) fn share_corrections(&mut self, shared: bool) {
-        self.pairs.iter_mut().for_each(|pair| pair.kernel.share_correction(shared));
+    /// Chooses the contact kernels' discrete gradient.
+    pub(super) fn set_correction(&mut self, correction: Correction) {
+        self.pairs.iter_mut().for_each(|pair| pair.kernel.set_correction(correction));
     }
 
     /// What the linear solver has done.

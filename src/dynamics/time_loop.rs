@@ -14,6 +14,7 @@ use super::report::{FailureReport, TryReport};
 use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, StepStart, System};
 use crate::bodies::{Elements, Space};
+use crate::contact::Correction;
 use crate::integrators::Integrator;
 use crate::linear::Watch;
 use crate::math::tolerances;
@@ -230,15 +231,20 @@ where
     let mut outcome = attempt(system, Strategy::InnerLoop, trace);
     // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
     let is_hopeless = matches!(outcome, Err(Failure::Inverted { .. }));
-    let retries = [(Strategy::InnerLoop, true), (Strategy::Backtracking, false), (Strategy::Backtracking, true)];
-    for (strategy, shared) in retries {
+    let retries = [
+        (Strategy::InnerLoop, Correction::SteadyEnds),
+        (Strategy::InnerLoop, Correction::PerNode),
+        (Strategy::Backtracking, Correction::PerPatch),
+        (Strategy::Backtracking, Correction::PerNode),
+    ];
+    for (strategy, correction) in retries {
         if system.multipliers == 0 || is_hopeless || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
         }
         trace.earlier.push(std::mem::take(&mut trace.iterations));
-        system.share_corrections(shared);
+        system.set_correction(correction);
         outcome = attempt(system, strategy, trace);
-        system.share_corrections(false);
+        system.set_correction(Correction::default());
     }
     *iterations += outcome.as_ref().map_or(system.factorizations - before, |solution| solution.iterations);
     outcome

@@ -38,6 +38,10 @@ pub const INVARIANT_INCREMENT: f64 = 1e-5;
 /// dropped: its numerator is round-off (1e-16) there, which would give a force of 1e-9 of the contact force, as much as Newton notices.
 pub const PROJECTED_INCREMENT: f64 = 1e-7;
 
+/// Distance of a primary from a secondary node, in secondary facets, within which they count as aligned: a thousand times what round-off
+/// and elastic waves before an impact leave of bodies with the same mesh.
+pub const ALIGNED: f64 = 1e-4;
+
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
 pub const FACING: f64 = 1e-6;
 
