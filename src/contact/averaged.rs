@@ -119,14 +119,6 @@ impl AveragedMortar {
         }
         sums
     }
-
-    /// Covered lengths over the facets' at `q`.
-    fn share(&self, mut covered: Vec<f64>, q: &[f64]) -> Vec<f64> {
-        for (node, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
-            *share /= self.sides.secondary.node_length(node, q);
-        }
-        covered
-    }
 }
 
 /// The nodes before and after a facet on its chain.
@@ -237,7 +229,8 @@ fn unit<T: DualNumCopy>(a: Vector<T>) -> Vector<T> {
     [a[0] * inverse, a[1] * inverse]
 }
 
-/// Outward normal at the node between two facets of these directions; of the second alone without a first, or where they fold back.
+/// Outward normal at the node between a facet and another one, by their directions; the facet's own without the other, or where they fold
+/// back.
 fn normal<T: DualNumCopy<Primitive = f64>>(own: Vector<T>, other: Vector<T>, has_other: bool) -> Vector<T> {
     let own = unit(own);
     let mean = if has_other {
@@ -410,7 +403,7 @@ impl ContactKernel for AveragedMortar {
                 }
             }
         }
-        out.coverage = self.share(std::mem::take(&mut out.coverage), q_1);
+        self.sides.cover(&mut out.coverage, q_1);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
@@ -418,6 +411,8 @@ impl ContactKernel for AveragedMortar {
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        self.share(self.sum(q, Pair::covered), q)
+        let mut covered = self.sum(q, Pair::covered);
+        self.sides.cover(&mut covered, q);
+        covered
     }
 }

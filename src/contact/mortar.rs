@@ -163,13 +163,6 @@ impl Mortar {
         }
         sums
     }
-
-    /// Divides covered lengths by the node weights at `q`.
-    fn normalize(&self, covered: &mut [f64], q: &[f64]) {
-        for (node, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
-            *share /= self.sides.secondary.node_length(node, q);
-        }
-    }
 }
 
 /// Sum of products.
@@ -381,7 +374,7 @@ impl ContactKernel for Mortar {
                 tangent.fill(0.0);
             }
         }
-        self.normalize(&mut out.coverage, q_1);
+        self.sides.cover(&mut out.coverage, q_1);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
@@ -390,7 +383,7 @@ impl ContactKernel for Mortar {
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let mut covered = self.sum(q, |p, pi, overlap| covered_length(self.shape(p), pi, overlap));
-        self.normalize(&mut covered, q);
+        self.sides.cover(&mut covered, q);
         covered
     }
 }

@@ -38,6 +38,13 @@ impl Sides {
         let facet_size = secondary.shortest_facet(reference);
         Sides { secondary, primary, patches: Patches::new(2), weights, facet_size }
     }
+
+    /// Turns the covered length of each secondary node into its share of the node's length at `q`.
+    pub fn cover(&self, covered: &mut [f64], q: &[f64]) {
+        for (node, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
+            *share /= self.secondary.node_length(node, q);
+        }
+    }
 }
 
 impl Surface {
