@@ -180,6 +180,57 @@ fn an_interrupt_ends_a_script_that_only_loops() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }
 
+/// A flight with a frame of the fields at every step.
+fn filmed(rest: &str) -> String {
+    flight(rest).replace("dt: dt }", "dt: dt, fields_every: dt }")
+}
+
+/// Frames that the list of fields names; every one of them is there.
+fn frames(folder: &Path) -> usize {
+    let list = std::fs::read_to_string(folder.join("out/main/fields.pvd")).unwrap();
+    let files = list.lines().filter_map(|line| line.split("file=\"").nth(1)?.split('"').next());
+    files.inspect(|file| assert!(folder.join("out/main").join(file).is_file(), "{file}")).count()
+}
+
+#[test]
+fn every_way_out_keeps_the_frames_up_to_the_last_step() {
+    // Thrown in a closure of a step, failed in the script, left by single steps.
+    let ways = [
+        ("thrown", "sim.on_step(|sim| if sim.steps == 30 { throw \"enough\"; }); sim.run_to(1.0);", 2),
+        ("nonsense", "sim.run_to(0.3); nonsense();", 2),
+        ("checked", "for i in 0..30 { sim.step(); } expect(sim.time > 1.0, \"too early\");", 1),
+        ("steps", "for i in 0..30 { sim.step(); }", 0),
+    ];
+    for (name, rest, exit) in ways {
+        let home = folder(&format!("frames-{name}"), &filmed(rest));
+        let output = run(&home, &["run", "main.rhai"]);
+        assert_eq!(output.status.code(), Some(exit), "{name}: {}", stderr(&output));
+        assert_eq!((rows(&home), frames(&home)), (31, 31), "{name}");
+    }
+    let home = folder("frames-interrupted", &filmed("sim.run_to(1e6);"));
+    let mut child = conserva(&home, &["run", "main.rhai", "--quiet"]).spawn().unwrap();
+    wait_for_rows(&home, &mut child);
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(rows(&home), frames(&home));
+}
+
+#[test]
+fn a_frame_that_cannot_be_written_ends_the_run_with_its_place() {
+    let home = folder("frames-refused", &filmed("sim.run_to(1e6);"));
+    let mut child = conserva(&home, &["run", "main.rhai", "--quiet"]).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for_rows(&home, &mut child);
+    let fields = home.join("out/main/fields");
+    // The run may make the folder again between the two calls.
+    while std::fs::remove_dir_all(&fields).is_err() || std::fs::write(&fields, "in the way").is_err() {}
+    let output = child.wait_with_output().unwrap();
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("could not be written: not a directory") && message.contains("--> main.rhai:7:5"), "{message}");
+    assert!(rows(&home) >= 9);
+    assert!(outcome(&home).contains("could not be written"), "{}", outcome(&home));
+}
+
 #[test]
 fn a_killed_run_leaves_whole_rows() {
     let home = folder("killed", &flight("sim.run_to(1e6);"));

@@ -13,6 +13,7 @@ mod picture;
 mod pvd;
 mod summary;
 mod vtu;
+mod writer;
 
 #[cfg(test)]
 mod samples;
@@ -24,4 +25,5 @@ pub use history_svg::{energies, plot};
 pub use picture::{Field, PictureOptions, picture};
 pub use pvd::{FieldSeries, pvd};
 pub use summary::{Drifts, Inertia, Summary, WallSeconds, drifts, peak_memory_bytes};
-pub use vtu::Frame;
+pub use vtu::{Frame, Grid};
+pub use writer::FieldWriter;

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use super::files::{OutputError, RunFiles};
 use super::vtu::Frame;
-use crate::dynamics::BodyFields;
 
 /// The text of the list: times and paths of the frames, relative to the list.
 pub fn pvd(frames: &[(f64, String)]) -> String {
@@ -68,18 +67,19 @@ impl FieldSeries {
         self.frames.iter().map(|frame| frame.0)
     }
 
-    /// Writes all bodies at one time and returns the place of the frame. Times ascend in a series: frames at or after this time, left
+    /// Writes a frame and returns the place of the frame. Times ascend in a series: frames at or after this time, left
     /// from before the simulation settled or went back, are dropped from the list.
     ///
     /// # Errors
     /// The operating system refused; the list then names what was written before.
-    pub fn append(&mut self, time: f64, bodies: &[BodyFields]) -> Result<PathBuf, OutputError> {
+    pub fn append(&mut self, frame: &Frame) -> Result<PathBuf, OutputError> {
+        let time = frame.time();
         while self.frames.last().is_some_and(|&(last, _)| last >= time) {
             self.frames.pop();
         }
-        let frame = self.frame(self.frames.len());
-        let place = self.files.write(&self.below(&frame), Frame::new(time, bodies).encode())?;
-        self.frames.push((time, frame));
+        let path = self.frame(self.frames.len());
+        let place = self.files.write(&self.below(&path), frame.encode())?;
+        self.frames.push((time, path));
         self.files.write(&self.name, pvd(&self.frames))?;
         Ok(place)
     }
@@ -111,14 +111,14 @@ mod tests {
         let bodies = [ring("ring", [1.0, 1.5], [2, 12])];
         let mut series = FieldSeries::create(&files, "run/fields.pvd").unwrap();
         for (number, time) in [0.0, 0.1, 0.2].into_iter().enumerate() {
-            series.append(time, &bodies).unwrap();
+            series.append(&Frame::new(time, &bodies)).unwrap();
             let text = fs::read_to_string(directory.join("run/fields.pvd")).unwrap();
             assert_eq!(text.matches("<DataSet").count(), number + 1);
             assert!(text.contains(&format!("file=\"fields/fields_{number:06}.vtu\"")));
             assert!(directory.join(format!("run/fields/fields_{number:06}.vtu")).exists());
         }
         // The simulation went back to 0.1.
-        series.append(0.1, &bodies).unwrap();
+        series.append(&Frame::new(0.1, &bodies)).unwrap();
         assert_eq!(series.times().collect::<Vec<_>>(), [0.0, 0.1]);
     }
 
@@ -128,13 +128,13 @@ mod tests {
         let bodies = [ring("ring", [1.0, 1.5], [2, 12])];
         let mut series = FieldSeries::create(&files, "fields.pvd").unwrap();
         for step in 0..3 {
-            series.append(f64::from(step), &bodies).unwrap();
+            series.append(&Frame::new(f64::from(step), &bodies)).unwrap();
         }
         for kept in ["notes.txt", "fields_1.vtu", "fields_final.vtu", "other_000001.vtu"] {
             files.write(&format!("fields/{kept}"), "theirs").unwrap();
         }
         let mut series = FieldSeries::create(&files, "fields.pvd").unwrap();
-        series.append(0.0, &bodies).unwrap();
+        series.append(&Frame::new(0.0, &bodies)).unwrap();
         let mut left: Vec<_> = fs::read_dir(directory.join("fields")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort();
         assert!(FieldSeries::create(&files, "fields").unwrap().times().next().is_none());

@@ -7,6 +7,7 @@
 
 use std::fmt::Write as _;
 use std::io::Write as _;
+use std::sync::{Arc, OnceLock};
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -28,41 +29,53 @@ fn cell_type(kind: CellKind) -> u8 {
     }
 }
 
-/// A named array as it goes into the file, not yet compressed.
-#[derive(Clone, Debug, PartialEq)]
+/// A named array as it goes into the file.
+#[derive(Debug)]
 struct Array {
     name: &'static str,
     scalar: &'static str,
     components: usize,
     bytes: Vec<u8>,
+    /// The bytes in blocks as the file holds them, once they were asked for.
+    packed: OnceLock<Vec<u8>>,
 }
 
 impl Array {
-    fn doubles<const N: usize>(name: &'static str, values: impl Iterator<Item = [f64; N]>) -> Self {
-        Array { name, scalar: "Float64", components: N, bytes: values.flatten().flat_map(f64::to_le_bytes).collect() }
+    fn new(name: &'static str, scalar: &'static str, components: usize, bytes: Vec<u8>) -> Self {
+        Array { name, scalar, components, bytes, packed: OnceLock::new() }
+    }
+
+    fn doubles<const N: usize>(name: &'static str, count: usize, values: impl Iterator<Item = [f64; N]>) -> Self {
+        let mut bytes = Vec::with_capacity(8 * N * count);
+        values.for_each(|value| value.iter().for_each(|number| bytes.extend_from_slice(&number.to_le_bytes())));
+        Array::new(name, "Float64", N, bytes)
     }
 
     fn integers(name: &'static str, values: impl Iterator<Item = i64>) -> Self {
-        Array { name, scalar: "Int64", components: 1, bytes: values.flat_map(i64::to_le_bytes).collect() }
+        let mut bytes = Vec::with_capacity(8 * values.size_hint().0);
+        values.for_each(|number| bytes.extend_from_slice(&number.to_le_bytes()));
+        Array::new(name, "Int64", 1, bytes)
+    }
+
+    fn packed(&self) -> &[u8] {
+        self.packed.get_or_init(|| packed(&self.bytes))
     }
 }
 
-/// All bodies at one time as plain bytes: taking a frame is quick, and a frame can be encoded and written by another thread.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
-    time: f64,
+/// What all frames of a simulation have in common: the undeformed bodies. It is compressed once, by the first frame that is encoded.
+#[derive(Debug)]
+pub struct Grid {
     names: Vec<String>,
     points: usize,
     cells: usize,
     position: Array,
     topology: Vec<Array>,
-    nodal: Vec<Array>,
     cellwise: Vec<Array>,
 }
 
-impl Frame {
-    /// Copies what the file needs.
-    pub fn new(time: f64, bodies: &[BodyFields]) -> Self {
+impl Grid {
+    /// Copies what the files need.
+    pub fn new(bodies: &[BodyFields]) -> Self {
         let cells = || bodies.iter().flat_map(|body| body.mesh.cells().map(move |cell| (body.mesh.kind, cell)));
         let first_node = |index: usize| bodies[..index].iter().map(|body| body.mesh.points.len()).sum::<usize>() as i64;
         let connectivity = bodies.iter().enumerate().flat_map(|(index, body)| {
@@ -73,29 +86,64 @@ impl Frame {
             *end += cell.len() as i64;
             Some(*end)
         });
-        let types = Array { name: "types", scalar: "UInt8", components: 1, bytes: cells().map(|(kind, _)| cell_type(kind)).collect() };
-        Frame {
-            time,
+        let types = cells().map(|(kind, _)| cell_type(kind)).collect();
+        let points = bodies.iter().map(|body| body.mesh.points.len()).sum();
+        let body = bodies.iter().enumerate().flat_map(|(index, body)| std::iter::repeat_n(index as i64, body.mesh.cell_count()));
+        Grid {
             names: bodies.iter().map(|body| body.name.clone()).collect(),
-            points: bodies.iter().map(|body| body.mesh.points.len()).sum(),
+            points,
             cells: bodies.iter().map(|body| body.mesh.cell_count()).sum(),
-            position: Array::doubles("Points", bodies.iter().flat_map(|body| body.mesh.points.iter().copied())),
-            topology: vec![Array::integers("connectivity", connectivity), Array::integers("offsets", offsets), types],
-            nodal: vec![
-                Array::doubles("displacement", bodies.iter().flat_map(|body| body.displacement.iter().copied())),
-                Array::doubles("velocity", bodies.iter().flat_map(|body| body.velocity.iter().copied())),
-                Array::doubles("stress", bodies.iter().flat_map(|body| body.stress.iter().copied())),
-                Array::doubles("von_mises", bodies.iter().flat_map(|body| (0..body.stress.len()).map(|node| [body.von_mises(node)]))),
-                Array::doubles("contact_pressure", bodies.iter().flat_map(|body| body.contact_pressure.iter().map(|&value| [value]))),
-                Array::doubles("contact_gap", bodies.iter().flat_map(|body| body.contact_gap.iter().map(|&value| [value]))),
-                Array::doubles("contact_force", bodies.iter().flat_map(|body| body.contact_force.iter().copied())),
-                Array::doubles("contact_active", bodies.iter().flat_map(|body| body.contact_active.iter().map(|&value| [value]))),
+            position: Array::doubles("Points", points, bodies.iter().flat_map(|body| body.mesh.points.iter().copied())),
+            topology: vec![
+                Array::integers("connectivity", connectivity),
+                Array::integers("offsets", offsets),
+                Array::new("types", "UInt8", 1, types),
             ],
-            cellwise: vec![Array::integers(
-                "body",
-                bodies.iter().enumerate().flat_map(|(index, body)| std::iter::repeat_n(index as i64, body.mesh.cell_count())),
-            )],
+            cellwise: vec![Array::integers("body", body)],
         }
+    }
+}
+
+/// All bodies at one time as plain bytes: taking a frame is quick, and a frame can be encoded and written by another thread.
+#[derive(Debug)]
+pub struct Frame {
+    time: f64,
+    grid: Arc<Grid>,
+    nodal: Vec<Array>,
+}
+
+impl Frame {
+    /// Copies what the file needs.
+    pub fn new(time: f64, bodies: &[BodyFields]) -> Self {
+        Frame::on(Arc::new(Grid::new(bodies)), time, bodies)
+    }
+
+    /// Copies what the file needs besides the grid of the same bodies.
+    pub fn on(grid: Arc<Grid>, time: f64, bodies: &[BodyFields]) -> Self {
+        let count = grid.points;
+        let scalars = |name, of: fn(&BodyFields) -> &[f64]| {
+            Array::doubles(name, count, bodies.iter().flat_map(move |body| of(body).iter().map(|&value| [value])))
+        };
+        let vectors = |name, of: fn(&BodyFields) -> &[[f64; 3]]| {
+            Array::doubles(name, count, bodies.iter().flat_map(move |body| of(body).iter().copied()))
+        };
+        let von_mises = bodies.iter().flat_map(|body| (0..body.stress.len()).map(|node| [body.von_mises(node)]));
+        let nodal = vec![
+            vectors("displacement", |body| &body.displacement),
+            vectors("velocity", |body| &body.velocity),
+            Array::doubles("stress", count, bodies.iter().flat_map(|body| body.stress.iter().copied())),
+            Array::doubles("von_mises", count, von_mises),
+            scalars("contact_pressure", |body| &body.contact_pressure),
+            scalars("contact_gap", |body| &body.contact_gap),
+            vectors("contact_force", |body| &body.contact_force),
+            scalars("contact_active", |body| &body.contact_active),
+        ];
+        Frame { time, grid, nodal }
+    }
+
+    /// Its time.
+    pub fn time(&self) -> f64 {
+        self.time
     }
 
     /// The bytes of the file.
@@ -108,17 +156,17 @@ impl Frame {
         let mut section = |text: &mut String, tag: &str, arrays: &[Array]| {
             let tag_name = tag.split(' ').next().unwrap_or(tag);
             let _ = writeln!(text, "      <{tag}>");
-            for Array { name, scalar, components, bytes } in arrays {
+            for array @ Array { name, scalar, components, .. } in arrays {
                 // meshio makes a column matrix of a scalar that says that it has one component.
                 let count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
                 let offset = blob.len();
                 let _ =
                     writeln!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count} format=\"appended\" offset=\"{offset}\"/>");
-                compress_into(&mut blob, bytes);
+                blob.extend_from_slice(array.packed());
             }
             let _ = writeln!(text, "      </{tag_name}>");
         };
-        for (index, name) in self.names.iter().enumerate() {
+        for (index, name) in self.grid.names.iter().enumerate() {
             // Two hyphens would end the comment.
             let _ = writeln!(text, "  <!-- body {index}: {} -->", name.replace("--", "\u{2013}").replace(['\n', '\r'], " "));
         }
@@ -130,11 +178,11 @@ impl Frame {
             self.time
         );
         let _ = writeln!(text, "    </FieldData>");
-        let _ = writeln!(text, "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points, self.cells);
-        section(&mut text, "Points", std::slice::from_ref(&self.position));
-        section(&mut text, "Cells", &self.topology);
+        let _ = writeln!(text, "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.grid.points, self.grid.cells);
+        section(&mut text, "Points", std::slice::from_ref(&self.grid.position));
+        section(&mut text, "Cells", &self.grid.topology);
         section(&mut text, "PointData Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", &self.nodal);
-        section(&mut text, "CellData", &self.cellwise);
+        section(&mut text, "CellData", &self.grid.cellwise);
         let _ = write!(text, "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n   _");
         let mut bytes = text.into_bytes();
         bytes.append(&mut blob);
@@ -144,8 +192,8 @@ impl Frame {
     }
 }
 
-/// Appends an array as VTK stores it: number of blocks, size of a block, size of the last one if it is not full, compressed sizes, blocks.
-fn compress_into(blob: &mut Vec<u8>, bytes: &[u8]) {
+/// An array as VTK stores it: number of blocks, size of a block, size of the last one if it is not full, compressed sizes, blocks.
+fn packed(bytes: &[u8]) -> Vec<u8> {
     let blocks: Vec<Vec<u8>> = bytes
         .chunks(BLOCK)
         .map(|block| {
@@ -156,12 +204,12 @@ fn compress_into(blob: &mut Vec<u8>, bytes: &[u8]) {
         })
         .collect();
     let head = [blocks.len(), BLOCK, bytes.len() % BLOCK];
+    let mut packed = Vec::new();
     for number in head.into_iter().chain(blocks.iter().map(Vec::len)) {
-        blob.extend_from_slice(&(number as u64).to_le_bytes());
+        packed.extend_from_slice(&(number as u64).to_le_bytes());
     }
-    for block in blocks {
-        blob.extend_from_slice(&block);
-    }
+    blocks.iter().for_each(|block| packed.extend_from_slice(block));
+    packed
 }
 
 #[cfg(test)]
@@ -241,6 +289,16 @@ mod tests {
     }
 
     #[test]
+    fn frames_on_one_grid_are_the_same_files() {
+        let mut bodies = [ring("outer ring", [1.0, 1.5], [4, 8]), ring("inner ring", [0.5, 1.0], [2, 9])];
+        let grid = Arc::new(Grid::new(&bodies));
+        for time in [0.0, 0.5] {
+            bodies[1].displacement[3] = [time, 0.0, -time];
+            assert_eq!(Frame::on(grid.clone(), time, &bodies).encode(), Frame::new(time, &bodies).encode());
+        }
+    }
+
+    #[test]
     fn hexahedra_and_nothing_at_all_are_written_too() {
         let file = Frame::new(0.0, &[block([2, 3, 4], [1.0, 1.0, 1.0])]).encode();
         assert_eq!(array(&file, "types").1, [12; 24]);
@@ -252,7 +310,8 @@ mod tests {
     fn a_smooth_field_is_compressed() {
         let bodies = [ring("ring", [1.0, 1.5], [40, 80])];
         let frame = Frame::new(0.0, &bodies);
-        let arrays = frame.topology.iter().chain(&frame.nodal).chain([&frame.position]).chain(&frame.cellwise);
+        let grid = &frame.grid;
+        let arrays = grid.topology.iter().chain(&frame.nodal).chain([&grid.position]).chain(&grid.cellwise);
         let raw: usize = arrays.map(|array| array.bytes.len()).sum();
         let packed = frame.encode().len();
         assert!(3 * packed < 2 * raw, "{packed} of {raw}");

@@ -11,13 +11,15 @@ use super::host::{Host, Mode};
 use super::results::output_failure;
 use super::simulations::{SimulationHandle, contact_columns, further_values};
 use crate::dynamics::{LedgerRow, Model, PhaseTimes, Simulation};
-use crate::output::{FieldSeries, HistoryCsv, Inertia, OutputError, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes};
+use crate::output::{
+    FieldSeries, FieldWriter, HistoryCsv, Inertia, OutputError, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes,
+};
 
 /// The files of a simulation.
 pub struct Artifacts {
     files: RunFiles,
     csv: HistoryCsv,
-    series: FieldSeries,
+    series: FieldWriter,
     model: Model,
     every: Option<f64>,
     frames: usize,
@@ -47,7 +49,7 @@ impl Artifacts {
             let mut csv =
                 HistoryCsv::create(&files, "history.csv", model.dimension(), contact_columns(model).into_iter().chain(probes).collect())?;
             csv.append(row, &further_values(model, row))?;
-            let series = FieldSeries::create(&files, "fields.pvd")?;
+            let series = FieldWriter::new(FieldSeries::create(&files, "fields.pvd")?);
             Ok(Artifacts { files, csv, series, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
@@ -68,10 +70,11 @@ impl Artifacts {
     pub fn accepted(&mut self, row: &LedgerRow, simulation: &Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
         self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
+        self.series.check().map_err(|error| output_failure(&error))?;
         self.spent += begun.elapsed();
         // The simulation stands at the last of several pieces of a step; earlier ones have no fields any more.
         let due = self.every.is_some_and(|every| {
-            let last = self.series.times().last().unwrap_or(f64::NEG_INFINITY);
+            let last = self.series.last().unwrap_or(f64::NEG_INFINITY);
             row.time == simulation.time() && (row.time / every + 1e-9).floor() > (last / every + 1e-9).floor()
         });
         if due { self.frame(simulation) } else { Ok(()) }
@@ -112,6 +115,17 @@ impl Artifacts {
         Ok(())
     }
 
+    /// Waits until all frames are in their files; without that they may come a little later than the steps.
+    ///
+    /// # Errors
+    /// A file that could not be written.
+    pub fn wait(&mut self) -> Result<(), Failure> {
+        let begun = Instant::now();
+        let waited = self.series.wait().map_err(|error| output_failure(&error));
+        self.spent += begun.elapsed();
+        waited
+    }
+
     fn frame(&mut self, simulation: &Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
         self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
@@ -127,7 +141,23 @@ fn file_name(name: &str) -> String {
     if plain.is_empty() { "simulation".into() } else { plain }
 }
 
-/// Writes what belongs to the end of a run: the last frame, the picture of the energies, the summaries.
+/// Writes the last frames of all simulations and waits until every frame is in its file.
+///
+/// # Errors
+/// The first file that could not be written.
+pub fn last_frames(host: &Host) -> Result<(), Failure> {
+    let write = |handle: &SimulationHandle| {
+        let (Ok(simulation), mut artifacts) = (handle.0.simulation.try_borrow(), handle.0.artifacts.borrow_mut()) else { return Ok(()) };
+        let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
+        // What was refused in the midst of the run is told first, and keeps no later frame from its file.
+        let refused = artifacts.wait();
+        let frame = if artifacts.series.last() == Some(simulation.time()) { Ok(()) } else { artifacts.frame(&simulation) };
+        refused.and(frame).and(artifacts.wait())
+    };
+    host.simulations.borrow().iter().map(write).fold(Ok(()), Result::and)
+}
+
+/// Writes what belongs to the end of a run after the last frames: the picture of the energies, the summaries.
 ///
 /// `begun`: when the program began; `outcome`: `completed`, `interrupted` or the title of the error.
 ///
@@ -159,9 +189,6 @@ fn finish_simulation(
     {
         let mut artifacts = data.artifacts.borrow_mut();
         let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
-        if artifacts.series.times().last() != Some(simulation.time()) {
-            artifacts.frame(&simulation)?;
-        }
         let picture = energies(&data.name, &history);
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))?;
     }

@@ -181,6 +181,8 @@ impl Session {
             }
             host.warn_of_unseen_changes();
         }
+        let refused = run::last_frames(host).err().map(|failure| explain_failure(&failure));
+        let error = error.or(refused);
         let outcome = match &error {
             None => "completed".to_string(),
             Some(error) if error.class == Class::Interrupted => "interrupted".into(),

@@ -499,6 +499,11 @@ impl SimulationHandle {
         self.0.advancing.set(false);
         call.host.end_steps();
         call.host.observer.ended();
+        if end.is_some() {
+            // A loop of single steps need not wait for the frames; it is told of what was refused by its next step.
+            let written = self.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), Artifacts::wait);
+            outcome = outcome.and(written.map_err(Into::into));
+        }
         outcome
     }
 

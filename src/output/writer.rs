@@ -1,0 +1,225 @@
+//! Frames of a simulation, encoded and written by a thread of their own, in order, while the solver goes on.
+//!
+//! The queue holds [`AHEAD`] frames; whoever hands over more waits, so memory is bounded. The thread lives while there is something to
+//! write: [`FieldWriter::wait`] ends it and takes the series back, and so does dropping the writer. What the operating system refuses is
+//! told by the next call. Rows of the history do not come this way: a row takes microseconds and is in its file when its step is accepted.
+
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::{Builder, JoinHandle};
+
+use super::files::OutputError;
+use super::pvd::FieldSeries;
+use super::vtu::{Frame, Grid};
+use crate::dynamics::BodyFields;
+
+/// Frames that wait to be written, besides the one that is being written.
+const AHEAD: usize = 2;
+
+/// A thread that writes frames; it gives back the series and the first error.
+struct Thread {
+    frames: SyncSender<Frame>,
+    handle: JoinHandle<(FieldSeries, Result<(), OutputError>)>,
+}
+
+/// Writes the frames of one simulation behind its back.
+pub struct FieldWriter {
+    /// The series, unless a thread has it, or lost it in a panic.
+    series: Option<FieldSeries>,
+    thread: Option<Thread>,
+    grid: Option<Arc<Grid>>,
+    /// Time of the last frame that was handed over or, after an error, written.
+    last: Option<f64>,
+    /// Whether something was refused that has not been told.
+    refused: Arc<AtomicBool>,
+}
+
+impl FieldWriter {
+    /// Writes into a series.
+    pub fn new(series: FieldSeries) -> Self {
+        FieldWriter { last: series.times().last(), series: Some(series), thread: None, grid: None, refused: Arc::default() }
+    }
+
+    /// Time of the last frame.
+    pub fn last(&self) -> Option<f64> {
+        self.last
+    }
+
+    /// Hands over all bodies at one time, which are the same at each call.
+    ///
+    /// # Errors
+    /// The operating system refused this frame or an earlier one.
+    ///
+    /// # Panics
+    /// The thread panicked.
+    pub fn append(&mut self, time: f64, bodies: &[BodyFields]) -> Result<(), OutputError> {
+        self.check()?;
+        let grid = self.grid.get_or_insert_with(|| Arc::new(Grid::new(bodies)));
+        let frame = Frame::on(grid.clone(), time, bodies);
+        if let Some(series) = self.series.take() {
+            match start(series, self.refused.clone()) {
+                Ok(thread) => self.thread = Some(thread),
+                // Where there can be no thread, the frame is written here and now.
+                Err(series) => {
+                    let written = self.series.insert(*series).append(&frame);
+                    self.last = self.series.as_ref().and_then(|series| series.times().last());
+                    return written.map(drop);
+                }
+            }
+        }
+        self.last = Some(time);
+        match self.thread.as_ref().map(|thread| thread.frames.send(frame)) {
+            // A thread without a receiver has panicked.
+            Some(Err(_)) => self.wait(),
+            _ => Ok(()),
+        }
+    }
+
+    /// Tells what was refused so far, without waiting for the rest.
+    ///
+    /// # Errors
+    /// The operating system refused a frame.
+    ///
+    /// # Panics
+    /// The thread panicked.
+    pub fn check(&mut self) -> Result<(), OutputError> {
+        if self.refused.load(Ordering::Acquire) { self.wait() } else { Ok(()) }
+    }
+
+    /// Waits until all frames are written.
+    ///
+    /// # Errors
+    /// The operating system refused a frame.
+    ///
+    /// # Panics
+    /// The thread panicked.
+    pub fn wait(&mut self) -> Result<(), OutputError> {
+        let Some(Thread { frames, handle }) = self.thread.take() else { return Ok(()) };
+        drop(frames);
+        let (series, outcome) = handle.join().unwrap_or_else(|panic| resume_unwind(panic));
+        self.refused.store(false, Ordering::Release);
+        self.last = series.times().last();
+        self.series = Some(series);
+        outcome
+    }
+}
+
+impl Drop for FieldWriter {
+    fn drop(&mut self) {
+        if let Some(Thread { frames, handle }) = self.thread.take() {
+            drop(frames);
+            // Nobody is left to be told.
+            let _ = handle.join();
+        }
+    }
+}
+
+/// Starts the thread, or gives the series back where the operating system has none to give.
+fn start(series: FieldSeries, refused: Arc<AtomicBool>) -> Result<Thread, Box<FieldSeries>> {
+    let (frames, queue) = sync_channel::<Frame>(AHEAD);
+    // The series goes by a channel of its own: a thread that cannot be started would keep it.
+    let (hand_over, receive) = sync_channel::<FieldSeries>(1);
+    let work = move || {
+        let Ok(mut series) = receive.recv() else { unreachable!("the series is sent before the first frame") };
+        let mut outcome = Ok(());
+        for frame in queue {
+            let written = series.append(&frame).map(drop);
+            if written.is_err() {
+                outcome = outcome.and(written);
+                refused.store(true, Ordering::Release);
+            }
+        }
+        (series, outcome)
+    };
+    match Builder::new().name("output".into()).spawn(work) {
+        Ok(handle) => match hand_over.send(series) {
+            Ok(()) => Ok(Thread { frames, handle }),
+            Err(back) => Err(Box::new(back.0)),
+        },
+        Err(_) => Err(Box::new(series)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::super::samples::{ring, scratch};
+    use super::*;
+
+    fn writer(files: &super::super::RunFiles) -> FieldWriter {
+        FieldWriter::new(FieldSeries::create(files, "fields.pvd").unwrap())
+    }
+
+    #[test]
+    fn frames_are_those_of_a_series_in_its_order() {
+        let (directory, files) = scratch("writer");
+        let (expected_in, expected_files) = scratch("writer expected");
+        let mut bodies = [ring("ring", [1.0, 1.5], [20, 60])];
+        let (mut behind, mut series) = (writer(&files), FieldSeries::create(&expected_files, "fields.pvd").unwrap());
+        // More than the queue holds, with a way back from 0.3 to 0.2.
+        for time in [0.0, 0.1, 0.2, 0.3, 0.2, 0.4, 0.5, 0.6] {
+            bodies[0].displacement[7] = [time, -time, 0.0];
+            behind.append(time, &bodies).unwrap();
+            series.append(&Frame::new(time, &bodies)).unwrap();
+            assert_eq!(behind.last(), Some(time));
+        }
+        behind.wait().unwrap();
+        for file in (0..6).map(|number| format!("fields/fields_{number:06}.vtu")).chain(["fields.pvd".into()]) {
+            assert!(fs::read(directory.join(&file)).unwrap() == fs::read(expected_in.join(&file)).unwrap(), "{file}");
+        }
+    }
+
+    #[test]
+    fn dropping_the_writer_writes_what_was_handed_over() {
+        let (directory, files) = scratch("writer dropped");
+        let bodies = [ring("ring", [1.0, 1.5], [20, 60])];
+        let mut behind = writer(&files);
+        for step in 0..4 {
+            behind.append(f64::from(step), &bodies).unwrap();
+        }
+        drop(behind);
+        let list = fs::read_to_string(directory.join("fields.pvd")).unwrap();
+        assert_eq!(list.matches("<DataSet").count(), 4);
+        assert!(directory.join("fields/fields_000003.vtu").is_file());
+    }
+
+    #[test]
+    fn a_refusal_is_told_once_and_later_frames_are_written() {
+        let (directory, files) = scratch("writer refused");
+        let bodies = [ring("ring", [1.0, 1.5], [2, 12])];
+        let mut behind = writer(&files);
+        behind.append(0.0, &bodies).unwrap();
+        behind.wait().unwrap();
+        // A folder stands where the frame is to be.
+        fs::create_dir(directory.join("fields/fields_000001.vtu")).unwrap();
+        behind.append(0.1, &bodies).unwrap();
+        let error = behind.wait().unwrap_err();
+        assert!(error.to_string().contains("fields_000001.vtu\" could not be written"), "{error}");
+        assert_eq!(behind.last(), Some(0.0), "the frame that is missing is due again");
+        behind.wait().unwrap();
+        fs::remove_dir(directory.join("fields/fields_000001.vtu")).unwrap();
+        behind.append(0.2, &bodies).unwrap();
+        behind.wait().unwrap();
+        let list = fs::read_to_string(directory.join("fields.pvd")).unwrap();
+        assert_eq!(list.matches("<DataSet").count(), 2);
+        assert!(list.contains("timestep=\"0.2\" part=\"0\" file=\"fields/fields_000001.vtu\""), "{list}");
+    }
+
+    #[test]
+    fn a_refusal_is_told_without_being_waited_for() {
+        let (directory, files) = scratch("writer told");
+        let bodies = [ring("ring", [1.0, 1.5], [2, 12])];
+        let mut behind = writer(&files);
+        fs::create_dir_all(directory.join("fields/fields_000000.vtu")).unwrap();
+        let begun = std::time::Instant::now();
+        let mut time = 0.0;
+        // The queue is bounded, so a few frames are enough; the clock only ends a loop that would be wrong.
+        while behind.append(time, &bodies).is_ok() {
+            assert!(begun.elapsed().as_secs() < 60, "the refusal is not told");
+            time += 1.0;
+        }
+    }
+}
