@@ -3,8 +3,9 @@
 //! The loop works on batches of eight elements and combines three axes that know nothing of each other: cell kind (shape functions),
 //! material (a virtual call per batch) and integrator (where to evaluate, and the discrete gradient).
 
+mod batch;
 mod element_loop;
 mod surface_loads;
 
-pub use element_loop::{ElementLoop, Elements, Inverted, Space};
+pub use element_loop::{ElementLoop, Elements, Inverted, Space, Step};
 pub use surface_loads::{nodal_areas, torque_forces};

@@ -20,7 +20,7 @@ use super::loads::{NodalLoad, PrescribedUnknown};
 use super::model::{LoadKind, Model};
 use super::pairs::{Pair, PairKind, boundary_facets, contact_pairs};
 use super::simulation::PhaseTimes;
-use crate::bodies::{ElementLoop, Elements, Inverted, Space, nodal_areas};
+use crate::bodies::{ElementLoop, Elements, Inverted, Space, Step, nodal_areas};
 use crate::contact::{Candidates, Correction};
 use crate::integrators::Integrator;
 use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch, Work};
@@ -108,7 +108,6 @@ pub(super) struct System<const D: usize> {
     pub(super) factorizations: usize,
     pub(super) assemblies: usize,
     pattern: Pattern,
-    mass_values: Vec<f64>,
     identity_places: Vec<u32>,
     zero_places: Vec<u32>,
     diagonal_places: Vec<u32>,
@@ -232,7 +231,6 @@ where
             factorizations: 0,
             assemblies: 0,
             pattern,
-            mass_values: Vec::new(),
             identity_places: Vec::new(),
             zero_places: Vec::new(),
             diagonal_places: Vec::new(),
@@ -302,13 +300,6 @@ where
         }
         for (facet, blocks) in self.loads.iter_mut().flat_map(|load| &mut load.facets) {
             *blocks = std::array::from_fn(|k| pattern.block(facet[k / 2], facet[k % 2]));
-        }
-        self.mass_values = vec![0.0; pattern.values()];
-        for (row, column, value) in self.mass.entries() {
-            let block = pattern.block(row, column);
-            for i in 0..D {
-                self.mass_values[block.at(i, i)] = value;
-            }
         }
         let nodes = self.reference.len() / D;
         for pair in &mut self.pairs {
@@ -417,11 +408,6 @@ where
             pair.kernel.begin_step(q_0);
         }
         self.times.contact += clock.elapsed();
-        let clock = Instant::now();
-        for body in &mut self.bodies {
-            body.elements.begin_step(q_0);
-        }
-        self.times.assembly += clock.elapsed();
         Ok(())
     }
 
@@ -431,14 +417,13 @@ where
         let placement = start.integrator.placement();
         let clock = Instant::now();
         let inertia = start.inertia();
-        for (value, mass) in self.values.iter_mut().zip(&self.mass_values) {
-            *value = inertia * mass;
-        }
+        self.values.fill(0.0);
         self.assemblies += 1;
         let mut internal = vec![0.0; unknowns];
+        let step = Step { integrator: start.integrator, inertia, q_0: start.q_0, q_1 };
         for body in &self.bodies {
             body.elements
-                .assemble(start.integrator, q_1, &mut internal, &mut self.values, &self.workers)
+                .assemble(&step, &mut internal, &mut self.values, &self.workers)
                 .map_err(|inverted| AssemblyError::Inverted { body: body.name.clone(), inverted })?;
         }
         let (at, time) = match placement.test {
@@ -540,11 +525,7 @@ where
         let clock = Instant::now();
         self.values.fill(0.0);
         for body in &self.bodies {
-            body.elements.add_material_stiffness(q_1, &mut self.values);
-        }
-        let factor = 0.25 * dt * dt;
-        for (value, mass) in self.values.iter_mut().zip(&self.mass_values) {
-            *value = factor * *value + mass;
+            body.elements.add_material_stiffness(q_1, 0.25 * dt * dt, &mut self.values);
         }
         let mut push = vec![0.0; q_1.len()];
         let mut reaction = vec![0.0; q_1.len()];

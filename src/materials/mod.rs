@@ -9,7 +9,7 @@ mod saint_venant_kirchhoff;
 use std::sync::Arc;
 
 use crate::math::catalogue::{Interval, Parameter};
-use crate::math::lanes::{Lanes, Real, relabel};
+use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::{Mandel, Tensor};
 use crate::math::tolerances::STRAIN_QUOTIENT;
@@ -43,13 +43,43 @@ pub trait Law: Send + Sync + 'static {
 /// A law behind a virtual call per batch of strains: `S` Mandel components of eight elements each.
 pub trait Batch<const S: usize>: Send + Sync {
     /// Energies of all strains.
-    fn energy_into(&self, strain: &[Strain<S>], energy: &mut [Lanes<false>]);
+    fn energies_into(&self, strain: &[Strain<S>], energy: &mut [Lanes<false>]);
     /// Stresses of all strains.
-    fn stress_into(&self, strain: &[Strain<S>], stress: &mut [Strain<S>]);
+    fn stresses_into(&self, strain: &[Strain<S>], stress: &mut [Strain<S>]);
     /// Stresses and tangents of all strains.
-    fn stress_tangent_into(&self, strain: &[Strain<S>], stress: &mut [Strain<S>], tangent: &mut [[Strain<S>; S]]);
-    /// Remainders of all pairs of strains ([`Law::remainder`]).
-    fn remainder_into(&self, strain_n: &[Strain<S>], strain_n1: &[Strain<S>], remainder: &mut [Lanes<false>]);
+    fn responses_into(&self, strain: &[Strain<S>], responses: &mut [Response<S>]);
+    /// What a discrete gradient needs of all pairs of strains.
+    fn increments_into(&self, strain_n: &[Strain<S>], strain_n1: &[Strain<S>], increments: &mut [Increment<S>]);
+}
+
+/// Stress and tangent `[stress]` in eight elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Response<const S: usize> {
+    /// Second Piola-Kirchhoff stress.
+    pub stress: Strain<S>,
+    /// Its derivative with respect to the strain.
+    pub tangent: [Strain<S>; S],
+}
+
+impl<const S: usize> Response<S> {
+    /// No stress.
+    pub const ZERO: Self = Response { stress: [Lanes::ZERO; S], tangent: [[Lanes::ZERO; S]; S] };
+}
+
+/// What a discrete gradient needs of an increment of the strain in eight elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Increment<const S: usize> {
+    /// At the mean of the two strains.
+    pub mean: Response<S>,
+    /// Stress at the end.
+    pub stress_end: Strain<S>,
+    /// [`Law::remainder`].
+    pub remainder: Lanes<false>,
+}
+
+impl<const S: usize> Increment<S> {
+    /// No stress.
+    pub const ZERO: Self = Increment { mean: Response::ZERO, stress_end: [Lanes::ZERO; S], remainder: Lanes::ZERO };
 }
 
 /// Mandel components of a strain or stress in eight elements.
@@ -60,19 +90,14 @@ fn load<const FMA: bool, const S: usize>(strain: &Strain<S>) -> Mandel<Lanes<FMA
     Mandel(relabel(strain))
 }
 
-#[inline(always)]
-fn store<const FMA: bool, const S: usize>(tensor: [Lanes<FMA>; S]) -> Strain<S> {
-    relabel(&tensor)
-}
-
-struct Energy<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Lanes<false>]);
-struct Stress<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Strain<S>]);
-struct StressTangent<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Strain<S>], &'a mut [[Strain<S>; S]]);
-struct Remainder<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a [Strain<S>], &'a mut [Lanes<false>]);
+struct Energies<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Lanes<false>]);
+struct Stresses<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Strain<S>]);
+struct Responses<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Response<S>]);
+struct Increments<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a [Strain<S>], &'a mut [Increment<S>]);
 
 macro_rules! batch {
     ($size:literal) => {
-        impl<L: Law> Kernel for Energy<'_, L, $size> {
+        impl<L: Law> Kernel for Energies<'_, L, $size> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
@@ -82,52 +107,53 @@ macro_rules! batch {
             }
         }
 
-        impl<L: Law> Kernel for Stress<'_, L, $size> {
+        impl<L: Law> Kernel for Stresses<'_, L, $size> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
                 for (strain, stress) in self.1.iter().zip(self.2) {
-                    *stress = store(self.0.stress(&load::<FMA, $size>(strain)).0);
+                    *stress = relabel(&self.0.stress(&load::<FMA, $size>(strain)).0);
                 }
             }
         }
 
-        impl<L: Law> Kernel for StressTangent<'_, L, $size> {
+        impl<L: Law> Kernel for Responses<'_, L, $size> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
-                for ((strain, stress), tangent) in self.1.iter().zip(self.2).zip(self.3) {
-                    let (s, t) = self.0.stress_tangent(&load::<FMA, $size>(strain));
-                    *stress = store(s.0);
-                    for (row, values) in tangent.iter_mut().zip(t) {
-                        *row = store(values);
-                    }
+                for (strain, response) in self.1.iter().zip(self.2) {
+                    let (stress, tangent) = self.0.stress_tangent(&load::<FMA, $size>(strain));
+                    (response.stress, response.tangent) = (relabel(&stress.0), relabel_rows(&tangent));
                 }
             }
         }
 
-        impl<L: Law> Kernel for Remainder<'_, L, $size> {
+        impl<L: Law> Kernel for Increments<'_, L, $size> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
-                for ((n, n1), remainder) in self.1.iter().zip(self.2).zip(self.3) {
-                    *remainder = Lanes(self.0.remainder(&load::<FMA, $size>(n), &load::<FMA, $size>(n1)).0);
+                for ((strain_n, strain_n1), increment) in self.1.iter().zip(self.2).zip(self.3) {
+                    let (n, n1) = (load::<FMA, $size>(strain_n), load::<FMA, $size>(strain_n1));
+                    let (stress, tangent) = self.0.stress_tangent(&((n + n1) * 0.5));
+                    (increment.mean.stress, increment.mean.tangent) = (relabel(&stress.0), relabel_rows(&tangent));
+                    increment.stress_end = relabel(&self.0.stress(&n1).0);
+                    increment.remainder = Lanes(self.0.remainder(&n, &n1).0);
                 }
             }
         }
 
         impl<L: Law> Batch<$size> for L {
-            fn energy_into(&self, strain: &[Strain<$size>], energy: &mut [Lanes<false>]) {
-                dispatch(Energy(self, strain, energy));
+            fn energies_into(&self, strain: &[Strain<$size>], energy: &mut [Lanes<false>]) {
+                dispatch(Energies(self, strain, energy));
             }
-            fn stress_into(&self, strain: &[Strain<$size>], stress: &mut [Strain<$size>]) {
-                dispatch(Stress(self, strain, stress));
+            fn stresses_into(&self, strain: &[Strain<$size>], stress: &mut [Strain<$size>]) {
+                dispatch(Stresses(self, strain, stress));
             }
-            fn stress_tangent_into(&self, strain: &[Strain<$size>], stress: &mut [Strain<$size>], tangent: &mut [[Strain<$size>; $size]]) {
-                dispatch(StressTangent(self, strain, stress, tangent));
+            fn responses_into(&self, strain: &[Strain<$size>], responses: &mut [Response<$size>]) {
+                dispatch(Responses(self, strain, responses));
             }
-            fn remainder_into(&self, strain_n: &[Strain<$size>], strain_n1: &[Strain<$size>], remainder: &mut [Lanes<false>]) {
-                dispatch(Remainder(self, strain_n, strain_n1, remainder));
+            fn increments_into(&self, strain_n: &[Strain<$size>], strain_n1: &[Strain<$size>], increments: &mut [Increment<$size>]) {
+                dispatch(Increments(self, strain_n, strain_n1, increments));
             }
         }
     };
@@ -282,17 +308,22 @@ mod tests {
 
     fn energy<const S: usize>(law: &dyn Batch<S>, strain: &Strain<S>) -> f64 {
         let mut energy = [Lanes::ZERO];
-        law.energy_into(&[*strain], &mut energy);
+        law.energies_into(&[*strain], &mut energy);
         energy[0].0[5]
     }
 
     fn stress_tangent<const S: usize>(law: &dyn Batch<S>, strain: &Strain<S>) -> ([f64; S], [[f64; S]; S]) {
-        let (mut stress, mut tangent) = ([[Lanes::ZERO; S]], [[[Lanes::ZERO; S]; S]]);
-        law.stress_tangent_into(&[*strain], &mut stress, &mut tangent);
-        let mut only_stress = [[Lanes::ZERO; S]];
-        law.stress_into(&[*strain], &mut only_stress);
-        assert_eq!(stress, only_stress, "the two calls agree");
-        (stress[0].map(|c| c.0[2]), tangent[0].map(|row| row.map(|c| c.0[2])))
+        let (mut response, mut only_stress) = ([Response::ZERO], [[Lanes::ZERO; S]]);
+        law.responses_into(&[*strain], &mut response);
+        law.stresses_into(&[*strain], &mut only_stress);
+        assert_eq!(response[0].stress, only_stress[0], "the two calls agree");
+        (response[0].stress.map(|c| c.0[2]), response[0].tangent.map(|row| row.map(|c| c.0[2])))
+    }
+
+    fn increment<const S: usize>(law: &dyn Batch<S>, strain_n: &Strain<S>, strain_n1: &Strain<S>) -> Increment<S> {
+        let mut increment = [Increment::ZERO];
+        law.increments_into(&[*strain_n], &[*strain_n1], &mut increment);
+        increment[0]
     }
 
     fn shifted<const S: usize>(strain: &Strain<S>, component: usize, by: f64) -> Strain<S> {
@@ -329,10 +360,9 @@ mod tests {
             let d: [f64; S] = std::array::from_fn(|k| n1[k].0[0] - n[k].0[0]);
             let work: f64 = stress_tangent(law, &mid).0.iter().zip(d).map(|(s, d)| s * d).sum();
             let plain = energy(law, &n1) - energy(law, &n) - work;
-            let mut remainder = [Lanes::ZERO];
-            law.remainder_into(&[n], &[n1], &mut remainder);
+            let remainder = increment(law, &n, &n1).remainder.0[0];
             let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
-            assert!((remainder[0].0[0] - plain).abs() < 1e-14 * scale, "{name}: remainder {} against {plain}", remainder[0].0[0]);
+            assert!((remainder - plain).abs() < 1e-14 * scale, "{name}: remainder {remainder} against {plain}");
         }
     }
 
@@ -364,12 +394,11 @@ mod tests {
         // W = c (tr E)^3: remainder exactly c (tr dE)^3 / 4 at every step size, below and above the threshold.
         for step in [1e-7, 1e-3, 0.1] {
             let (n, n1) = ([Lanes::splat(0.1); 3], [Lanes::splat(0.1 + step); 3]);
-            let mut remainder = [Lanes::ZERO];
-            Batch::<3>::remainder_into(&Sampled(5.0), &[n], &[n1], &mut remainder);
+            let remainder = increment::<3>(&Sampled(5.0), &n, &n1).remainder.0[0];
             let exact = 5.0 * (2.0 * step).powi(3) / 4.0;
             // The plain difference (step 0.1) has the round-off of the energies.
             let round_off = if step < STRAIN_QUOTIENT { 15.0 * 0.4f64.powi(2) * step } else { 5.0 * 0.4f64.powi(3) };
-            assert!((remainder[0].0[0] - exact).abs() < 1e-15 * round_off, "step {step}: {} {exact}", remainder[0].0[0]);
+            assert!((remainder - exact).abs() < 1e-15 * round_off, "step {step}: {remainder} {exact}");
         }
     }
 }

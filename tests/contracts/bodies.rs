@@ -1,10 +1,10 @@
 //! What the element loop promises for every cell kind, material and integrator, on random states of a distorted mesh:
 //! exact tangent; directionality and orthogonality of the discrete gradient to round-off; indifference to rigid motions.
 
-use conserva::bodies::{ElementLoop, Elements, Space};
+use conserva::bodies::{ElementLoop, Elements, Space, Step};
 use conserva::elements::CellKind;
 use conserva::integrators::Integrator;
-use conserva::linear::Pattern;
+use conserva::linear::{NodeMatrix, Pattern};
 use conserva::materials::{CATALOGUE, Material};
 use conserva::math::workers::Workers;
 use conserva::mesh::{Mesh, block, rectangle};
@@ -53,9 +53,10 @@ where
     }
 
     /// Force and values of the tangent of a step.
-    fn assemble(&self, integrator: Integrator, q_1: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    fn assemble(&self, integrator: Integrator, q_0: &[f64], q_1: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let (mut force, mut values) = (vec![0.0; q_1.len()], vec![0.0; self.pattern.values()]);
-        self.elements.assemble(integrator, q_1, &mut force, &mut values, &Workers::new(1)).expect("no cell turns inside out");
+        let step = Step { integrator, inertia: 0.0, q_0, q_1 };
+        self.elements.assemble(&step, &mut force, &mut values, &Workers::new(1)).expect("no cell turns inside out");
         (force, values)
     }
 
@@ -100,7 +101,7 @@ macro_rules! for_all {
     };
 }
 
-fn tangent<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+fn tangent<const D: usize>(cells: Loop<D>, integrator: Integrator, name: &str)
 where
     Space<D>: Elements<D>,
 {
@@ -108,14 +109,13 @@ where
     for step in [0.02, 0.2] {
         let q_0 = cells.random_state(0.05, &mut random);
         let q_1: Vec<f64> = q_0.iter().map(|q| q + step * random.next() * 0.5).collect();
-        cells.elements.begin_step(&q_0);
-        let (_, values) = cells.assemble(integrator, &q_1);
+        let (_, values) = cells.assemble(integrator, &q_0, &q_1);
         let h = 1e-5;
         for unknown in (0..q_1.len()).step_by(3) {
             let (mut up, mut down) = (q_1.clone(), q_1.clone());
             up[unknown] += h;
             down[unknown] -= h;
-            let (above, below) = (cells.assemble(integrator, &up).0, cells.assemble(integrator, &down).0);
+            let (above, below) = (cells.assemble(integrator, &q_0, &up).0, cells.assemble(integrator, &q_0, &down).0);
             let differences: Vec<f64> = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * h)).collect();
             let error = difference(&differences, &cells.column(&values, unknown)) / MODULUS;
             // Truncation h^2 times third derivatives (some hundred moduli where the step is small, by the quotient of the discrete
@@ -130,6 +130,36 @@ fn tangent_is_the_derivative_of_the_force() {
     for_all!(tangent);
 }
 
+/// The weight of the mass in a step adds so much of the mass matrix to the tangent.
+fn inertia<const D: usize>(cells: Loop<D>, integrator: Integrator, name: &str)
+where
+    Space<D>: Elements<D>,
+{
+    let q = cells.random_state(0.05, &mut Random(13));
+    let (force, stiffness) = cells.assemble(integrator, &cells.reference, &q);
+    let (mut same, mut values) = (vec![0.0; q.len()], vec![0.0; stiffness.len()]);
+    let step = Step { integrator, inertia: 400.0, q_0: &cells.reference, q_1: &q };
+    cells.elements.assemble(&step, &mut same, &mut values, &Workers::new(1)).expect("no cell turns inside out");
+    assert_eq!(force, same, "{name}: the force is that of the strains alone");
+    let mut mass = NodeMatrix::new(&cells.pattern, cells.nodes);
+    cells.elements.add_mass(&mut mass);
+    for (row, column, mass) in mass.entries() {
+        let block = cells.pattern.block(row, column);
+        for i in 0..D {
+            for k in 0..D {
+                let (place, expected) = (block.at(i, k), if i == k { 400.0 * mass } else { 0.0 });
+                // Round-off of sums of some thousands: stiffness and mass.
+                assert!((values[place] - stiffness[place] - expected).abs() < 1e-14 * MODULUS * 10.0, "{name}: ({row}, {column})");
+            }
+        }
+    }
+}
+
+#[test]
+fn tangent_holds_the_weighted_mass() {
+    for_all!(inertia);
+}
+
 /// Sums of the nodal forces and of their moments about the origin.
 fn resultants<const D: usize>(q: &[f64], force: &[f64]) -> ([f64; 3], [f64; 3]) {
     let vector = |x: &[f64]| nalgebra::Vector3::from_fn(|i, _| if i < D { x[i] } else { 0.0 });
@@ -141,7 +171,7 @@ fn resultants<const D: usize>(q: &[f64], force: &[f64]) -> ([f64; 3], [f64; 3]) 
     (sum.into(), moment.into())
 }
 
-fn conservation<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+fn conservation<const D: usize>(cells: Loop<D>, integrator: Integrator, name: &str)
 where
     Space<D>: Elements<D>,
 {
@@ -150,8 +180,7 @@ where
         let q_0 = cells.random_state(0.1, &mut random);
         let q_1: Vec<f64> = q_0.iter().map(|q| q + step * random.next() * 0.5).collect();
         let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
-        cells.elements.begin_step(&q_0);
-        let (force, _) = cells.assemble(integrator, &q_1);
+        let (force, _) = cells.assemble(integrator, &q_0, &q_1);
         let size: f64 = force.iter().map(|f| f.abs()).sum();
         // Rigid motions of the configuration in which the force acts do no work; 5 is the extent of the mesh.
         let arms = if integrator == Integrator::Trapezoidal { &q_1 } else { &middle };
@@ -180,13 +209,12 @@ fn discrete_gradient_is_directional_and_orthogonal_to_rigid_motions() {
 }
 
 /// At equal states every integrator's force is the gradient of the strain energy (half of it for the trapezoidal rule).
-fn consistency<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+fn consistency<const D: usize>(cells: Loop<D>, integrator: Integrator, name: &str)
 where
     Space<D>: Elements<D>,
 {
     let q = cells.random_state(0.1, &mut Random(9));
-    cells.elements.begin_step(&q);
-    let (force, _) = cells.assemble(integrator, &q);
+    let (force, _) = cells.assemble(integrator, &q, &q);
     let h = 1e-4;
     for unknown in (0..q.len()).step_by(3) {
         let (mut up, mut down) = (q.clone(), q.clone());
@@ -205,7 +233,7 @@ fn force_at_equal_states_is_the_gradient_of_the_energy() {
 }
 
 /// A rotation and translation of both states leaves the energy and turns the force.
-fn objectivity<const D: usize>(mut cells: Loop<D>, integrator: Integrator, name: &str)
+fn objectivity<const D: usize>(cells: Loop<D>, integrator: Integrator, name: &str)
 where
     Space<D>: Elements<D>,
 {
@@ -221,10 +249,8 @@ where
     };
     let mut random = Random(11);
     let (q_0, q_1) = (cells.random_state(0.1, &mut random), cells.random_state(0.1, &mut random));
-    cells.elements.begin_step(&q_0);
-    let (force, _) = cells.assemble(integrator, &q_1);
-    cells.elements.begin_step(&turn(&q_0, 7.0));
-    let (turned, _) = cells.assemble(integrator, &turn(&q_1, 7.0));
+    let (force, _) = cells.assemble(integrator, &q_0, &q_1);
+    let (turned, _) = cells.assemble(integrator, &turn(&q_0, 7.0), &turn(&q_1, 7.0));
     let size = force.iter().fold(0.0f64, |size, f| size.max(f.abs()));
     // Round-off: displacements of order ten, strains of order 0.1.
     assert!(difference(&turn(&force, 0.0), &turned) < 1e-12 * size, "{name}: the force turns with the body");
