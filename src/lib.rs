@@ -4,6 +4,7 @@
 //! The method is that of C. Hesch and P. Betsch, "Energy-momentum schemes for large deformation contact problems", PAMM 2007.
 
 #![deny(missing_docs)]
+#![forbid(unsafe_code)]
 
 pub mod math;
 

@@ -27,6 +27,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("csv", &["output"]),
     ("faer", &["linear"]),
+    ("pulp", &["math", "linear"]),
     ("feral-metis", &["linear"]),
     ("flate2", &["output"]),
     ("indicatif", &["cli"]),

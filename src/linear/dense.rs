@@ -1,14 +1,19 @@
 //! Dense elimination of one front: LU of its pivot block, the two triangular solves beside it, and the update of what remains.
 //!
 //! All blocks are column-major, their sides padded to multiples of four by zeros (the pivot block by the identity), so that every loop runs
-//! over whole tiles of 12, 8 or 4 rows by 4 columns. A tile is summed in registers from outer products of columns that stand in memory as
-//! they are: nothing is packed in small fronts. In large ones, where each column is on a page of its own, strips of rows are copied first,
-//! the pivot block is factored in blocks of columns, and strips are shared among threads: what one computes depends on no other. Plain
-//! arrays that the compiler vectorises where [`crate::math::simd`] tells it which instructions exist.
+//! over whole tiles of 8 or 4 rows by 4 columns. A tile is summed in registers (eight of sixteen; with twelve some would live in memory)
+//! from outer products of columns that stand in memory as they are: nothing is packed in small fronts. In large ones, where each column is
+//! on a page of its own, strips of rows are copied first, the pivot block is factored in blocks of columns, and strips are shared among
+//! threads: what one computes depends on no other.
 //!
 //! Pivots are sought inside the pivot block only (threshold pivoting, the diagonal preferred): the structure found beforehand stays valid.
 
-use crate::math::simd::{Kernel, dispatch};
+use std::ops::Range;
+
+use pulp::bytemuck::cast;
+use pulp::{Simd, WithSimd};
+
+use crate::math::simd::with_registers;
 use crate::math::workers::Workers;
 
 /// Sides of all blocks are multiples of this.
@@ -21,7 +26,7 @@ const THRESHOLD: f64 = 0.01;
 pub(super) const REPLACEMENT: f64 = 1e-8;
 
 /// Rows of a strip: the largest tile.
-const STRIP: usize = 3 * WIDTH;
+const STRIP: usize = 2 * WIDTH;
 
 /// Columns of a pivot block that are factored before the rest of it is updated.
 const PANEL: usize = 64;
@@ -36,26 +41,45 @@ pub(super) const fn padded(x: usize) -> usize {
 }
 
 /// `4 * M` rows by four columns, column by column.
-type Tile<const M: usize> = [[[f64; WIDTH]; M]; WIDTH];
+type Tile<S, const M: usize> = [[<S as Simd>::f64s; M]; WIDTH];
 
+/// Leading [`WIDTH`] entries.
 #[inline(always)]
-fn multiply_add<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FMA { a.mul_add(b, c) } else { a * b + c }
+fn four(x: &[f64]) -> &[f64; WIDTH] {
+    x.first_chunk().expect("sides are multiples of four")
 }
 
-/// `sum_k a_k b_k^T` with `a_k` the leading rows of the columns of `a`. The entries of `b_k` come by reference, so that each is read when
-/// it is multiplied: four in registers at once would push a part of the tile out of them.
+/// Four numbers in a register.
 #[inline(always)]
-fn outer_products<'b, const FMA: bool, const M: usize>(a: &[f64], stride: usize, b: impl Iterator<Item = [&'b f64; WIDTH]>) -> Tile<M> {
-    let mut sum = [[[0.0; WIDTH]; M]; WIDTH];
+fn load<S: Simd>(x: &[f64; WIDTH]) -> S::f64s {
+    cast(*x)
+}
+
+/// The leading `4 * M` entries.
+#[inline(always)]
+fn load_rows<S: Simd, const M: usize>(x: &[f64]) -> [S::f64s; M] {
+    let x: &[[f64; WIDTH]; M] = x.as_chunks().0.first_chunk().expect("sides are multiples of four");
+    let mut rows = [load::<S>(&x[0]); M];
+    for i in 1..M {
+        rows[i] = load::<S>(&x[i]);
+    }
+    rows
+}
+
+/// `sum_k a_k b_k^T` with `a_k` the leading rows of the columns of `a`.
+#[inline(always)]
+fn outer_products<'b, S: Simd, const M: usize>(simd: S, a: &[f64], stride: usize, b: impl Iterator<Item = &'b [f64; WIDTH]>) -> Tile<S, M> {
+    let mut sum = [[simd.splat_f64s(0.0); M]; WIDTH];
     for (b, a) in b.zip(a.chunks(stride)) {
-        let Some(a) = a.as_chunks::<WIDTH>().0.first_chunk::<M>() else { break };
+        let Some(a) = a.as_chunks().0.first_chunk::<M>() else { break };
+        let mut rows = [simd.splat_f64s(0.0); M];
+        for i in 0..M {
+            rows[i] = load::<S>(&a[i]);
+        }
         for j in 0..WIDTH {
-            let b = *b[j];
+            let b = simd.splat_f64s(b[j]);
             for i in 0..M {
-                for l in 0..WIDTH {
-                    sum[j][i][l] = multiply_add::<FMA>(a[i][l], b, sum[j][i][l]);
-                }
+                sum[j][i] = simd.mul_add_e_f64s(rows[i], b, sum[j][i]);
             }
         }
     }
@@ -64,25 +88,21 @@ fn outer_products<'b, const FMA: bool, const M: usize>(a: &[f64], stride: usize,
 
 /// Replaces `tile` by the entries whose first one is the first of `c`, less what `tile` was.
 #[inline(always)]
-fn subtract_from<const M: usize>(c: &[f64], stride: usize, tile: &mut Tile<M>) {
+fn subtract_from<S: Simd, const M: usize>(simd: S, c: &[f64], stride: usize, tile: &mut Tile<S, M>) {
     for j in 0..WIDTH {
-        let column = &c[j * stride..][..M * WIDTH];
+        let column = load_rows::<S, M>(&c[j * stride..]);
         for i in 0..M {
-            for l in 0..WIDTH {
-                tile[j][i][l] = column[i * WIDTH + l] - tile[j][i][l];
-            }
+            tile[j][i] = simd.sub_f64s(column[i], tile[j][i]);
         }
     }
 }
 
 #[inline(always)]
-fn store<const M: usize>(tile: &Tile<M>, c: &mut [f64], stride: usize) {
+fn store<S: Simd, const M: usize>(tile: &Tile<S, M>, c: &mut [f64], stride: usize) {
     for j in 0..WIDTH {
-        let column = &mut c[j * stride..][..M * WIDTH];
+        let column: &mut [[f64; WIDTH]; M] = c[j * stride..].as_chunks_mut().0.first_chunk_mut().expect("sides are multiples of four");
         for i in 0..M {
-            for l in 0..WIDTH {
-                column[i * WIDTH + l] = tile[j][i][l];
-            }
+            column[i] = cast(tile[j][i]);
         }
     }
 }
@@ -99,25 +119,14 @@ macro_rules! tiles {
                     $body;
                     $row += WIDTH;
                 }
-                2 => {
+                _ => {
                     const $m: usize = 2;
                     $body;
                     $row += 2 * WIDTH;
                 }
-                _ => {
-                    const $m: usize = 3;
-                    $body;
-                    $row += 3 * WIDTH;
-                }
             }
         }
     }};
-}
-
-/// Leading [`WIDTH`] entries.
-#[inline(always)]
-fn four(x: &[f64]) -> &[f64; WIDTH] {
-    x.first_chunk().expect("sides are multiples of four")
 }
 
 /// One front: `pivots` eliminated unknowns and `update` that remain.
@@ -160,14 +169,15 @@ pub(super) struct Manner<'a> {
 impl Blocks<'_> {
     /// Eliminates the pivots. `swaps[k]` becomes the row that was exchanged with row `k`; pivots that are replaced are reported.
     #[inline(always)]
-    pub(super) fn eliminate<const FMA: bool>(
+    pub(super) fn eliminate<S: Simd>(
         &mut self,
+        simd: S,
         manner: &Manner,
         swaps: &mut [u32],
         scratch: &mut Scratch,
         replaced: &mut impl FnMut(usize),
     ) {
-        self.factor_diagonal::<FMA>(manner, swaps, scratch, replaced);
+        self.factor_diagonal(simd, manner, swaps, scratch, replaced);
         if self.u == 0 {
             return;
         }
@@ -183,16 +193,16 @@ impl Blocks<'_> {
         }
         let (p, u, diagonal) = (self.p, self.u, &*self.diagonal);
         tiles!(i in 0, u; M => {
-            solve_strip::<FMA, M, false, false>(&mut self.lower[i..], u, diagonal, p, &scratch.upper_rows);
-            solve_strip::<FMA, M, true, true>(&mut self.upper[i..], u, diagonal, p, &[]);
+            solve_strip::<S, M, false, false>(simd, &mut self.lower[i..], u, diagonal, p, &scratch.upper_rows);
+            solve_strip::<S, M, true, true>(simd, &mut self.upper[i..], u, diagonal, p, &[]);
         });
         for j in (0..u).step_by(WIDTH) {
             let column = &mut self.rest[j * u..];
             tiles!(i in 0, u; M => {
-                let right = self.upper[j..].chunks(u).take(self.pivots).map(|row| four(row).each_ref());
-                let mut tile = outer_products::<FMA, M>(&self.lower[i..], u, right);
-                subtract_from(&column[i..], u, &mut tile);
-                store(&tile, &mut column[i..], u);
+                let right = self.upper[j..].chunks(u).take(self.pivots).map(four);
+                let mut tile = outer_products::<S, M>(simd, &self.lower[i..], u, right);
+                subtract_from(simd, &column[i..], u, &mut tile);
+                store::<S, M>(&tile, &mut column[i..], u);
             });
         }
     }
@@ -210,13 +220,13 @@ impl Blocks<'_> {
         let own = &*self.lower;
         workers.for_each_part(lower, STRIP * p, |s, out| {
             if !(manner.stopped)() {
-                dispatch(SolveStrip::<false> { source: &own[s * STRIP..], stride: u, diagonal, p, rows: upper_rows, out });
+                with_registers(SolveStrip::<false> { source: &own[s * STRIP..], stride: u, diagonal, p, rows: upper_rows, out });
             }
         });
         let own = &*self.upper;
         workers.for_each_part(upper, STRIP * p, |s, out| {
             if !(manner.stopped)() {
-                dispatch(SolveStrip::<true> { source: &own[s * STRIP..], stride: u, diagonal, p, rows: lower_rows, out });
+                with_registers(SolveStrip::<true> { source: &own[s * STRIP..], stride: u, diagonal, p, rows: lower_rows, out });
             }
         });
         for (strips, columns) in [(&*lower, &mut *self.lower), (&*upper, &mut *self.upper)] {
@@ -232,7 +242,7 @@ impl Blocks<'_> {
         workers.for_each_part(self.rest, STRIP * u, |j, columns| {
             if !(manner.stopped)() {
                 let right = &upper[j * STRIP * p..];
-                dispatch(UpdateColumns { lower, right, columns, p, u, pivots });
+                with_registers(UpdateColumns { lower, right, columns, p, u, pivots });
             }
         });
     }
@@ -240,8 +250,9 @@ impl Blocks<'_> {
     /// LU of the pivot block. The parts of the upper factor above its 4 x 4 blocks on the diagonal are left in `upper_rows`, row by row,
     /// for one column of blocks after the other; of a large front also the lower factor's in `lower_rows`.
     #[inline(always)]
-    fn factor_diagonal<const FMA: bool>(
+    fn factor_diagonal<S: Simd>(
         &mut self,
+        simd: S,
         manner: &Manner,
         swaps: &mut [u32],
         scratch: &mut Scratch,
@@ -250,12 +261,12 @@ impl Blocks<'_> {
         let p = self.p;
         let in_strips = p * self.u >= PACKED;
         if p <= PANEL && !in_strips {
-            self.factor_columns::<FMA>(0, p, manner.tiny, swaps, &mut scratch.upper_rows, replaced);
+            self.factor_columns(simd, 0..p, manner.tiny, swaps, &mut scratch.upper_rows, replaced);
             return;
         }
         for from in (0..p).step_by(PANEL) {
             let to = (from + PANEL).min(p);
-            self.factor_columns::<FMA>(from, to, manner.tiny, swaps, &mut scratch.upper_rows, replaced);
+            self.factor_columns(simd, from..to, manner.tiny, swaps, &mut scratch.upper_rows, replaced);
             if to < p && !(manner.stopped)() {
                 self.update_right(from, to, manner.workers, &mut scratch.lower);
             }
@@ -280,45 +291,45 @@ impl Blocks<'_> {
             left.chunks_exact(p).for_each(|column| strips.extend_from_slice(&column[rows.clone()]));
         }
         let strips = &*strips;
-        workers.for_each_part(right, STRIP * p, |_, columns| dispatch(UpdatePanel { left, strips, columns, p, from, to }));
+        workers.for_each_part(right, STRIP * p, |_, columns| with_registers(UpdatePanel { left, strips, columns, p, from, to }));
     }
 
     /// LU of some columns of the pivot block, four at a time, each brought up to date with those to its left from column `from` on.
     #[inline(always)]
-    fn factor_columns<const FMA: bool>(
+    fn factor_columns<S: Simd>(
         &mut self,
-        from: usize,
-        to: usize,
+        simd: S,
+        columns: Range<usize>,
         tiny: f64,
         swaps: &mut [u32],
         all_rows: &mut Vec<[f64; WIDTH]>,
         replaced: &mut impl FnMut(usize),
     ) {
-        let p = self.p;
+        let (p, from) = (self.p, columns.start);
         all_rows.clear();
-        for j in (from..to).step_by(WIDTH) {
+        for j in columns.step_by(WIDTH) {
             let (left, panel) = self.diagonal.split_at_mut(j * p);
             let left = &left[from * p..];
             let start = all_rows.len();
             for i in (from..j).step_by(WIDTH) {
-                let rows = substitute_four::<FMA>(left, p, from, i, all_rows[start..].iter(), panel);
+                let rows = substitute_four(simd, left, p, from, i, all_rows[start..].iter(), panel);
                 all_rows.extend(rows);
             }
             let rows = &all_rows[start..];
             if j > from {
                 tiles!(i in j, p; M => {
-                    let mut tile = outer_products::<FMA, M>(&left[i..], p, rows.iter().map(|row| row.each_ref()));
-                    subtract_from(&panel[i..], p, &mut tile);
-                    store(&tile, &mut panel[i..], p);
+                    let mut tile = outer_products::<S, M>(simd, &left[i..], p, rows.iter());
+                    subtract_from(simd, &panel[i..], p, &mut tile);
+                    store::<S, M>(&tile, &mut panel[i..], p);
                 });
             }
-            self.factor_panel::<FMA>(j, tiny, swaps, replaced);
+            self.factor_panel(simd, j, tiny, swaps, replaced);
         }
     }
 
     /// LU with pivoting of four columns that are up to date.
     #[inline(always)]
-    fn factor_panel<const FMA: bool>(&mut self, j: usize, tiny: f64, swaps: &mut [u32], replaced: &mut impl FnMut(usize)) {
+    fn factor_panel<S: Simd>(&mut self, simd: S, j: usize, tiny: f64, swaps: &mut [u32], replaced: &mut impl FnMut(usize)) {
         let p = self.p;
         for c in 0..WIDTH.min(self.pivots - j) {
             let k = j + c;
@@ -343,22 +354,20 @@ impl Blocks<'_> {
             for x in &mut inside[c + 1..] {
                 *x *= reciprocal;
             }
-            let (below, _) = below.as_chunks_mut::<WIDTH>();
+            let below = S::as_mut_simd_f64s(below).0;
+            let factor = simd.splat_f64s(reciprocal);
             for x in below.iter_mut() {
-                for x in x {
-                    *x *= reciprocal;
-                }
+                *x = simd.mul_f64s(*x, factor);
             }
             for other in rest.chunks_exact_mut(p).take(WIDTH - 1 - c) {
                 let (other_inside, other_below) = other[j..].split_at_mut(WIDTH);
                 let factor = other_inside[c];
                 for r in c + 1..WIDTH {
-                    other_inside[r] = multiply_add::<FMA>(-factor, inside[r], other_inside[r]);
+                    other_inside[r] -= factor * inside[r];
                 }
-                for (x, l) in other_below.as_chunks_mut::<WIDTH>().0.iter_mut().zip(&*below) {
-                    for (x, l) in x.iter_mut().zip(l) {
-                        *x = multiply_add::<FMA>(-factor, *l, *x);
-                    }
+                let factor = simd.splat_f64s(-factor);
+                for (x, l) in S::as_mut_simd_f64s(other_below).0.iter_mut().zip(&*below) {
+                    *x = simd.mul_add_e_f64s(factor, *l, *x);
                 }
             }
         }
@@ -368,7 +377,8 @@ impl Blocks<'_> {
 /// Forward substitution of the rows `i..i + 4` of four columns with the unit lower factor whose columns begin with number `from`; `rows`
 /// are those above. Returns the rows.
 #[inline(always)]
-fn substitute_four<'r, const FMA: bool>(
+fn substitute_four<'r, S: Simd>(
+    simd: S,
     left: &[f64],
     p: usize,
     from: usize,
@@ -376,19 +386,22 @@ fn substitute_four<'r, const FMA: bool>(
     rows: impl Iterator<Item = &'r [f64; WIDTH]>,
     panel: &mut [f64],
 ) -> [[f64; WIDTH]; WIDTH] {
-    let mut tile = outer_products::<FMA, 1>(&left[i..], p, rows.map(|row| row.each_ref()));
-    subtract_from(&panel[i..], p, &mut tile);
-    for [x] in &mut tile {
+    let mut tile = outer_products::<S, 1>(simd, &left[i..], p, rows);
+    subtract_from(simd, &panel[i..], p, &mut tile);
+    let mut columns: [[f64; WIDTH]; WIDTH] = [[0.0; WIDTH]; WIDTH];
+    for (column, [x]) in columns.iter_mut().zip(tile) {
+        *column = cast(x);
         for c in 0..WIDTH - 1 {
             let below = four(&left[(i - from + c) * p + i..]);
-            let pivot = x[c];
             for r in c + 1..WIDTH {
-                x[r] = multiply_add::<FMA>(-below[r], pivot, x[r]);
+                column[r] -= below[r] * column[c];
             }
         }
     }
-    store(&tile, &mut panel[i..], p);
-    std::array::from_fn(|r| std::array::from_fn(|column| tile[column][0][r]))
+    for (column, target) in columns.iter().zip(panel[i..].chunks_mut(p)) {
+        target[..WIDTH].copy_from_slice(column);
+    }
+    std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]))
 }
 
 /// Copies a strip of rows out of its block and solves it there ([`solve_strip`]).
@@ -401,20 +414,19 @@ struct SolveStrip<'a, const UNIT: bool> {
     out: &'a mut [f64],
 }
 
-impl<const UNIT: bool> Kernel for SolveStrip<'_, UNIT> {
+impl<const UNIT: bool> WithSimd for SolveStrip<'_, UNIT> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FMA: bool>(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let SolveStrip { source, stride, diagonal, p, rows, out } = self;
         let width = out.len() / p;
         for (column, source) in out.chunks_exact_mut(width).zip(source.chunks(stride)) {
             column.copy_from_slice(&source[..width]);
         }
         match width / WIDTH {
-            1 => solve_strip::<FMA, 1, UNIT, false>(out, WIDTH, diagonal, p, rows),
-            2 => solve_strip::<FMA, 2, UNIT, false>(out, 2 * WIDTH, diagonal, p, rows),
-            _ => solve_strip::<FMA, 3, UNIT, false>(out, 3 * WIDTH, diagonal, p, rows),
+            1 => solve_strip::<S, 1, UNIT, false>(simd, out, WIDTH, diagonal, p, rows),
+            _ => solve_strip::<S, 2, UNIT, false>(simd, out, 2 * WIDTH, diagonal, p, rows),
         }
     }
 }
@@ -430,11 +442,11 @@ struct UpdateColumns<'a> {
     pivots: usize,
 }
 
-impl Kernel for UpdateColumns<'_> {
+impl WithSimd for UpdateColumns<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FMA: bool>(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let UpdateColumns { lower, right, columns, p, u, pivots } = self;
         let width = columns.len() / u;
         for k in (0..pivots).step_by(DEPTH) {
@@ -443,11 +455,11 @@ impl Kernel for UpdateColumns<'_> {
             tiles!(i in 0, u; M => {
                 let strip = &lower[i * p + k * M * WIDTH..];
                 for j in (0..width).step_by(WIDTH) {
-                    let rows = right[j..].chunks(width).take(depth).map(|row| four(row).each_ref());
-                    let mut tile = outer_products::<FMA, M>(strip, M * WIDTH, rows);
+                    let rows = right[j..].chunks(width).take(depth).map(four);
+                    let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, rows);
                     let place = &mut columns[j * u + i..];
-                    subtract_from(place, u, &mut tile);
-                    store(&tile, place, u);
+                    subtract_from(simd, place, u, &mut tile);
+                    store::<S, M>(&tile, place, u);
                 }
             });
         }
@@ -465,24 +477,24 @@ struct UpdatePanel<'a> {
     to: usize,
 }
 
-impl Kernel for UpdatePanel<'_> {
+impl WithSimd for UpdatePanel<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FMA: bool>(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let UpdatePanel { left, strips, columns, p, from, to } = self;
         let depth = to - from;
         let mut rows = [[0.0; WIDTH]; PANEL];
         for columns in columns.chunks_exact_mut(WIDTH * p) {
             for i in (from..to).step_by(WIDTH) {
-                let new = substitute_four::<FMA>(left, p, from, i, rows[..i - from].iter(), columns);
+                let new = substitute_four(simd, left, p, from, i, rows[..i - from].iter(), columns);
                 rows[i - from..][..WIDTH].copy_from_slice(&new);
             }
             tiles!(i in to, p; M => {
                 let strip = &strips[(i - to) * depth..];
-                let mut tile = outer_products::<FMA, M>(strip, M * WIDTH, rows[..depth].iter().map(|row| row.each_ref()));
-                subtract_from(&columns[i..], p, &mut tile);
-                store(&tile, &mut columns[i..], p);
+                let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, rows[..depth].iter());
+                subtract_from(simd, &columns[i..], p, &mut tile);
+                store::<S, M>(&tile, &mut columns[i..], p);
             });
         }
     }
@@ -505,7 +517,8 @@ fn largest(x: &[f64]) -> f64 {
 /// `X := X T^-1` for `4 * M` rows, with `T` the upper factor or (`UNIT`) the transposed lower factor of the pivot block, whose rows are
 /// given as [`Blocks::factor_diagonal`] leaves them.
 #[inline(always)]
-fn solve_strip<const FMA: bool, const M: usize, const UNIT: bool, const STRIDED: bool>(
+fn solve_strip<S: Simd, const M: usize, const UNIT: bool, const STRIDED: bool>(
+    simd: S,
     x: &mut [f64],
     stride: usize,
     diagonal: &[f64],
@@ -515,62 +528,59 @@ fn solve_strip<const FMA: bool, const M: usize, const UNIT: bool, const STRIDED:
     for j in (0..p).step_by(WIDTH) {
         let (left, right) = x.split_at_mut(j * stride);
         let mut tile = if STRIDED {
-            let rows = diagonal[j..].chunks(p).take(j).map(|row| four(row).each_ref());
-            outer_products::<FMA, M>(left, stride, rows)
+            outer_products::<S, M>(simd, left, stride, diagonal[j..].chunks(p).take(j).map(four))
         } else {
             let (rows, later) = all_rows.split_at(j);
             all_rows = later;
-            outer_products::<FMA, M>(left, stride, rows.iter().map(|row| row.each_ref()))
+            outer_products::<S, M>(simd, left, stride, rows.iter())
         };
-        subtract_from(right, stride, &mut tile);
+        subtract_from(simd, right, stride, &mut tile);
         // Written out, not in loops: only so does the tile stay in registers.
         let t = |row: usize, column: usize| if UNIT { diagonal[(j + row) * p + j + column] } else { diagonal[(j + column) * p + j + row] };
         let [mut x_0, mut x_1, mut x_2, mut x_3] = tile;
         if !UNIT {
-            scale(&mut x_0, t(0, 0));
+            scale(simd, &mut x_0, t(0, 0));
         }
-        eliminate::<FMA, M>(&mut x_1, &x_0, t(0, 1));
-        eliminate::<FMA, M>(&mut x_2, &x_0, t(0, 2));
-        eliminate::<FMA, M>(&mut x_3, &x_0, t(0, 3));
+        eliminate::<S, M>(simd, &mut x_1, &x_0, t(0, 1));
+        eliminate::<S, M>(simd, &mut x_2, &x_0, t(0, 2));
+        eliminate::<S, M>(simd, &mut x_3, &x_0, t(0, 3));
         if !UNIT {
-            scale(&mut x_1, t(1, 1));
+            scale(simd, &mut x_1, t(1, 1));
         }
-        eliminate::<FMA, M>(&mut x_2, &x_1, t(1, 2));
-        eliminate::<FMA, M>(&mut x_3, &x_1, t(1, 3));
+        eliminate::<S, M>(simd, &mut x_2, &x_1, t(1, 2));
+        eliminate::<S, M>(simd, &mut x_3, &x_1, t(1, 3));
         if !UNIT {
-            scale(&mut x_2, t(2, 2));
+            scale(simd, &mut x_2, t(2, 2));
         }
-        eliminate::<FMA, M>(&mut x_3, &x_2, t(2, 3));
+        eliminate::<S, M>(simd, &mut x_3, &x_2, t(2, 3));
         if !UNIT {
-            scale(&mut x_3, t(3, 3));
+            scale(simd, &mut x_3, t(3, 3));
         }
-        store(&[x_0, x_1, x_2, x_3], right, stride);
+        store::<S, M>(&[x_0, x_1, x_2, x_3], right, stride);
     }
 }
 
 /// `x *= factor`.
 #[inline(always)]
-fn scale<const M: usize>(x: &mut [[f64; WIDTH]; M], factor: f64) {
+fn scale<S: Simd, const M: usize>(simd: S, x: &mut [S::f64s; M], factor: f64) {
+    let factor = simd.splat_f64s(factor);
     for x in x {
-        for x in x {
-            *x *= factor;
-        }
+        *x = simd.mul_f64s(*x, factor);
     }
 }
 
 /// `x -= factor * y`.
 #[inline(always)]
-fn eliminate<const FMA: bool, const M: usize>(x: &mut [[f64; WIDTH]; M], y: &[[f64; WIDTH]; M], factor: f64) {
+fn eliminate<S: Simd, const M: usize>(simd: S, x: &mut [S::f64s; M], y: &[S::f64s; M], factor: f64) {
+    let factor = simd.splat_f64s(-factor);
     for (x, y) in x.iter_mut().zip(y) {
-        for (x, y) in x.iter_mut().zip(y) {
-            *x = multiply_add::<FMA>(-factor, *y, *x);
-        }
+        *x = simd.mul_add_e_f64s(factor, *y, *x);
     }
 }
 
 /// `w := L^-1 w` for the pivot block, then `below -= L_21 w`.
 #[inline(always)]
-pub(super) fn substitute_lower<const FMA: bool>(diagonal: &[f64], lower: &[f64], w: &mut [f64], below: &mut [f64]) {
+pub(super) fn substitute_lower<S: Simd>(simd: S, diagonal: &[f64], lower: &[f64], w: &mut [f64], below: &mut [f64]) {
     let (p, u) = (w.len(), below.len());
     for j in (0..p).step_by(WIDTH) {
         for c in 0..WIDTH {
@@ -579,43 +589,47 @@ pub(super) fn substitute_lower<const FMA: bool>(diagonal: &[f64], lower: &[f64],
             }
         }
         let factors = *four(&w[j..]);
-        combine::<FMA>(&diagonal[j * p..], p, j + WIDTH, factors, &mut w[j + WIDTH..]);
+        combine(simd, &diagonal[j * p..], p, j + WIDTH, factors, &mut w[j + WIDTH..]);
         if u > 0 {
-            combine::<FMA>(&lower[j * u..], u, 0, factors, below);
+            combine(simd, &lower[j * u..], u, 0, factors, below);
         }
     }
 }
 
 /// `target -= sum of four columns times factors`, rows from `first` on.
 #[inline(always)]
-fn combine<const FMA: bool>(columns: &[f64], stride: usize, first: usize, factors: [f64; WIDTH], target: &mut [f64]) {
+fn combine<S: Simd>(simd: S, columns: &[f64], stride: usize, first: usize, factors: [f64; WIDTH], target: &mut [f64]) {
     let length = target.len();
-    let column = |k: usize| &columns[k * stride + first..][..length];
-    for ((((x, a), b), c), d) in target.iter_mut().zip(column(0)).zip(column(1)).zip(column(2)).zip(column(3)) {
-        let mut sum = multiply_add::<FMA>(-factors[0], *a, *x);
-        sum = multiply_add::<FMA>(-factors[1], *b, sum);
-        sum = multiply_add::<FMA>(-factors[2], *c, sum);
-        *x = multiply_add::<FMA>(-factors[3], *d, sum);
+    let column = |k: usize| S::as_simd_f64s(&columns[k * stride + first..][..length]).0;
+    let (a, b, c, d) = (column(0), column(1), column(2), column(3));
+    let factor = |k: usize| simd.splat_f64s(-factors[k]);
+    let factors = [factor(0), factor(1), factor(2), factor(3)];
+    for ((((x, a), b), c), d) in S::as_mut_simd_f64s(target).0.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        let mut sum = simd.mul_add_e_f64s(factors[0], *a, *x);
+        sum = simd.mul_add_e_f64s(factors[1], *b, sum);
+        sum = simd.mul_add_e_f64s(factors[2], *c, sum);
+        *x = simd.mul_add_e_f64s(factors[3], *d, sum);
     }
 }
 
 /// `w := U^-1 (w - U_12 right)` for the pivot block.
 #[inline(always)]
-pub(super) fn substitute_upper<const FMA: bool>(diagonal: &[f64], upper: &[f64], w: &mut [f64], right: &[f64]) {
+pub(super) fn substitute_upper<S: Simd>(simd: S, diagonal: &[f64], upper: &[f64], w: &mut [f64], right: &[f64]) {
     let (p, u) = (w.len(), right.len());
     if u > 0 {
+        let right = S::as_simd_f64s(right).0;
         for (w, columns) in w.chunks_exact_mut(WIDTH).zip(upper.chunks_exact(WIDTH * u)) {
-            let mut sums = [[0.0; WIDTH]; WIDTH];
-            for (i, x) in right.as_chunks::<WIDTH>().0.iter().enumerate() {
-                for k in 0..WIDTH {
-                    let column = four(&columns[k * u + i * WIDTH..]);
-                    for l in 0..WIDTH {
-                        sums[k][l] = multiply_add::<FMA>(column[l], x[l], sums[k][l]);
-                    }
-                }
+            let column = |k: usize| S::as_simd_f64s(&columns[k * u..][..u]).0;
+            let (a, b, c, d) = (column(0), column(1), column(2), column(3));
+            let mut sums = [simd.splat_f64s(0.0); WIDTH];
+            for ((((x, a), b), c), d) in right.iter().zip(a).zip(b).zip(c).zip(d) {
+                sums[0] = simd.mul_add_e_f64s(*a, *x, sums[0]);
+                sums[1] = simd.mul_add_e_f64s(*b, *x, sums[1]);
+                sums[2] = simd.mul_add_e_f64s(*c, *x, sums[2]);
+                sums[3] = simd.mul_add_e_f64s(*d, *x, sums[3]);
             }
-            for k in 0..WIDTH {
-                w[k] -= (sums[k][0] + sums[k][1]) + (sums[k][2] + sums[k][3]);
+            for (w, sum) in w.iter_mut().zip(sums) {
+                *w -= simd.reduce_sum_f64s(sum);
             }
         }
     }
@@ -627,6 +641,6 @@ pub(super) fn substitute_upper<const FMA: bool>(diagonal: &[f64], upper: &[f64],
             }
         }
         let factors = *four(&w[j..]);
-        combine::<FMA>(&diagonal[j * p..], p, 0, factors, &mut w[..j]);
+        combine(simd, &diagonal[j * p..], p, 0, factors, &mut w[..j]);
     }
 }

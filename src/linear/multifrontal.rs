@@ -9,10 +9,12 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use pulp::{Simd, WithSimd};
+
 use super::dense::{self, Blocks, Manner, WIDTH};
 use super::symbolic::{Beside, Front, Inside, Run, Symbolic};
 use super::watch::Watch;
-use crate::math::simd::{Kernel, dispatch};
+use crate::math::simd::with_registers;
 use crate::math::workers::Workers;
 
 /// Pivots below this, in a matrix scaled to entries of order one, are replaced by [`dense::REPLACEMENT`].
@@ -152,7 +154,7 @@ impl Multifrontal {
         let eliminate = |segment: &mut Segment<'_, '_>, handed: &[f64], workers: &Workers| {
             // There are as many as threads, so one is free.
             let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
-            dispatch(Elimination {
+            with_registers(Elimination {
                 symbolic,
                 values,
                 scale,
@@ -191,7 +193,7 @@ impl Multifrontal {
         let run = |part: &mut Part<'_>, direction: Direction| {
             let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
             let at_front = scratch.at_front.all_mut();
-            dispatch(Substitution { symbolic, factors, swaps, part, at_front, direction });
+            with_registers(Substitution { symbolic, factors, swaps, part, at_front, direction });
         };
         let above = || {
             let starts = std::iter::once(0).chain(symbolic.tasks.iter().map(|task| task.end));
@@ -279,11 +281,11 @@ struct Elimination<'a, 's, 'u> {
     operations: &'a AtomicU64,
 }
 
-impl Kernel for Elimination<'_, '_, '_> {
+impl WithSimd for Elimination<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FMA: bool>(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Elimination { symbolic, values, scale, segment, handed, scratch, workers, watch, operations } = self;
         let Segment { fronts, factors, swaps, update, replaced } = segment;
         let Scratch { stacks: [even, odd], dense, .. } = scratch;
@@ -317,7 +319,7 @@ impl Kernel for Elimination<'_, '_, '_> {
             let manner = Manner { tiny: TINY, workers, stopped: &stopped };
             let (own, rest) = swaps.split_at_mut(front.pivots);
             swaps = rest;
-            blocks.eliminate::<FMA>(&manner, own, dense, &mut |k| replaced.push((front.first + k) as u32));
+            blocks.eliminate(simd, &manner, own, dense, &mut |k| replaced.push((front.first + k) as u32));
             watch.progressed(operations.fetch_add(front.operations() as u64, Ordering::Relaxed), symbolic.operations);
         }
     }
@@ -439,11 +441,11 @@ struct Substitution<'a, 'p> {
     direction: Direction,
 }
 
-impl Kernel for Substitution<'_, '_> {
+impl WithSimd for Substitution<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FMA: bool>(self) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Substitution { symbolic, factors, swaps, part, at_front, direction } = self;
         let Part { fronts, start, own: ordered, rows: above, outside } = part;
         let fronts = &symbolic.fronts[fronts.clone()];
@@ -461,7 +463,7 @@ impl Kernel for Substitution<'_, '_> {
                 others.fill(0.0);
                 let factors = &factors[front.factors..][..front.length()];
                 let (diagonal, beside) = factors.split_at(front.p * front.p);
-                dense::substitute_lower::<FMA>(diagonal, &beside[..front.u * front.p], pivots, others);
+                dense::substitute_lower(simd, diagonal, &beside[..front.u * front.p], pivots, others);
                 own.copy_from_slice(&pivots[..front.pivots]);
                 let rows = &symbolic.rows[front.rows.clone()];
                 let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
@@ -497,7 +499,7 @@ impl Kernel for Substitution<'_, '_> {
             padding.fill(0.0);
             let factors = &factors[front.factors..][..front.length()];
             let (diagonal, beside) = factors.split_at(front.p * front.p);
-            dense::substitute_upper::<FMA>(diagonal, &beside[front.u * front.p..], pivots, others);
+            dense::substitute_upper(simd, diagonal, &beside[front.u * front.p..], pivots, others);
             own.copy_from_slice(&pivots[..front.pivots]);
         }
     }
