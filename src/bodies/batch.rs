@@ -337,33 +337,39 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     #[inline(always)]
     pub(super) fn integrate(&mut self, integrator: Integrator) {
         let Placement { test, trial, share, weight } = integrator.placement();
-        let (mut force, mut blocks) = ([[Lanes::ZERO; D]; A], [[[[Lanes::ZERO; D]; A]; D]; A]);
+        self.clear();
         for q in 0..Q {
             let (stress, tangent) = self.stress_and_tangent(q, integrator);
             let (test, trial) = (self.deformation_gradient(q, test), self.deformation_gradient(q, trial));
             let Point { gradients, volume } = &self.points[q];
-            add_point(gradients, &test, &trial, &stress, &tangent, *volume * weight, share, &mut force, &mut blocks);
+            add_point(gradients, &test, &trial, &stress, &tangent, *volume * weight, share, &mut self.force, &mut self.tangent);
         }
-        self.finish(force, blocks);
+        self.finish();
     }
 
     /// Sums the material stiffness `int B^T D B dV` over the points; the responses are those at the strains at the end.
     #[inline(always)]
     pub(super) fn integrate_material_stiffness(&mut self, factor: f64) {
-        let (mut force, mut blocks) = ([[Lanes::ZERO; D]; A], [[[[Lanes::ZERO; D]; A]; D]; A]);
+        self.clear();
         for q in 0..Q {
             let (stress, tangent) = (relabel(&self.responses[q].stress), relabel_rows(&self.responses[q].tangent));
             let f = deformation_gradient(&self.gradient_1[q]);
             let Point { gradients, volume } = &self.points[q];
-            add_point(gradients, &f, &f, &stress, &tangent, *volume * factor, 0.0, &mut force, &mut blocks);
+            add_point(gradients, &f, &f, &stress, &tangent, *volume * factor, 0.0, &mut self.force, &mut self.tangent);
         }
-        self.finish(force, blocks);
+        self.finish();
     }
 
-    /// Keeps force and tangent, with what the others leave to the last node.
+    /// Sums begin.
     #[inline(always)]
-    fn finish(&mut self, force: [[Lanes<FMA>; D]; A], blocks: [[[[Lanes<FMA>; D]; A]; D]; A]) {
-        (self.force, self.tangent) = (force, blocks);
+    fn clear(&mut self) {
+        self.force = [[Lanes::ZERO; D]; A];
+        self.tangent = [[[[Lanes::ZERO; D]; A]; D]; A];
+    }
+
+    /// The last node takes what the others leave.
+    #[inline(always)]
+    fn finish(&mut self) {
         for i in 0..D {
             let mut last = Lanes::ZERO;
             for a in 0..A - 1 {

@@ -16,6 +16,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::batch::{Batch, Table, Workspace};
+use super::rounds::{Run, pieces, rounds};
 use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
 use crate::integrators::Integrator;
 use crate::linear::{Block, NodeMatrix, Pattern};
@@ -59,10 +60,11 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Adds the consistent mass.
     fn add_mass(&self, mass: &mut NodeMatrix);
 
-    /// Adds the internal force of a step, and to the placed blocks its derivative with respect to `q_1` and the weighted mass.
+    /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `q_1`
+    /// with the weighted mass; these columns are zero elsewhere.
     ///
     /// # Errors
-    /// The first cell that is inside out at `q_1`; forces and values are then of no use.
+    /// A cell that is inside out at `q_1`, the same one for any number of threads; forces and values are then of no use.
     fn assemble(&self, step: &Step, force: &mut [f64], values: &mut [f64], workers: &Workers) -> Result<(), Inverted>;
 
     /// Adds the mass and `factor` times the material stiffness `int B^T D B dV` at `q`, the tangent of the static forces without its
@@ -96,6 +98,20 @@ struct Cells<const D: usize, const S: usize, const A: usize, const Q: usize> {
     table: Table<D, A, Q>,
     batches: Vec<Batch<D, A>>,
     places: Vec<Places<A>>,
+    rounds: Vec<Vec<PlacedRun<D>>>,
+}
+
+/// A run of cells with the places of the matrix columns of its nodes.
+struct PlacedRun<const D: usize> {
+    run: Run,
+    values: Range<usize>,
+    fresh_values: Vec<Range<usize>>,
+}
+
+impl<const D: usize> PlacedRun<D> {
+    fn unknowns(&self) -> Range<usize> {
+        self.run.nodes.start * D..self.run.nodes.end * D
+    }
 }
 
 /// A space dimension for which there are cells.
@@ -139,6 +155,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S,
             table: Table::new::<C>(),
             batches: cells.chunks(WIDTH).map(|chunk| Batch::new(chunk, &mesh.points, first_node)).collect(),
             places: Vec::new(),
+            rounds: Vec::new(),
         };
         for (index, batch) in elements.batches.iter().enumerate() {
             let volumes = elements.deform(batch, None).volumes;
@@ -158,6 +175,24 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S,
         dispatch(Deform { batch, table: &self.table, q })
     }
 
+    /// Sets, or adds to what earlier rounds left, forces and values of the span of nodes of a run.
+    fn assemble_run(&self, step: &Step, placed: &PlacedRun<D>, force: &mut [f64], values: &mut [f64]) -> Result<(), Inverted> {
+        let PlacedRun { run, values: places, fresh_values } = placed;
+        let sums = Sums { force, values, first_unknown: run.nodes.start * D, first_value: places.start };
+        for nodes in &run.fresh {
+            sums.force[nodes.start * D - sums.first_unknown..nodes.end * D - sums.first_unknown].fill(0.0);
+        }
+        for places in fresh_values {
+            sums.values[places.start - sums.first_value..places.end - sums.first_value].fill(0.0);
+        }
+        let batches = run.cells.start / WIDTH..run.cells.end.div_ceil(WIDTH);
+        dispatch(Assemble { cells: self, step, batches, sums }).map_err(|batch| {
+            let determinants = self.deform(&self.batches[batch], Some(step.q_1)).smallest_determinants;
+            let lane = (0..WIDTH).find(|&lane| determinants[lane].is_nan() || determinants[lane] <= 0.0).unwrap_or_default();
+            Inverted { cell: batch * WIDTH + lane, determinant: determinants[lane] }
+        })
+    }
+
     /// The nodes of a cell of a batch.
     fn nodes(&self, batch: usize, lane: usize) -> &[u32] {
         &self.cliques[batch * WIDTH + lane]
@@ -165,11 +200,11 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S,
 
     /// Adds force and tangent of the cells of a batch.
     #[inline(always)]
-    fn scatter<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, force: &mut [f64], values: &mut [f64]) {
+    fn scatter<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, sums: &mut Sums) {
         let batch = &self.batches[index];
         for (lane, places) in self.places[index * WIDTH..][..batch.count].iter().enumerate() {
             for a in 0..A {
-                let force = &mut force[batch.nodes[a][lane] as usize * D..][..D];
+                let force = &mut sums.force[batch.nodes[a][lane] as usize * D - sums.first_unknown..][..D];
                 for i in 0..D {
                     force[i] += work.force[a][i].0[lane];
                 }
@@ -177,7 +212,8 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S,
             for b in 0..A {
                 let Block { start, stride } = places.columns[b];
                 for k in 0..D {
-                    let column = &mut values[start as usize + k * stride as usize..][..stride as usize];
+                    let first = start as usize + k * stride as usize - sums.first_value;
+                    let column = &mut sums.values[first..][..stride as usize];
                     for a in 0..A {
                         let values = &mut column[places.rows[b][a] as usize..][..D];
                         for i in 0..D {
@@ -223,13 +259,20 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
     }
 }
 
+/// Force and values of a span of nodes, to be added to.
+struct Sums<'a> {
+    force: &'a mut [f64],
+    values: &'a mut [f64],
+    first_unknown: usize,
+    first_value: usize,
+}
+
 /// Force and tangent of a range of batches.
 struct Assemble<'a, const D: usize, const S: usize, const A: usize, const Q: usize> {
     cells: &'a Cells<D, S, A, Q>,
     step: &'a Step<'a>,
-    range: Range<usize>,
-    force: &'a mut [f64],
-    values: &'a mut [f64],
+    batches: Range<usize>,
+    sums: Sums<'a>,
 }
 
 impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, A, Q> {
@@ -238,9 +281,9 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
 
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Result<(), usize> {
-        let Assemble { cells, step, range, force, values } = self;
+        let Assemble { cells, step, batches, mut sums } = self;
         let mut work = Workspace::<FMA, D, S, A, Q>::new();
-        for index in range {
+        for index in batches {
             let batch = &cells.batches[index];
             work.set_points(batch, &cells.table);
             work.set_start(batch, step.q_0);
@@ -251,7 +294,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
             work.respond(&*cells.law, step.integrator);
             work.integrate(step.integrator);
             work.add_mass(&cells.table, step.inertia * cells.density);
-            cells.scatter(index, &work, force, values);
+            cells.scatter(index, &work, &mut sums);
         }
         Ok(())
     }
@@ -262,15 +305,14 @@ struct AssembleMaterialStiffness<'a, const D: usize, const S: usize, const A: us
     cells: &'a Cells<D, S, A, Q>,
     q: &'a [f64],
     factor: f64,
-    force: &'a mut [f64],
-    values: &'a mut [f64],
+    sums: Sums<'a>,
 }
 
 impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for AssembleMaterialStiffness<'_, D, S, A, Q> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FMA: bool>(self) {
+    fn run<const FMA: bool>(mut self) {
         let cells = self.cells;
         let mut work = Workspace::<FMA, D, S, A, Q>::new();
         for (index, batch) in cells.batches.iter().enumerate() {
@@ -279,7 +321,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
             work.respond(&*cells.law, Integrator::Trapezoidal);
             work.integrate_material_stiffness(self.factor);
             work.add_mass(&cells.table, cells.density);
-            cells.scatter(index, &work, self.force, self.values);
+            cells.scatter(index, &work, &mut self.sums);
         }
     }
 }
@@ -296,6 +338,11 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
             rows: std::array::from_fn(|b| std::array::from_fn(|a| pattern.block(nodes[a], nodes[b]).start - columns(nodes[b]).start)),
         };
         self.places = self.cliques.iter().map(places).collect();
+        let before = |node: usize| columns(node as u32).start as usize;
+        let after = |node: usize| before(node) + D * columns(node as u32).stride as usize;
+        let values = |nodes: &Range<usize>| before(nodes.start)..after(nodes.end - 1);
+        let place = |run: Run| PlacedRun { values: values(&run.nodes), fresh_values: run.fresh.iter().map(values).collect(), run };
+        self.rounds = rounds(&self.cliques, WIDTH).into_iter().map(|round| round.into_iter().map(place).collect()).collect();
     }
 
     fn add_mass(&self, mass: &mut NodeMatrix) {
@@ -314,18 +361,29 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
         }
     }
 
-    fn assemble(&self, step: &Step, force: &mut [f64], values: &mut [f64], _workers: &Workers) -> Result<(), Inverted> {
-        let range = 0..self.batches.len();
-        dispatch(Assemble { cells: self, step, range, force, values }).map_err(|batch| {
-            let determinants = self.deform(&self.batches[batch], Some(step.q_1)).smallest_determinants;
-            let lane = (0..WIDTH).find(|&lane| determinants[lane].is_nan() || determinants[lane] <= 0.0).unwrap_or_default();
-            Inverted { cell: batch * WIDTH + lane, determinant: determinants[lane] }
-        })
+    fn assemble(&self, step: &Step, force: &mut [f64], values: &mut [f64], workers: &Workers) -> Result<(), Inverted> {
+        for round in &self.rounds {
+            if !workers.are_many() {
+                for placed in round {
+                    self.assemble_run(step, placed, &mut force[placed.unknowns()], &mut values[placed.values.clone()])?;
+                }
+                continue;
+            }
+            let forces = pieces(force, round.iter().map(PlacedRun::unknowns));
+            let values = pieces(values, round.iter().map(|placed| placed.values.clone()));
+            let mut tasks: Vec<_> = round.iter().zip(forces).zip(values).map(|((placed, f), v)| (placed, f, v, Ok(()))).collect();
+            workers.for_each(&mut tasks, 1, |_, (placed, force, values, outcome)| {
+                *outcome = self.assemble_run(step, placed, force, values);
+            });
+            tasks.into_iter().try_for_each(|(.., outcome)| outcome)?;
+        }
+        Ok(())
     }
 
     fn add_material_stiffness(&self, q: &[f64], factor: f64, values: &mut [f64]) {
         let mut force = vec![0.0; q.len()];
-        dispatch(AssembleMaterialStiffness { cells: self, q, factor, force: &mut force, values });
+        let sums = Sums { force: &mut force, values, first_unknown: 0, first_value: 0 };
+        dispatch(AssembleMaterialStiffness { cells: self, q, factor, sums });
     }
 
     fn strain_energy(&self, q: &[f64]) -> f64 {

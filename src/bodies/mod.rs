@@ -5,6 +5,7 @@
 
 mod batch;
 mod element_loop;
+mod rounds;
 mod surface_loads;
 
 pub use element_loop::{ElementLoop, Elements, Inverted, Space, Step};

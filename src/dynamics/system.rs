@@ -22,7 +22,7 @@ use super::pairs::{Pair, PairKind, boundary_facets, contact_pairs};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, Step, nodal_areas};
 use crate::contact::{Candidates, Correction};
-use crate::integrators::Integrator;
+use crate::integrators::{Configuration, Integrator};
 use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch, Work};
 use crate::math::workers::Workers;
 
@@ -117,6 +117,16 @@ pub(super) struct System<const D: usize> {
     /// What the next step takes over from the ones before, as it was asked for last.
     search: Arc<SearchHistory>,
     workers: Workers,
+    scratch: Scratch,
+}
+
+/// Vectors that every assembly needs for itself.
+#[derive(Default)]
+struct Scratch {
+    /// Internal forces.
+    internal: Vec<f64>,
+    /// Positions that loads act at, then the motion that the mass opposes.
+    motion: Vec<f64>,
 }
 
 /// What a system keeps from one step to the next. Sums depend on it in their last bits, so it belongs to the state.
@@ -238,6 +248,7 @@ where
             stale: false,
             search: Arc::default(),
             workers,
+            scratch: Scratch::default(),
             reference,
         };
         system.place();
@@ -417,27 +428,35 @@ where
         let placement = start.integrator.placement();
         let clock = Instant::now();
         let inertia = start.inertia();
-        self.values.fill(0.0);
         self.assemblies += 1;
-        let mut internal = vec![0.0; unknowns];
+        let Scratch { mut internal, mut motion } = std::mem::take(&mut self.scratch);
+        internal.resize(unknowns, 0.0);
         let step = Step { integrator: start.integrator, inertia, q_0: start.q_0, q_1 };
         for body in &self.bodies {
             body.elements
                 .assemble(&step, &mut internal, &mut self.values, &self.workers)
                 .map_err(|inverted| AssemblyError::Inverted { body: body.name.clone(), inverted })?;
         }
-        let (at, time) = match placement.test {
-            crate::integrators::Configuration::Middle => {
-                (start.q_0.iter().zip(q_1).map(|(a, b)| 0.5 * (a + b)).collect(), start.time + 0.5 * start.dt)
-            }
-            crate::integrators::Configuration::End => (q_1.to_vec(), start.time + start.dt),
-        };
         let mut load = vec![0.0; unknowns];
-        self.loads_into(&at, time, &mut load).map_err(AssemblyError::Load)?;
-        self.add_pressure_tangent(time, placement.share * placement.weight).map_err(AssemblyError::Load)?;
+        if !self.loads.is_empty() {
+            motion.clear();
+            let time = match placement.test {
+                Configuration::Middle => {
+                    motion.extend(start.q_0.iter().zip(q_1).map(|(a, b)| 0.5 * (a + b)));
+                    start.time + 0.5 * start.dt
+                }
+                Configuration::End => {
+                    motion.extend_from_slice(q_1);
+                    start.time + start.dt
+                }
+            };
+            self.loads_into(&motion, time, &mut load).map_err(AssemblyError::Load)?;
+            self.add_pressure_tangent(time, placement.share * placement.weight).map_err(AssemblyError::Load)?;
+        }
         // d: q_1 - q_0 for damping, q_1 - q_0 - dt v_0 for inertia.
         let push = if start.damping.is_some() { 0.0 } else { start.dt };
-        let mut motion: Vec<f64> = (0..unknowns).map(|k| q_1[k] - start.q_0[k] - push * start.v_0[k]).collect();
+        motion.clear();
+        motion.extend(q_1.iter().zip(start.q_0).zip(start.v_0).map(|((q_1, q_0), v_0)| q_1 - q_0 - push * v_0));
         if start.damping.is_none() {
             for (prescribed, v_1) in self.prescribed.iter().zip(start.prescribed_v_1) {
                 motion[prescribed.unknown] = 0.5 * start.dt * (v_1 - start.v_0[prescribed.unknown]);
@@ -451,9 +470,10 @@ where
             load[k] *= placement.weight;
             internal_work += internal[k] * (q_1[k] - start.q_0[k]);
             let external = load[k] + placement.weight * self.weight[k];
-            scale = scale.max(inertial.abs()).max(internal[k].abs()).max(external.abs());
+            scale = scale.max(inertial.abs().max(internal[k].abs()).max(external.abs()));
             residual[k] = inertial + internal[k] - external + start.half_force[k];
         }
+        self.scratch = Scratch { internal, motion };
         self.times.assembly += clock.elapsed();
 
         let clock = Instant::now();

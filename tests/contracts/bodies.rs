@@ -54,7 +54,8 @@ where
 
     /// Force and values of the tangent of a step.
     fn assemble(&self, integrator: Integrator, q_0: &[f64], q_1: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (mut force, mut values) = (vec![0.0; q_1.len()], vec![0.0; self.pattern.values()]);
+        // Nothing of what stood there before may be left.
+        let (mut force, mut values) = (vec![f64::NAN; q_1.len()], vec![f64::NAN; self.pattern.values()]);
         let step = Step { integrator, inertia: 0.0, q_0, q_1 };
         self.elements.assemble(&step, &mut force, &mut values, &Workers::new(1)).expect("no cell turns inside out");
         (force, values)
@@ -158,6 +159,33 @@ where
 #[test]
 fn tangent_holds_the_weighted_mass() {
     for_all!(inertia);
+}
+
+/// Threads share the runs of a body, but not the order of its sums.
+#[test]
+fn sums_do_not_depend_on_the_number_of_threads() {
+    let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").expect("a row of the catalogue");
+    let material = Material::new(row, &[MODULUS, 0.3, 1.0]);
+    let cells = Loop::<2>::new(&rectangle([4.0, 3.0], [40, 30], [0.0; 2]).expect("the mesh is sound"), &material);
+    let mut random = Random(17);
+    let (q_0, q_1) = (cells.random_state(0.01, &mut random), cells.random_state(0.01, &mut random));
+    let step = Step { integrator: Integrator::EnergyMomentum, inertia: 10.0, q_0: &q_0, q_1: &q_1 };
+    let assembled = [1, 2, 3].map(|threads| {
+        let (mut force, mut values) = (vec![f64::NAN; q_1.len()], vec![f64::NAN; cells.pattern.values()]);
+        cells.elements.assemble(&step, &mut force, &mut values, &Workers::new(threads)).expect("no cell turns inside out");
+        (force, values)
+    });
+    assert!(assembled[0] == assembled[1] && assembled[0] == assembled[2]);
+    assert!(assembled[0].1.iter().all(|value| value.is_finite()));
+    // Every row of the tangent of the internal forces sums to zero for a translation: with the mass, to ten times the mass of its node.
+    let (mut mass, along) = (NodeMatrix::new(&cells.pattern, cells.nodes), [1.0, 0.0].repeat(cells.nodes));
+    cells.elements.add_mass(&mut mass);
+    let mut sums = vec![0.0; q_1.len()];
+    cells.pattern.multiply_into(&assembled[0].1, &along, &mut sums);
+    for (node, (sums, mass)) in sums.chunks_exact(2).zip(mass.row_sums()).enumerate() {
+        // Round-off of sums of stiffnesses, some thousands.
+        assert!((sums[0] - 10.0 * mass).abs() < 1e-11 * MODULUS && sums[1].abs() < 1e-11 * MODULUS, "node {node}: {sums:?} {mass}");
+    }
 }
 
 /// Sums of the nodal forces and of their moments about the origin.

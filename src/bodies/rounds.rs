@@ -1,0 +1,137 @@
+//! Runs of cells that can be computed at the same time.
+//!
+//! The cells of a body, in the order of its mesh, are cut into runs of about equal length. A run touches the nodes of a span of node
+//! numbers, so it needs the forces and the matrix columns of that span alone. Runs whose spans do not meet form a *round*; rounds follow
+//! one another. The cut depends on the mesh and not on the number of threads, so neither does the order in which anything is summed.
+//!
+//! Meshes number their nodes by and large along their cells; then two or three rounds suffice. In a mesh whose numbers are shuffled every
+//! span is the whole body, every round is one run, and threads gain nothing.
+
+use std::ops::Range;
+
+/// Cells of one run: enough to be worth a thread's while, and most runs that a body is cut into.
+const LEAST_CELLS: usize = 128;
+const MOST_RUNS: usize = 16;
+
+/// A run of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Run {
+    /// Its cells.
+    pub(super) cells: Range<usize>,
+    /// The smallest span that holds the numbers of all its nodes.
+    pub(super) nodes: Range<usize>,
+    /// The part of it that no run of an earlier round touches: where sums begin with this run.
+    pub(super) fresh: Vec<Range<usize>>,
+}
+
+/// The rounds of a body with such cells, each in ascending order of its nodes; runs consist of whole groups of `together` cells.
+pub(super) fn rounds(cells: &[Vec<u32>], together: usize) -> Vec<Vec<Run>> {
+    let length = cells.len().div_ceil(MOST_RUNS).max(LEAST_CELLS).next_multiple_of(together);
+    let mut rounds: Vec<Vec<Run>> = Vec::new();
+    for first in (0..cells.len()).step_by(length) {
+        let cells_of_run = first..(first + length).min(cells.len());
+        let (mut low, mut high) = (usize::MAX, 0);
+        for &node in cells[cells_of_run.clone()].iter().flatten() {
+            low = low.min(node as usize);
+            high = high.max(node as usize + 1);
+        }
+        let run = Run { cells: cells_of_run, nodes: low..high, fresh: Vec::new() };
+        let is_apart = |other: &Run| other.nodes.end <= run.nodes.start || run.nodes.end <= other.nodes.start;
+        match rounds.iter_mut().find(|round| round.iter().all(is_apart)) {
+            Some(round) => round.push(run),
+            None => rounds.push(vec![run]),
+        }
+    }
+    let mut touched: Vec<Range<usize>> = Vec::new();
+    for round in &mut rounds {
+        round.sort_by_key(|run| run.nodes.start);
+        for run in round.iter_mut() {
+            run.fresh = without(run.nodes.clone(), &touched);
+        }
+        touched.extend(round.iter().map(|run| run.nodes.clone()));
+        touched.sort_by_key(|span| span.start);
+    }
+    rounds
+}
+
+/// What is left of a range without others that ascend.
+fn without(range: Range<usize>, others: &[Range<usize>]) -> Vec<Range<usize>> {
+    let (mut left, mut start) = (Vec::new(), range.start);
+    for other in others {
+        left.push(start..other.start.min(range.end));
+        start = start.max(other.end);
+    }
+    left.push(start..range.end);
+    left.retain(|piece| piece.start < piece.end);
+    left
+}
+
+/// The pieces of `data` at ascending ranges that do not meet.
+pub(super) fn pieces(mut data: &mut [f64], ranges: impl Iterator<Item = Range<usize>>) -> Vec<&mut [f64]> {
+    let mut done = 0;
+    ranges
+        .map(|range| {
+            let (_, rest) = std::mem::take(&mut data).split_at_mut(range.start - done);
+            let (piece, rest) = rest.split_at_mut(range.len());
+            (data, done) = (rest, range.end);
+            piece
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of quadrilaterals as a generator numbers them.
+    fn strip(rows: usize, columns: usize) -> Vec<Vec<u32>> {
+        let node = |i: usize, j: usize| (i * (columns + 1) + j) as u32;
+        let cell = |k: usize| (k / columns, k % columns);
+        (0..rows * columns).map(cell).map(|(i, j)| vec![node(i, j), node(i, j + 1), node(i + 1, j + 1), node(i + 1, j)]).collect()
+    }
+
+    #[test]
+    fn every_cell_is_in_one_run_and_runs_of_a_round_share_no_node() {
+        let cells = strip(100, 40);
+        let rounds = rounds(&cells, 8);
+        assert_eq!(rounds.len(), 2, "a run touches the one before and the one after");
+        let mut seen = vec![0; cells.len()];
+        for round in &rounds {
+            let mut owner = vec![usize::MAX; 101 * 41];
+            for (number, run) in round.iter().enumerate() {
+                assert_eq!(run.cells.start % 8, 0);
+                for k in run.cells.clone() {
+                    seen[k] += 1;
+                    for &node in &cells[k] {
+                        assert!(run.nodes.contains(&(node as usize)));
+                        assert!(owner[node as usize] == usize::MAX || owner[node as usize] == number);
+                        owner[node as usize] = number;
+                    }
+                }
+            }
+            assert!(round.windows(2).all(|pair| pair[0].nodes.end <= pair[1].nodes.start));
+        }
+        assert!(seen.iter().all(|&times| times == 1));
+        let mut begun = vec![0; 101 * 41];
+        rounds.iter().flatten().flat_map(|run| run.fresh.iter().cloned()).flatten().for_each(|node| begun[node] += 1);
+        assert!(begun.iter().all(|&times| times == 1), "every sum begins once");
+    }
+
+    #[test]
+    fn shuffled_numbers_are_computed_one_run_after_the_other() {
+        let mut cells = strip(30, 40);
+        let nodes = 31 * 41;
+        cells.iter_mut().flatten().for_each(|node| *node = *node * 500 % nodes);
+        let rounds = rounds(&cells, 8);
+        assert!(rounds.iter().all(|round| round.len() == 1));
+        assert_eq!(rounds.iter().flatten().map(|run| run.cells.len()).sum::<usize>(), cells.len());
+        assert_eq!(rounds.iter().flatten().flat_map(|run| run.fresh.iter().cloned()).flatten().count(), nodes as usize);
+    }
+
+    #[test]
+    fn pieces_are_those_of_the_ranges() {
+        let mut data = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let pieces = pieces(&mut data, [1..2, 2..4, 5..6].into_iter());
+        assert_eq!(pieces, [&[1.0][..], &[2.0, 3.0], &[5.0]]);
+    }
+}
