@@ -170,6 +170,40 @@ fn the_first_interrupt_ends_the_run_with_its_results() {
 }
 
 #[test]
+fn an_interrupt_ends_a_long_step_of_a_large_model_at_once() {
+    // 40 000 unknowns under a load that no step of this size can follow: it is tried, halved and tried again for many seconds, each
+    // iteration with its assembly and factorization. The first step, with hardly any load, has chosen the order of elimination.
+    let script = "let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });\n\
+                  let press = model(\"press\");\n\
+                  let block = press.add_body(\"block\", rectangle(#{ size: [2.0, 1.0], cells: [200, 100] }), rubber);\n\
+                  press.fix(block.boundary(\"bottom\"));\n\
+                  press.traction(block.boundary(\"top\"), [30.0, -60.0], |t| if t > 0.1 { 1.0 } else { 1e-6 });\n\
+                  let sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.1 });\n\
+                  sim.step();\n\
+                  print(\"stepping\");\n\
+                  sim.step();\n";
+    let home = folder("interrupt-step", script);
+    let mut child = conserva(&home, &["run", "main.rhai"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+    assert_eq!(line, "stepping\n");
+    // Whatever the step does then; it does not end before the signal comes.
+    std::thread::sleep(Duration::from_millis(300));
+    signal(&child, "-INT");
+    let asked = Instant::now();
+    let output = child.wait_with_output().unwrap();
+    let waited = asked.elapsed();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    // Where the step is let go on, it takes tens of seconds without optimization and several with it; 0.3 s on a machine that is twice
+    // as busy as it has processors.
+    assert!(waited < Duration::from_secs(2), "the run ended only after {waited:?}");
+    let message = stderr(&output);
+    assert!(message.contains("error: interrupted at t = 0.1\n --> main.rhai:9:5\n"), "{message}");
+    assert!(message.contains("everything up to this time is kept"), "{message}");
+    assert_eq!((rows(&home), outcome(&home)), (2, "interrupted".into()));
+}
+
+#[test]
 fn an_interrupt_ends_a_script_that_only_loops() {
     let home = folder("interrupt-loop", "print(\"looping\"); loop { }");
     let mut child = conserva(&home, &["run", "main.rhai", "--max-operations", "1000000000000"]).stdout(Stdio::piped()).spawn().unwrap();
