@@ -1,11 +1,13 @@
 //! The end of a converged step: velocities, what an impact gives back, the row of the ledger.
 
+use std::sync::Arc;
+
 use super::ledger::LedgerRow;
 use super::model::UpdateRule;
 use super::newton::{Failure, Solution};
 use super::pairs::{Conditions, PairKind};
 use super::simulation::State;
-use super::system::{Forces, StepStart, moment, resultant};
+use super::system::{Forces, StepStart, add_force, add_moment, half_product, moment, resultant};
 use super::time_loop::TimeLoop;
 use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
@@ -68,7 +70,7 @@ where
 
     /// The state at the end of a converged step, with its row of the ledger.
     pub(super) fn accept(&mut self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
-        let Solution { q_1, mut lambda, active, forces, iterations } = solution;
+        let Solution { q_1, mut lambda, active, mut forces, iterations } = solution;
         let search = self.system.search();
         let (system, dt, unknowns) = (&self.system, start.dt, q_1.len());
         for (lambda, _) in lambda.iter_mut().zip(&active).filter(|(_, active)| !**active) {
@@ -84,29 +86,31 @@ where
             let rate: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - start.v_0[k]) / dt).collect();
             let mut inertia = vec![0.0; unknowns];
             system.mass.multiply_into::<D>(&rate, &mut inertia);
-            (0..unknowns).map(|k| forces.without_contact[k] - forces.contact[k] - inertia[k] - start.half_force[k]).collect()
+            let new = |k: usize| forces.without_contact[k] - forces.contact[k] - inertia[k] - start.half_force[k];
+            Arc::new((0..unknowns).map(new).collect())
         } else {
             self.state.half_force.clone()
         };
         if let Some(jump) = &jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
         }
+        let momenta = system.nodal_momenta(&v_1);
         let old = &self.state.row;
         let mut row = LedgerRow {
             step: old.step + 1,
             dt,
-            kinetic: system.kinetic_energy(&v_1),
+            kinetic: half_product(&v_1, &momenta),
             strain: system.strain_energy(&q_1),
             potential: system.potential_energy(&q_1) + system.penalty_energy(&gaps),
             newton_iterations: iterations,
             active: system.touching(&active),
             ..LedgerRow::default()
         };
-        (row.momentum, row.angular_momentum) = system.momenta(&q_1, &v_1);
+        (row.momentum, row.angular_momentum) = (resultant::<D>(&momenta), moment::<D>(&q_1, &momenta));
 
         // The trapezoidal rule's forces are the mean of both ends; the load of the start is part of the half force.
         let weight = start.integrator.placement().weight;
-        let mut load = forces.load.clone();
+        let mut load = std::mem::take(&mut forces.load);
         if start.integrator == Integrator::Trapezoidal {
             let mut load_n = vec![0.0; unknowns];
             if system.loads_into(start.q_0, start.time, &mut load_n).is_ok() {
@@ -140,23 +144,28 @@ where
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
 
         // Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
-        let mut external = load.clone();
-        for k in 0..unknowns {
-            external[k] += system.weight[k] + obstacle_force[k];
-            if system.fixed[k] {
-                external[k] += forces.without_contact[k] - forces.contact[k];
+        let (mut external, mut turning) = ([0.0; 3], [0.0; 3]);
+        for node in 0..unknowns / D {
+            let (mut force, mut middle) = ([0.0; D], [0.0; D]);
+            for i in 0..D {
+                let k = node * D + i;
+                force[i] = load[k] + (system.weight[k] + obstacle_force[k]);
+                if system.fixed[k] {
+                    force[i] += forces.without_contact[k] - forces.contact[k];
+                }
+                middle[i] = 0.5 * (q_1[k] + start.q_0[k]);
             }
+            add_force(&mut external, &force);
+            add_moment(&mut turning, &middle, &force);
         }
-        let middle: Vec<f64> = (0..unknowns).map(|k| 0.5 * (q_1[k] + start.q_0[k])).collect();
-        let nothing = vec![0.0; unknowns];
-        let impulse = jump.as_ref().map_or(&nothing, |jump| &jump.impulse);
+        let impulse = jump.as_ref().map_or(&[][..], |jump| &jump.impulse);
         let unexplained = |new: [f64; 3], old: [f64; 3], rate: [f64; 3], impulse: [f64; 3]| {
             (0..3).map(|i| (new[i] - old[i] - dt * rate[i] - impulse[i]).abs()).fold(0.0, f64::max)
         };
-        row.momentum_defect = unexplained(row.momentum, old.momentum, resultant::<D>(&external), resultant::<D>(impulse));
-        let (rate, mut impulse) = (moment::<D>(&middle, &external), moment::<D>(&q_1, impulse));
+        row.momentum_defect = unexplained(row.momentum, old.momentum, external, resultant::<D>(impulse));
+        let mut impulse = moment::<D>(&q_1, impulse);
         (0..3).for_each(|i| impulse[i] += slip_moment[i]);
-        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, rate, impulse);
+        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, turning, impulse);
 
         for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
             for (node, (gap, covered)) in pair.evaluation.gap.iter().zip(&pair.evaluation.coverage).enumerate() {

@@ -6,9 +6,10 @@
 
 use super::error::StepError;
 use super::pairs::{Conditions, LargeMotion, Pair};
-use super::system::{AssemblyError, ConstraintRows, Forces, StepStart, System, moment, resultant};
+use super::system::{AssemblyError, ConstraintRows, Forces, StepStart, System, add_force, add_moment};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::linear::LinearError;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// A converged step.
@@ -195,7 +196,7 @@ where
         record.active = set.iter().filter(|active| **active).count();
         contacts.active = set;
         history.push(record);
-        let largest = increment.iter().fold(0.0f64, |largest, d| largest.max(d.abs()));
+        let largest = largest_size(&increment);
         if !largest.is_finite() {
             return Err(Failure::Diverged);
         }
@@ -208,7 +209,8 @@ where
         match strategy {
             Strategy::InnerLoop => {
                 let alpha = if largest > limit { limit / largest } else { 1.0 };
-                (*q_1, lambda) = moved_to(alpha);
+                q_1.iter_mut().zip(&increment).for_each(|(q, d)| *q += alpha * d);
+                lambda.iter_mut().zip(&new_lambda).for_each(|(old, new)| *old += alpha * (new - *old));
                 forces = system.assemble(start, q_1, &lambda)?;
             }
             Strategy::Backtracking => {
@@ -276,21 +278,31 @@ where
 {
     let mut record = Iteration::default();
     let mut work = 0.0;
-    let mut unbalanced = vec![0.0; q_1.len()];
-    for k in (0..q_1.len()).filter(|&k| !system.fixed[k]) {
-        let r = forces.without_contact[k] - forces.contact[k];
-        unbalanced[k] = r;
-        if r.abs() > record.residual {
-            (record.residual, record.worst) = (r.abs(), k);
+    let (mut resultant, mut turning) = ([0.0; 3], [0.0; 3]);
+    // One pass over the nodes: long vectors are not read twice.
+    for node in 0..q_1.len() / D {
+        let mut unbalanced = [0.0; D];
+        for i in 0..D {
+            let k = node * D + i;
+            if system.fixed[k] {
+                continue;
+            }
+            let r = forces.without_contact[k] - forces.contact[k];
+            unbalanced[i] = r;
+            if r.abs() > record.residual {
+                (record.residual, record.worst) = (r.abs(), k);
+            }
+            work += r * (q_1[k] - task.start.q_0[k]);
         }
-        work += r * (q_1[k] - task.start.q_0[k]);
+        add_force(&mut resultant, &unbalanced);
+        add_moment(&mut turning, &q_1[node * D..][..D], &unbalanced);
     }
     // Momenta that the residual gives, as an energy at the speed that the energy stands for.
     let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let kick = size(resultant::<D>(&unbalanced)) + size(moment::<D>(q_1, &unbalanced)) / system.extent;
-    let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt * kick * (2.0 * task.energy / system.nodal_mass.iter().sum::<f64>()).sqrt();
+    let kick = size(resultant) + size(turning) / system.extent;
+    let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt * kick * (2.0 * task.energy / system.total_mass).sqrt();
     // Positions carry round-off in proportion to their size; stiffness and inertia turn it into force.
-    let reach = q_1.iter().fold(system.extent, |reach, q| reach.max(q.abs()));
+    let reach = largest_size(q_1).max(system.extent);
     let stiffness = system.modulus * system.extent.powi(D as i32 - 2) + task.start.inertia() * system.largest_nodal_mass;
     record.floor = tolerances::FORCE_FLOOR * stiffness * reach;
     record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);

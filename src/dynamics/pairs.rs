@@ -134,16 +134,25 @@ impl<const D: usize> System<D> {
 
     /// Largest predicted motion of the nodes of an active patch's secondary side relative to those of its primary side `[length]`.
     fn sliding(&self, pair: &Pair, q_0: &[f64], predicted: &[f64], active: &[bool]) -> f64 {
-        let (patches, secondary, primary) = (pair.kernel.patches(), pair.kernel.secondary(), pair.kernel.primary());
+        let patches = pair.kernel.patches();
+        if !active[pair.rows.clone()].contains(&true) {
+            return 0.0;
+        }
+        // On which sides a node of the model lies: to look it up for every patch would take longer than all the rest.
+        const SECONDARY: u8 = 1;
+        const PRIMARY: u8 = 2;
+        let mut lies_on = vec![0u8; self.nodal_mass.len()];
+        for (side, surface) in [(SECONDARY, pair.kernel.secondary()), (PRIMARY, pair.kernel.primary())] {
+            surface.nodes().iter().for_each(|&node| lies_on[node as usize] |= side);
+        }
         let mut largest = 0.0f64;
         for p in 0..patches.len() {
             if !patches.rows(p).iter().any(|&row| active[pair.rows.start + row as usize]) {
                 continue;
             }
-            let mean = |side: &Surface, other: &Surface| -> Option<[f64; D]> {
-                let own = |&&node: &&u32| side.index(node).is_some() && other.index(node).is_none();
+            let mean = |side: u8| -> Option<[f64; D]> {
                 let (mut sum, mut count) = ([0.0; D], 0.0);
-                for &node in patches.nodes(p).iter().filter(own) {
+                for &node in patches.nodes(p).iter().filter(|&&node| lies_on[node as usize] == side) {
                     count += 1.0;
                     for i in 0..D {
                         let k = node as usize * D + i;
@@ -152,7 +161,7 @@ impl<const D: usize> System<D> {
                 }
                 (count > 0.0).then(|| sum.map(|sum| sum / count))
             };
-            if let (Some(a), Some(b)) = (mean(secondary, primary), mean(primary, secondary)) {
+            if let (Some(a), Some(b)) = (mean(SECONDARY), mean(PRIMARY)) {
                 largest = largest.max((0..D).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt());
             }
         }

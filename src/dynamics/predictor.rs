@@ -12,16 +12,18 @@ pub(super) fn rigid_motion<const D: usize>(system: &System<D>, q_0: &[f64], v_0:
 where
     Space<D>: Elements<D>,
 {
+    let mut q_1 = q_0.to_vec();
+    if !system.piece_is_free.contains(&true) {
+        return q_1;
+    }
     let pieces = system.piece_is_free.len();
-    let (mut momentum, mut mass_position) = (vec![0.0; v_0.len()], vec![0.0; q_0.len()]);
-    system.mass.multiply_into::<D>(v_0, &mut momentum);
-    system.mass.multiply_into::<D>(q_0, &mut mass_position);
+    let (momentum, mass_position) = (system.nodal_momenta(v_0), system.nodal_momenta(q_0));
     let mut mass = vec![0.0; pieces];
     let mut center = vec![nalgebra::Vector3::zeros(); pieces];
     let mut velocity = vec![nalgebra::Vector3::zeros(); pieces];
-    let piece_of = |node: usize| system.pieces[node] as usize;
-    for node in 0..system.nodes() {
-        let piece = piece_of(node);
+    // Nodes of the pieces that move, with these.
+    let free = || system.pieces.iter().map(|&piece| piece as usize).enumerate().filter(|&(_, piece)| system.piece_is_free[piece]);
+    for (node, piece) in free() {
         mass[piece] += system.nodal_mass[node];
         center[piece] += vector::<D>(&mass_position, node);
         velocity[piece] += vector::<D>(&momentum, node);
@@ -32,12 +34,16 @@ where
     }
     let mut spin = vec![nalgebra::Vector3::zeros(); pieces];
     let mut inertia = vec![nalgebra::Matrix3::zeros(); pieces];
-    for node in 0..system.nodes() {
-        let piece = piece_of(node);
+    for (node, piece) in free() {
         let arm = vector::<D>(q_0, node) - center[piece];
         spin[piece] += arm.cross(&vector::<D>(&momentum, node));
         let weighted = vector::<D>(&mass_position, node) - center[piece] * system.nodal_mass[node];
-        inertia[piece] += nalgebra::Matrix3::identity() * arm.dot(&weighted) - arm * weighted.transpose();
+        if D == 2 {
+            // In the plane no other entry is used.
+            inertia[piece].m33 += arm.dot(&weighted);
+        } else {
+            inertia[piece] += nalgebra::Matrix3::identity() * arm.dot(&weighted) - arm * weighted.transpose();
+        }
     }
     let rotation: Vec<nalgebra::Matrix3<f64>> = (0..pieces)
         .map(|piece| {
@@ -53,14 +59,10 @@ where
                 .map_or(nalgebra::Matrix3::identity(), |inverse| inverse * (nalgebra::Matrix3::identity() + half))
         })
         .collect();
-    let mut q_1 = q_0.to_vec();
-    for node in 0..system.nodes() {
-        let piece = piece_of(node);
-        if system.piece_is_free[piece] {
-            let arm = vector::<D>(q_0, node) - center[piece];
-            let moved = center[piece] + velocity[piece] * dt + rotation[piece] * arm;
-            q_1[node * D..(node + 1) * D].copy_from_slice(&moved.as_slice()[..D]);
-        }
+    for (node, piece) in free() {
+        let arm = vector::<D>(q_0, node) - center[piece];
+        let moved = center[piece] + velocity[piece] * dt + rotation[piece] * arm;
+        q_1[node * D..(node + 1) * D].copy_from_slice(&moved.as_slice()[..D]);
     }
     q_1
 }

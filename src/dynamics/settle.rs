@@ -1,11 +1,13 @@
 //! `settle`: equilibrium under the loads of the present time, by damped steps without inertia.
 
+use std::sync::Arc;
+
 use super::error::StepError;
 use super::newton::{Failure, Task};
 use super::pairs::Conditions;
 use super::predictor;
 use super::report::FailureCause;
-use super::simulation::{Clock, SettleReport};
+use super::simulation::{Clock, SettleReport, State};
 use super::system::StepStart;
 use super::time_loop::{TimeLoop, solve};
 use crate::bodies::{Elements, Space};
@@ -26,8 +28,9 @@ where
     /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
     pub(super) fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         if time != self.state.row.time {
-            self.state.row.time = time;
-            self.state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
+            let state = Arc::make_mut(&mut self.state);
+            state.row.time = time;
+            state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
         }
         self.settle_from_here()
     }
@@ -95,10 +98,11 @@ where
             // What the damping did in this step: nothing, at equilibrium.
             let motion: Vec<f64> = solution.q_1.iter().zip(&positions).map(|(a, b)| a - b).collect();
             let dissipated = 2.0 * SETTLE_DAMPING * frequency_squared * self.system.kinetic_energy(&motion);
-            self.state.positions = solution.q_1;
-            self.state.lambda = solution.lambda;
-            self.state.active = solution.active;
-            self.state.search = self.system.search();
+            let state = Arc::make_mut(&mut self.state);
+            state.positions = solution.q_1;
+            state.lambda = solution.lambda;
+            state.active = solution.active;
+            state.search = self.system.search();
             if dissipated <= 1e-14 * strain.max(floor) {
                 break;
             }
@@ -111,13 +115,12 @@ where
         }
         let contacts = self.contact_totals(&self.state.positions, &self.state.lambda, &self.state.active);
         let probes = self.probe_values(&self.state.positions, &self.state.velocities);
-        let (q, v) = (&self.state.positions, &self.state.velocities);
-        let row = &mut self.state.row;
+        let State { positions: q, velocities: v, row, active, .. } = Arc::make_mut(&mut self.state);
         row.strain = self.system.strain_energy(q);
         let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
         row.potential = self.system.potential_energy(q) + self.system.penalty_energy(&gaps);
         (row.momentum, row.angular_momentum) = self.system.momenta(q, v);
-        row.active = self.system.touching(&self.state.active);
+        row.active = self.system.touching(active);
         (row.contacts, row.probes) = (contacts, probes);
         Ok(SettleReport {
             steps,

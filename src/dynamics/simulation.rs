@@ -112,7 +112,7 @@ pub struct State {
     /// Active contact nodes.
     pub(super) active: Vec<bool>,
     /// Half of the forces that are not inertial (trapezoidal rule).
-    pub(super) half_force: Vec<f64>,
+    pub(super) half_force: Arc<Vec<f64>>,
     /// Counts steps.
     pub(super) clock: Clock,
     /// What the search for contact takes over from the steps before.
@@ -145,7 +145,7 @@ pub(super) trait Steps {
     fn options(&self) -> &Options;
     fn options_mut(&mut self) -> &mut Options;
     fn unknowns(&self) -> usize;
-    fn state(&self) -> &State;
+    fn state(&self) -> &Arc<State>;
     fn restore(&mut self, state: &State);
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
     fn settle(&mut self, time: f64) -> Result<SettleReport, StepError>;
@@ -248,6 +248,11 @@ impl Simulation {
 
     /// The current state as a value.
     pub fn state(&self) -> State {
+        State::clone(self.steps.state())
+    }
+
+    /// The current state as a value that is shared, not copied.
+    pub fn shared_state(&self) -> Arc<State> {
         self.steps.state().clone()
     }
 

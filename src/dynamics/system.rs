@@ -24,6 +24,7 @@ use crate::bodies::{ElementLoop, Elements, Inverted, Space, Step, nodal_areas};
 use crate::contact::{Candidates, Correction};
 use crate::integrators::{Configuration, Integrator};
 use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch, Work};
+use crate::math::norms::largest_size;
 use crate::math::workers::Workers;
 
 /// A body in the numbering of the model.
@@ -94,6 +95,8 @@ pub(super) struct System<const D: usize> {
     /// Mass of every node (row sums).
     pub(super) nodal_mass: Vec<f64>,
     pub(super) largest_nodal_mass: f64,
+    /// Mass of all bodies.
+    pub(super) total_mass: f64,
     /// Force of gravity.
     pub(super) weight: Vec<f64>,
     /// Largest Young's modulus and largest extent, for the round-off floor of forces.
@@ -228,7 +231,8 @@ where
             prescribed,
             prescriptions,
             mass,
-            largest_nodal_mass: nodal_mass.iter().copied().fold(0.0, f64::max),
+            largest_nodal_mass: largest_size(&nodal_mass),
+            total_mass: nodal_mass.iter().sum(),
             nodal_mass,
             weight,
             modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
@@ -510,7 +514,7 @@ where
                 block += nodes.len() * nodes.len();
             }
         }
-        scale = contact.iter().fold(scale, |scale, f| scale.max(f.abs()));
+        scale = scale.max(largest_size(&contact));
         self.times.contact += clock.elapsed();
         if residual.iter().any(|r| !r.is_finite()) {
             return Err(AssemblyError::NotFinite);
@@ -659,9 +663,7 @@ where
 
     /// Kinetic energy `[energy]`.
     pub(super) fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        let mut momentum = vec![0.0; v.len()];
-        self.mass.multiply_into::<D>(v, &mut momentum);
-        0.5 * v.iter().zip(&momentum).map(|(v, p)| v * p).sum::<f64>()
+        half_product(v, &self.nodal_momenta(v))
     }
 
     /// Strain energy `[energy]`.
@@ -682,9 +684,15 @@ where
 
     /// Linear and angular momentum about the origin.
     pub(super) fn momenta(&self, q: &[f64], v: &[f64]) -> ([f64; 3], [f64; 3]) {
-        let mut momentum = vec![0.0; v.len()];
-        self.mass.multiply_into::<D>(v, &mut momentum);
-        (resultant::<D>(&momentum), moment::<D>(q, &momentum))
+        let momenta = self.nodal_momenta(v);
+        (resultant::<D>(&momenta), moment::<D>(q, &momenta))
+    }
+
+    /// `M v`.
+    pub(super) fn nodal_momenta(&self, v: &[f64]) -> Vec<f64> {
+        let mut momenta = vec![0.0; v.len()];
+        self.mass.multiply_into::<D>(v, &mut momenta);
+        momenta
     }
 }
 
@@ -695,28 +703,39 @@ pub(super) enum AssemblyError {
     NotFinite,
 }
 
+/// `1/2 v.p`: kinetic energy from velocities and their nodal momenta.
+pub(super) fn half_product(v: &[f64], p: &[f64]) -> f64 {
+    0.5 * v.iter().zip(p).map(|(v, p)| v * p).sum::<f64>()
+}
+
 /// Sum of nodal vectors.
 pub(super) fn resultant<const D: usize>(force: &[f64]) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for f in force.chunks_exact(D) {
-        for i in 0..D {
-            sum[i] += f[i];
-        }
-    }
+    force.chunks_exact(D).for_each(|f| add_force(&mut sum, f));
     sum
 }
 
 /// Sum of moments `q x f` about the origin.
 pub(super) fn moment<const D: usize>(q: &[f64], force: &[f64]) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for (q, f) in q.chunks_exact(D).zip(force.chunks_exact(D)) {
-        sum[2] += q[0] * f[1] - q[1] * f[0];
-        if D == 3 {
-            sum[0] += q[1] * f[2] - q[2] * f[1];
-            sum[1] += q[2] * f[0] - q[0] * f[2];
-        }
-    }
+    q.chunks_exact(D).zip(force.chunks_exact(D)).for_each(|(q, f)| add_moment(&mut sum, q, f));
     sum
+}
+
+/// Adds a nodal vector.
+#[inline(always)]
+pub(super) fn add_force(sum: &mut [f64; 3], f: &[f64]) {
+    sum.iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
+}
+
+/// Adds a moment `q x f`.
+#[inline(always)]
+pub(super) fn add_moment(sum: &mut [f64; 3], q: &[f64], f: &[f64]) {
+    sum[2] += q[0] * f[1] - q[1] * f[0];
+    if q.len() == 3 {
+        sum[0] += q[1] * f[2] - q[2] * f[1];
+        sum[1] += q[2] * f[0] - q[0] * f[2];
+    }
 }
 
 /// The couplings of all cells and candidate pairs. The anchor of a multiplier is its secondary node, if that one is free to move and no

@@ -2,6 +2,8 @@
 //!
 //! A step is a transaction: it takes the state and puts a new one in its place, or leaves it alone.
 
+use std::sync::Arc;
+
 use super::error::{ModelError, StepError};
 use super::failed::tried;
 use super::fields::{BodyFields, ContactFields};
@@ -27,7 +29,8 @@ pub(super) struct TimeLoop<const D: usize> {
     pub(super) model: Model,
     pub(super) system: System<D>,
     pub(super) options: Options,
-    pub(super) state: State,
+    /// Shared with whoever keeps it: a step makes a new one.
+    pub(super) state: Arc<State>,
     pub(super) statistics: Statistics,
     /// Nodes whose motion every row of the ledger tells.
     pub(super) probes: Vec<usize>,
@@ -60,7 +63,7 @@ where
             row,
             lambda: vec![0.0; system.multipliers],
             active: vec![false; system.multipliers],
-            half_force: vec![0.0; positions.len()],
+            half_force: Arc::new(vec![0.0; positions.len()]),
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
             search: system.search(),
             level: 0,
@@ -72,7 +75,7 @@ where
             model: model.clone(),
             system,
             options,
-            state,
+            state: Arc::new(state),
             statistics: Statistics::default(),
             probes: Vec::new(),
             trace: Trace::default(),
@@ -159,7 +162,9 @@ where
         let work = match self.system.loads_into(predicted, start.time + 0.5 * start.dt, &mut load) {
             // Kinetic energy that the loads give to nodes at rest within the step.
             Ok(_) => (0..load.len())
-                .map(|k| (load[k] + self.system.weight[k]).powi(2) * start.dt * start.dt / self.system.nodal_mass[k / D])
+                .map(|k| (load[k] + self.system.weight[k], self.system.nodal_mass[k / D]))
+                .filter(|(force, _)| *force != 0.0)
+                .map(|(force, mass)| force.powi(2) * start.dt * start.dt / mass)
                 .sum::<f64>(),
             Err(_) => 0.0,
         };
@@ -204,7 +209,7 @@ where
         match self.system.assemble(&start, &state.positions, &state.lambda) {
             Ok(forces) => {
                 let half = forces.without_contact.iter().zip(&forces.contact).map(|(r, c)| r - c).collect();
-                self.state.half_force = half;
+                Arc::make_mut(&mut self.state).half_force = Arc::new(half);
                 Ok(())
             }
             Err(AssemblyError::Load(error)) => Err(error),
@@ -307,7 +312,7 @@ where
         self.system.fixed.iter().filter(|fixed| !**fixed).count()
     }
 
-    fn state(&self) -> &State {
+    fn state(&self) -> &Arc<State> {
         &self.state
     }
 
@@ -317,10 +322,10 @@ where
             (self.state.positions.len(), self.state.lambda.len()),
             "the state is of the same model"
         );
-        self.state = state.clone();
+        self.state = Arc::new(state.clone());
         if self.state.row.probes.len() != self.probes.len() {
             // A node that was not watched then.
-            self.state.row.probes = self.probe_values(&state.positions, &state.velocities);
+            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.positions, &state.velocities);
         }
         self.system.restore_search(&state.search, &state.positions, state.row.time);
     }
@@ -350,7 +355,8 @@ where
 
     fn watch(&mut self, node: usize) {
         self.probes.push(node);
-        self.state.row.probes = self.probe_values(&self.state.positions, &self.state.velocities);
+        let probes = self.probe_values(&self.state.positions, &self.state.velocities);
+        Arc::make_mut(&mut self.state).row.probes = probes;
     }
 
     fn watched(&self) -> &[usize] {
@@ -439,7 +445,7 @@ where
                         state.clock = Clock { origin: state.row.time, count: 0, dt: self.options.dt };
                     }
                     self.statistics.steps += 1;
-                    self.state = state;
+                    self.state = Arc::new(state);
                     accepted(&self.state.row);
                 }
                 Err(Failure::Fatal(error)) => return Err(error),

@@ -6,6 +6,8 @@
 //! each). Numbers have the fewest digits that read back as the same value. A value that does not exist yet, such as
 //! that of a probe added later, is an empty field.
 
+use std::fmt::Write as _;
+
 use super::files::{OutputError, RunFiles, Stream};
 use crate::dynamics::LedgerRow;
 
@@ -28,16 +30,21 @@ fn header(dimension: usize, extra: &[String]) -> Vec<u8> {
 
 /// A row with the values of the further columns; NaN there, and what is missing, becomes an empty field.
 fn record(dimension: usize, row: &LedgerRow, extra: &[f64], extra_columns: usize) -> Vec<u8> {
-    let number = |name: &str| match row.column(name) {
-        Some(value) if COUNTS.contains(&name) => format!("{value}"),
-        Some(value) => format!("{value:?}"),
-        None => String::new(),
-    };
-    let further = (0..extra_columns).map(|index| match extra.get(index) {
-        Some(value) if !value.is_nan() => format!("{value:?}"),
-        _ => String::new(),
-    });
-    line(&LedgerRow::columns(dimension).into_iter().map(number).chain(further).collect::<Vec<_>>())
+    // Numbers need no quotes, so a row is written without a writer of records and a string for each field.
+    let mut text = String::with_capacity(20 * (20 + extra_columns));
+    let own = LedgerRow::columns(dimension).into_iter().map(|name| (row.column(name), COUNTS.contains(&name)));
+    let further = (0..extra_columns).map(|index| (extra.get(index).copied().filter(|value| !value.is_nan()), false));
+    for (value, is_count) in own.chain(further) {
+        // Memory takes everything.
+        let _ = match value {
+            Some(value) if is_count => write!(text, "{value},"),
+            Some(value) => write!(text, "{value:?},"),
+            None => write!(text, ","),
+        };
+    }
+    text.pop();
+    text.push('\n');
+    text.into_bytes()
 }
 
 /// The growing file.

@@ -3,6 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rhai::{Array, Dynamic, EvalAltResult, Map};
@@ -99,7 +100,7 @@ pub struct Probe {
 #[derive(Clone)]
 pub struct Past {
     /// The state.
-    pub state: Rc<State>,
+    pub state: Arc<State>,
     /// Rows of the history.
     pub rows: usize,
 }
@@ -149,7 +150,7 @@ impl Handle for SimulationHandle {
 #[derive(Clone)]
 pub struct StateHandle {
     /// The state.
-    pub state: Rc<State>,
+    pub state: Arc<State>,
     /// The history up to it.
     pub history: Rc<Vec<LedgerRow>>,
     /// Its simulation.
@@ -225,7 +226,7 @@ pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     let dimension = model.dimension();
     let mut values: Vec<f64> = row.contacts.iter().flat_map(|totals| totals.values(dimension)).collect();
     // Before the first step nothing is known of contact.
-    values.resize(contact_columns(model).len(), f64::NAN);
+    values.resize(model.contact_names().len() * ContactTotals::columns(dimension).len(), f64::NAN);
     values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
     values
 }
@@ -411,14 +412,14 @@ impl SimulationHandle {
     }
 
     /// Keeps the state before a step, and forgets the oldest ones when they take too much memory.
-    fn keep_past(&self, state: State, rows: usize) {
+    fn keep_past(&self, state: Arc<State>, rows: usize) {
         let mut past = self.0.past.borrow_mut();
         let size = self.0.simulation.try_borrow().map_or(0, |simulation| simulation.state_size());
         let most = (PAST_BYTES / size.max(1)).clamp(1, PAST_STATES);
         while past.len() >= most {
             past.pop_front();
         }
-        past.push_back(Past { state: Rc::new(state), rows });
+        past.push_back(Past { state, rows });
     }
 
     /// Warns of loads that never acted and contact that never closed.
@@ -529,7 +530,7 @@ impl SimulationHandle {
         }
         let mut rows = Vec::new();
         let begun = Instant::now();
-        let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.state(), data.history.borrow().len());
+        let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state(), data.history.borrow().len());
         let stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
         data.spent.set(data.spent.get() + begun.elapsed());
         if matches!(stepped, Err(StepError::Interrupted { .. })) && !rows.is_empty() {
@@ -918,7 +919,7 @@ fn methods() -> Vec<Function> {
             body: body(|call| {
                 let handle = call.receiver::<SimulationHandle>();
                 let state = match handle.0.simulation.try_borrow() {
-                    Ok(simulation) => Rc::new(simulation.state()),
+                    Ok(simulation) => simulation.shared_state(),
                     Err(_) => return Err(busy(call).into()),
                 };
                 let history = Rc::new(handle.0.history.borrow().clone());

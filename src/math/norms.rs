@@ -1,0 +1,38 @@
+//! Sizes of long vectors.
+
+/// Numbers that are compared side by side: one comparison after the other would wait for the one before.
+const SIDE_BY_SIDE: usize = 8;
+
+/// The largest size of a component, at least 0; a component that is not a number is passed over.
+pub fn largest_size(values: &[f64]) -> f64 {
+    let mut largest = [0.0f64; SIDE_BY_SIDE];
+    let (groups, rest) = values.as_chunks::<SIDE_BY_SIDE>();
+    for group in groups {
+        for (largest, value) in largest.iter_mut().zip(group) {
+            let size = value.abs();
+            *largest = if size > *largest { size } else { *largest };
+        }
+    }
+    largest.iter().chain(rest).fold(0.0, |largest, value| largest.max(value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_size_is_found_wherever_it_stands() {
+        assert_eq!(largest_size(&[]), 0.0);
+        for length in [1, 7, 8, 9, 30] {
+            for place in 0..length {
+                let mut values = vec![0.5; length];
+                values[place] = -2.0;
+                values[(place + 1) % length] = f64::NAN;
+                let expected = if length == 1 { 0.0 } else { 2.0 };
+                assert_eq!(largest_size(&values), expected, "{place} of {length}");
+                values[(place + 1) % length] = f64::NEG_INFINITY;
+                assert_eq!(largest_size(&values), f64::INFINITY);
+            }
+        }
+    }
+}
