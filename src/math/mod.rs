@@ -1,4 +1,4 @@
-//! Floor 0: numbers that are computed together, sizes of vectors, symmetric tensors, parameter descriptions, threads, and every tolerance of the program.
+//! Floor 0: numbers that are computed together, sizes of vectors, symmetric tensors, parameter descriptions, threads, and every tolerance.
 
 pub mod catalogue;
 pub mod lanes;
