@@ -6,7 +6,7 @@
 
 use crate::elements::ReferenceCell;
 use crate::integrators::{Configuration, Integrator, Placement, discrete_gradient};
-use crate::materials::{Batch as Law, Increment, Response, Strain};
+use crate::materials::{Batch as Law, IncrementResponse, Response, Strain};
 use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
 use crate::math::tensor::{mandel_index, mandel_scale};
 use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
@@ -201,7 +201,7 @@ pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, con
     pub(super) gradient_1: [[[Lanes<FMA>; D]; D]; Q],
     pub(super) strain_0: [Strain<S>; Q],
     pub(super) strain_1: [Strain<S>; Q],
-    increments: [Increment<S>; Q],
+    increments: [IncrementResponse<S>; Q],
     responses: [Response<S>; Q],
     /// Forces on the nodes.
     pub(super) force: [[Lanes<FMA>; D]; A],
@@ -218,7 +218,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             gradient_1: [[[Lanes::ZERO; D]; D]; Q],
             strain_0: [[Lanes::ZERO; S]; Q],
             strain_1: [[Lanes::ZERO; S]; Q],
-            increments: [Increment::ZERO; Q],
+            increments: [IncrementResponse::ZERO; Q],
             responses: [Response::ZERO; Q],
             force: [[Lanes::ZERO; D]; A],
             tangent: [[[[Lanes::ZERO; D]; A]; D]; A],
@@ -305,7 +305,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             for s in 0..S {
                 d[s] = cast::<FMA>(self.strain_1[q][s]) - cast(self.strain_0[q][s]);
             }
-            let Increment { mean, stress_end, remainder } = &self.increments[q];
+            let IncrementResponse { mean, stress_end, remainder } = &self.increments[q];
             return discrete_gradient(
                 &d,
                 &relabel(&mean.stress),
@@ -331,6 +331,19 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             Configuration::Middle => deformation_gradient(&mean(&self.gradient_0[q], &self.gradient_1[q])),
             Configuration::End => deformation_gradient(&self.gradient_1[q]),
         }
+    }
+
+    /// Sums the force alone over the points, to the same bytes as [`Self::integrate`].
+    #[inline(always)]
+    pub(super) fn integrate_force(&mut self, integrator: Integrator) {
+        let Placement { test, weight, .. } = integrator.placement();
+        self.force = [[Lanes::ZERO; D]; A];
+        for q in 0..Q {
+            let (stress, _) = self.stress_and_tangent(q, integrator);
+            let test = self.deformation_gradient(q, test);
+            add_force(&self.points[q].gradients, &test, &stress, self.points[q].volume * weight, &mut self.force);
+        }
+        self.finish_force();
     }
 
     /// Sums force and tangent over the points.
@@ -369,7 +382,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
 
     /// The last node takes what the others leave.
     #[inline(always)]
-    fn finish(&mut self) {
+    fn finish_force(&mut self) {
         for i in 0..D {
             let mut last = Lanes::ZERO;
             for a in 0..A - 1 {
@@ -377,6 +390,12 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             }
             self.force[A - 1][i] = last;
         }
+    }
+
+    /// The same for force and tangent.
+    #[inline(always)]
+    fn finish(&mut self) {
+        self.finish_force();
         for k in 0..D {
             for i in 0..D {
                 for b in 0..A - 1 {
@@ -417,8 +436,35 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     }
 }
 
+/// Adds the force of a point, the last node left out: `f_a = P G_a` with the first Piola stress `P = w F_test S`.
+#[inline(always)]
+fn add_force<const FMA: bool, const D: usize, const S: usize, const A: usize>(
+    gradients: &[[Lanes<FMA>; D]; A],
+    test: &[[Lanes<FMA>; D]; D],
+    stress: &[Lanes<FMA>; S],
+    weight: Lanes<FMA>,
+    force: &mut [[Lanes<FMA>; D]; A],
+) {
+    let mut piola = [[Lanes::<FMA>::ZERO; D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            for m in 0..D {
+                let factor = test[i][m] * weight * mandel_scale(m, j);
+                piola[i][j] = factor.mul_add(stress[mandel_index::<D>(m, j)], piola[i][j]);
+            }
+        }
+    }
+    for a in 0..A - 1 {
+        for i in 0..D {
+            for j in 0..D {
+                force[a][i] = piola[i][j].mul_add(gradients[a][j], force[a][i]);
+            }
+        }
+    }
+}
+
 /// Adds force and tangent of a point, the last node left out:
-/// `f_a = P G_a` and `K_ab = G_a . A . G_b` with `P = w F_test S`, `A_iJkL = w ((F_test)_iM T_MJNL (F_trial)_kN + share S_JL delta_ik)`.
+/// `K_ab = G_a . A . G_b` with `A_iJkL = w ((F_test)_iM T_MJNL (F_trial)_kN + share S_JL delta_ik)`.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "the names of the formula")]
 fn add_point<const FMA: bool, const D: usize, const S: usize, const A: usize>(
@@ -432,15 +478,14 @@ fn add_point<const FMA: bool, const D: usize, const S: usize, const A: usize>(
     force: &mut [[Lanes<FMA>; D]; A],
     blocks: &mut [[[[Lanes<FMA>; D]; A]; D]; A],
 ) {
-    // half[iJ][s] = w (F_test)_iM T_MJ,s, first Piola stress P_iJ = w (F_test)_iM S_MJ.
+    add_force(gradients, test, stress, weight, force);
+    // half[iJ][s] = w (F_test)_iM T_MJ,s
     let mut half = [[[Lanes::<FMA>::ZERO; S]; D]; D];
-    let mut piola = [[Lanes::<FMA>::ZERO; D]; D];
     for i in 0..D {
         for j in 0..D {
             for m in 0..D {
                 let factor = test[i][m] * weight * mandel_scale(m, j);
                 let component = mandel_index::<D>(m, j);
-                piola[i][j] = factor.mul_add(stress[component], piola[i][j]);
                 for s in 0..S {
                     half[i][j][s] = factor.mul_add(tangent[component][s], half[i][j][s]);
                 }
@@ -470,7 +515,6 @@ fn add_point<const FMA: bool, const D: usize, const S: usize, const A: usize>(
         for i in 0..D {
             let mut row = [[Lanes::<FMA>::ZERO; D]; D];
             for j in 0..D {
-                force[a][i] = piola[i][j].mul_add(gradients[a][j], force[a][i]);
                 for k in 0..D {
                     for l in 0..D {
                         row[k][l] = gradients[a][j].mul_add(moduli[i][j][k][l], row[k][l]);

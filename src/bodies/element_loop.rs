@@ -61,11 +61,11 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     fn add_mass(&self, mass: &mut NodeMatrix);
 
     /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `q_1`
-    /// with the weighted mass; these columns are zero elsewhere.
+    /// with the weighted mass; these columns are zero elsewhere. Without `values` only the force, to the same bytes.
     ///
     /// # Errors
     /// A cell that is inside out at `q_1`, the same one for any number of threads; forces and values are then of no use.
-    fn assemble(&self, step: &Step, force: &mut [f64], values: &mut [f64], workers: &Workers) -> Result<(), Inverted>;
+    fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted>;
 
     /// Adds the mass and `factor` times the material stiffness `int B^T D B dV` at `q`, the tangent of the static forces without its
     /// geometric part.
@@ -176,15 +176,18 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S,
     }
 
     /// Sets, or adds to what earlier rounds left, forces and values of the span of nodes of a run.
-    fn assemble_run(&self, step: &Step, placed: &PlacedRun<D>, force: &mut [f64], values: &mut [f64]) -> Result<(), Inverted> {
+    fn assemble_run(&self, step: &Step, placed: &PlacedRun<D>, force: &mut [f64], mut values: Option<&mut [f64]>) -> Result<(), Inverted> {
         let PlacedRun { run, values: places, fresh_values } = placed;
-        let sums = Sums { force, values, first_unknown: run.nodes.start * D, first_value: places.start };
+        let (first_unknown, first_value) = (run.nodes.start * D, places.start);
         for nodes in &run.fresh {
-            sums.force[nodes.start * D - sums.first_unknown..nodes.end * D - sums.first_unknown].fill(0.0);
+            force[nodes.start * D - first_unknown..nodes.end * D - first_unknown].fill(0.0);
         }
-        for places in fresh_values {
-            sums.values[places.start - sums.first_value..places.end - sums.first_value].fill(0.0);
+        if let Some(values) = &mut values {
+            for places in fresh_values {
+                values[places.start - first_value..places.end - first_value].fill(0.0);
+            }
         }
+        let sums = Sums { force, values, first_unknown, first_value };
         let batches = run.cells.start / WIDTH..run.cells.end.div_ceil(WIDTH);
         dispatch(Assemble { cells: self, step, batches, sums }).map_err(|batch| {
             let determinants = self.deform(&self.batches[batch], Some(step.q_1)).smallest_determinants;
@@ -198,22 +201,29 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S,
         &self.cliques[batch * WIDTH + lane]
     }
 
-    /// Adds force and tangent of the cells of a batch.
+    /// Adds the force of the cells of a batch.
     #[inline(always)]
-    fn scatter<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, sums: &mut Sums) {
+    fn scatter_force<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, sums: &mut Sums) {
         let batch = &self.batches[index];
-        for (lane, places) in self.places[index * WIDTH..][..batch.count].iter().enumerate() {
+        for lane in 0..batch.count {
             for a in 0..A {
                 let force = &mut sums.force[batch.nodes[a][lane] as usize * D - sums.first_unknown..][..D];
                 for i in 0..D {
                     force[i] += work.force[a][i].0[lane];
                 }
             }
+        }
+    }
+
+    /// Adds the tangent of the cells of a batch to values whose first stands at `first_value`.
+    #[inline(always)]
+    fn scatter_tangent<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, values: &mut [f64], first_value: usize) {
+        let count = self.batches[index].count;
+        for (lane, places) in self.places[index * WIDTH..][..count].iter().enumerate() {
             for b in 0..A {
                 let Block { start, stride } = places.columns[b];
                 for k in 0..D {
-                    let first = start as usize + k * stride as usize - sums.first_value;
-                    let column = &mut sums.values[first..][..stride as usize];
+                    let column = &mut values[start as usize + k * stride as usize - first_value..][..stride as usize];
                     for a in 0..A {
                         let values = &mut column[places.rows[b][a] as usize..][..D];
                         for i in 0..D {
@@ -259,10 +269,10 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
     }
 }
 
-/// Force and values of a span of nodes, to be added to.
+/// Force and, where they are wanted, values of a span of nodes, to be added to.
 struct Sums<'a> {
     force: &'a mut [f64],
-    values: &'a mut [f64],
+    values: Option<&'a mut [f64]>,
     first_unknown: usize,
     first_value: usize,
 }
@@ -292,9 +302,14 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
                 return Err(index);
             }
             work.respond(&*cells.law, step.integrator);
-            work.integrate(step.integrator);
-            work.add_mass(&cells.table, step.inertia * cells.density);
-            cells.scatter(index, &work, &mut sums);
+            if let Some(values) = &mut sums.values {
+                work.integrate(step.integrator);
+                work.add_mass(&cells.table, step.inertia * cells.density);
+                cells.scatter_tangent(index, &work, values, sums.first_value);
+            } else {
+                work.integrate_force(step.integrator);
+            }
+            cells.scatter_force(index, &work, &mut sums);
         }
         Ok(())
     }
@@ -305,14 +320,14 @@ struct AssembleMaterialStiffness<'a, const D: usize, const S: usize, const A: us
     cells: &'a Cells<D, S, A, Q>,
     q: &'a [f64],
     factor: f64,
-    sums: Sums<'a>,
+    values: &'a mut [f64],
 }
 
 impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for AssembleMaterialStiffness<'_, D, S, A, Q> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const FMA: bool>(mut self) {
+    fn run<const FMA: bool>(self) {
         let cells = self.cells;
         let mut work = Workspace::<FMA, D, S, A, Q>::new();
         for (index, batch) in cells.batches.iter().enumerate() {
@@ -321,7 +336,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
             work.respond(&*cells.law, Integrator::Trapezoidal);
             work.integrate_material_stiffness(self.factor);
             work.add_mass(&cells.table, cells.density);
-            cells.scatter(index, &work, &mut self.sums);
+            cells.scatter_tangent(index, &work, self.values, 0);
         }
     }
 }
@@ -361,19 +376,21 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
         }
     }
 
-    fn assemble(&self, step: &Step, force: &mut [f64], values: &mut [f64], workers: &Workers) -> Result<(), Inverted> {
+    fn assemble(&self, step: &Step, force: &mut [f64], mut values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted> {
         for round in &self.rounds {
             if !workers.are_many() {
                 for placed in round {
-                    self.assemble_run(step, placed, &mut force[placed.unknowns()], &mut values[placed.values.clone()])?;
+                    let values = values.as_deref_mut().map(|values| &mut values[placed.values.clone()]);
+                    self.assemble_run(step, placed, &mut force[placed.unknowns()], values)?;
                 }
                 continue;
             }
             let forces = pieces(force, round.iter().map(PlacedRun::unknowns));
-            let values = pieces(values, round.iter().map(|placed| placed.values.clone()));
-            let mut tasks: Vec<_> = round.iter().zip(forces).zip(values).map(|((placed, f), v)| (placed, f, v, Ok(()))).collect();
+            let values = values.as_deref_mut().map(|values| pieces(values, round.iter().map(|placed| placed.values.clone())));
+            let mut values = values.unwrap_or_default().into_iter();
+            let mut tasks: Vec<_> = round.iter().zip(forces).map(|(placed, force)| (placed, force, values.next(), Ok(()))).collect();
             workers.for_each(&mut tasks, 1, |_, (placed, force, values, outcome)| {
-                *outcome = self.assemble_run(step, placed, force, values);
+                *outcome = self.assemble_run(step, placed, force, values.as_deref_mut());
             });
             tasks.into_iter().try_for_each(|(.., outcome)| outcome)?;
         }
@@ -381,9 +398,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
     }
 
     fn add_material_stiffness(&self, q: &[f64], factor: f64, values: &mut [f64]) {
-        let mut force = vec![0.0; q.len()];
-        let sums = Sums { force: &mut force, values, first_unknown: 0, first_value: 0 };
-        dispatch(AssembleMaterialStiffness { cells: self, q, factor, sums });
+        dispatch(AssembleMaterialStiffness { cells: self, q, factor, values });
     }
 
     fn strain_energy(&self, q: &[f64]) -> f64 {

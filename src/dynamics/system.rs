@@ -121,6 +121,17 @@ pub(super) struct System<const D: usize> {
     search: Arc<SearchHistory>,
     workers: Workers,
     scratch: Scratch,
+    /// Assemblies since the start of the step, and in the step before.
+    assemblies_of_step: [usize; 2],
+    deferred: Option<DeferredTangent>,
+}
+
+/// A tangent that was not assembled with its forces, because the step before was done when it had as many.
+struct DeferredTangent {
+    integrator: Integrator,
+    inertia: f64,
+    q_0: Vec<f64>,
+    q_1: Vec<f64>,
 }
 
 /// Vectors that every assembly needs for itself.
@@ -253,6 +264,8 @@ where
             search: Arc::default(),
             workers,
             scratch: Scratch::default(),
+            assemblies_of_step: [0; 2],
+            deferred: None,
             reference,
         };
         system.place();
@@ -404,6 +417,7 @@ where
     /// Starts a step (or a piece of one) at `q_0`: candidate pairs within a margin for each contact, and what the kernels keep of the
     /// start.
     pub(super) fn begin_step(&mut self, q_0: &[f64], margins: &[f64]) -> Result<(), LinearError> {
+        self.assemblies_of_step = [0, self.assemblies_of_step[0]];
         let clock = Instant::now();
         let mut changed = false;
         for (pair, &margin) in self.pairs.iter_mut().zip(margins) {
@@ -426,19 +440,24 @@ where
         Ok(())
     }
 
-    /// Residual and tangent of a step at `q_1` and `lambda`; values of constraint rows are written by [`Self::solve`].
+    /// Residual and tangent of a step at `q_1` and `lambda`; the tangent waits for [`Self::solve`] where that will hardly come. Values of
+    /// constraint rows are written by [`Self::solve`].
     pub(super) fn assemble(&mut self, start: &StepStart, q_1: &[f64], lambda: &[f64]) -> Result<Forces, AssemblyError> {
         let unknowns = q_1.len();
         let placement = start.integrator.placement();
         let clock = Instant::now();
         let inertia = start.inertia();
         self.assemblies += 1;
+        self.assemblies_of_step[0] += 1;
+        let has_pressure = self.loads.iter().any(|load| matches!(load.kind, LoadKind::Pressure(_)));
+        let is_probably_last = self.assemblies_of_step[0] == self.assemblies_of_step[1] && !has_pressure;
+        self.deferred = None;
         let Scratch { mut internal, mut motion } = std::mem::take(&mut self.scratch);
         internal.resize(unknowns, 0.0);
         let step = Step { integrator: start.integrator, inertia, q_0: start.q_0, q_1 };
         for body in &self.bodies {
             body.elements
-                .assemble(&step, &mut internal, &mut self.values, &self.workers)
+                .assemble(&step, &mut internal, (!is_probably_last).then_some(&mut self.values[..]), &self.workers)
                 .map_err(|inverted| AssemblyError::Inverted { body: body.name.clone(), inverted })?;
         }
         let mut load = vec![0.0; unknowns];
@@ -486,21 +505,10 @@ where
             let lambda = &lambda[pair.rows.clone()];
             pair.kernel.evaluate(start.integrator, q_1, lambda, &mut pair.evaluation);
             let patches = pair.kernel.patches();
-            let (mut block, evaluation) = (0, &pair.evaluation);
+            let evaluation = &pair.evaluation;
             for p in 0..patches.len() {
                 let (nodes, count) = (patches.nodes(p), patches.unknowns(p));
                 if evaluation.live[p] {
-                    let tangent = &evaluation.tangent[patches.tangent_range(p)];
-                    for (u, _) in nodes.iter().enumerate() {
-                        for (v, _) in nodes.iter().enumerate() {
-                            let place = pair.tangent_places[block + u * nodes.len() + v];
-                            for i in 0..D {
-                                for k in 0..D {
-                                    self.values[place.at(i, k)] -= tangent[(u * D + i) * count + v * D + k];
-                                }
-                            }
-                        }
-                    }
                     let gradients = &evaluation.gradient_bar[patches.gradient_range(p)];
                     for (row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(count)) {
                         let lambda = lambda[*row as usize];
@@ -511,8 +519,13 @@ where
                         }
                     }
                 }
-                block += nodes.len() * nodes.len();
             }
+        }
+        if is_probably_last {
+            let (q_0, q_1) = (start.q_0.to_vec(), q_1.to_vec());
+            self.deferred = Some(DeferredTangent { integrator: start.integrator, inertia, q_0, q_1 });
+        } else {
+            self.add_contact_tangent();
         }
         scale = scale.max(largest_size(&contact));
         self.times.contact += clock.elapsed();
@@ -522,8 +535,50 @@ where
         Ok(Forces { without_contact: residual, contact, load, internal_work, scale })
     }
 
+    /// Subtracts the derivative of the contact forces at fixed multipliers.
+    fn add_contact_tangent(&mut self) {
+        for pair in &self.pairs {
+            let patches = pair.kernel.patches();
+            let (mut block, evaluation) = (0, &pair.evaluation);
+            for p in 0..patches.len() {
+                let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
+                if evaluation.live[p] {
+                    let tangent = &evaluation.tangent[patches.tangent_range(p)];
+                    for u in 0..nodes {
+                        for v in 0..nodes {
+                            let place = pair.tangent_places[block + u * nodes + v];
+                            for i in 0..D {
+                                for k in 0..D {
+                                    self.values[place.at(i, k)] -= tangent[(u * D + i) * count + v * D + k];
+                                }
+                            }
+                        }
+                    }
+                }
+                block += nodes * nodes;
+            }
+        }
+    }
+
+    /// Assembles the tangent that the last assembly left out, if it did.
+    fn assemble_deferred_tangent(&mut self) {
+        let Some(DeferredTangent { integrator, inertia, q_0, q_1 }) = self.deferred.take() else { return };
+        let clock = Instant::now();
+        let step = Step { integrator, inertia, q_0: &q_0, q_1: &q_1 };
+        self.scratch.internal.resize(q_1.len(), 0.0);
+        for body in &self.bodies {
+            // No cell was inside out when the forces were assembled.
+            let _ = body.elements.assemble(&step, &mut self.scratch.internal, Some(&mut self.values), &self.workers);
+        }
+        self.times.assembly += clock.elapsed();
+        let clock = Instant::now();
+        self.add_contact_tangent();
+        self.times.contact += clock.elapsed();
+    }
+
     /// Solves Newton's system for the increment and the new multipliers.
     pub(super) fn solve(&mut self, forces: &Forces, rows: &ConstraintRows) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+        self.assemble_deferred_tangent();
         let clock = Instant::now();
         self.write_constraints(&rows.gradient, &rows.diagonal);
         let unknowns = self.reference.len();

@@ -38,6 +38,25 @@ pub trait Law: Send + Sync + 'static {
         let limit = STRAIN_QUOTIENT * STRAIN_QUOTIENT;
         line + square.if_above(limit, difference - line)
     }
+    /// What a discrete gradient needs of an increment; a law for which some of it follows from the rest says so here.
+    #[inline(always)]
+    fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
+        let (stress, tangent) = self.stress_tangent(&((*strain_n + *strain_n1) * 0.5));
+        Increment { stress, tangent, stress_end: self.stress(strain_n1), remainder: self.remainder(strain_n, strain_n1) }
+    }
+}
+
+/// What a discrete gradient needs of an increment of the strain.
+#[derive(Clone, Copy, Debug)]
+pub struct Increment<T: Tensor> {
+    /// Stress at the mean of the two strains `[stress]`.
+    pub stress: T,
+    /// Tangent there `[stress]`.
+    pub tangent: T::Tangent,
+    /// Stress at the end `[stress]`.
+    pub stress_end: T,
+    /// [`Law::remainder`].
+    pub remainder: T::Scalar,
 }
 
 /// A law behind a virtual call per batch of strains: `S` Mandel components of eight elements each.
@@ -49,7 +68,7 @@ pub trait Batch<const S: usize>: Send + Sync {
     /// Stresses and tangents of all strains.
     fn responses_into(&self, strain: &[Strain<S>], responses: &mut [Response<S>]);
     /// What a discrete gradient needs of all pairs of strains.
-    fn increments_into(&self, strain_n: &[Strain<S>], strain_n1: &[Strain<S>], increments: &mut [Increment<S>]);
+    fn increments_into(&self, strain_n: &[Strain<S>], strain_n1: &[Strain<S>], increments: &mut [IncrementResponse<S>]);
 }
 
 /// Stress and tangent `[stress]` in eight elements.
@@ -68,7 +87,7 @@ impl<const S: usize> Response<S> {
 
 /// What a discrete gradient needs of an increment of the strain in eight elements.
 #[derive(Clone, Copy, Debug)]
-pub struct Increment<const S: usize> {
+pub struct IncrementResponse<const S: usize> {
     /// At the mean of the two strains.
     pub mean: Response<S>,
     /// Stress at the end.
@@ -77,9 +96,9 @@ pub struct Increment<const S: usize> {
     pub remainder: Lanes<false>,
 }
 
-impl<const S: usize> Increment<S> {
+impl<const S: usize> IncrementResponse<S> {
     /// No stress.
-    pub const ZERO: Self = Increment { mean: Response::ZERO, stress_end: [Lanes::ZERO; S], remainder: Lanes::ZERO };
+    pub const ZERO: Self = IncrementResponse { mean: Response::ZERO, stress_end: [Lanes::ZERO; S], remainder: Lanes::ZERO };
 }
 
 /// Mandel components of a strain or stress in eight elements.
@@ -93,7 +112,7 @@ fn load<const FMA: bool, const S: usize>(strain: &Strain<S>) -> Mandel<Lanes<FMA
 struct Energies<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Lanes<false>]);
 struct Stresses<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Strain<S>]);
 struct Responses<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a mut [Response<S>]);
-struct Increments<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a [Strain<S>], &'a mut [Increment<S>]);
+struct Increments<'a, L, const S: usize>(&'a L, &'a [Strain<S>], &'a [Strain<S>], &'a mut [IncrementResponse<S>]);
 
 macro_rules! batch {
     ($size:literal) => {
@@ -133,11 +152,10 @@ macro_rules! batch {
             #[inline(always)]
             fn run<const FMA: bool>(self) {
                 for ((strain_n, strain_n1), increment) in self.1.iter().zip(self.2).zip(self.3) {
-                    let (n, n1) = (load::<FMA, $size>(strain_n), load::<FMA, $size>(strain_n1));
-                    let (stress, tangent) = self.0.stress_tangent(&((n + n1) * 0.5));
+                    let Increment { stress, tangent, stress_end, remainder } =
+                        self.0.increment(&load::<FMA, $size>(strain_n), &load::<FMA, $size>(strain_n1));
                     (increment.mean.stress, increment.mean.tangent) = (relabel(&stress.0), relabel_rows(&tangent));
-                    increment.stress_end = relabel(&self.0.stress(&n1).0);
-                    increment.remainder = Lanes(self.0.remainder(&n, &n1).0);
+                    (increment.stress_end, increment.remainder) = (relabel(&stress_end.0), Lanes(remainder.0));
                 }
             }
         }
@@ -152,7 +170,12 @@ macro_rules! batch {
             fn responses_into(&self, strain: &[Strain<$size>], responses: &mut [Response<$size>]) {
                 dispatch(Responses(self, strain, responses));
             }
-            fn increments_into(&self, strain_n: &[Strain<$size>], strain_n1: &[Strain<$size>], increments: &mut [Increment<$size>]) {
+            fn increments_into(
+                &self,
+                strain_n: &[Strain<$size>],
+                strain_n1: &[Strain<$size>],
+                increments: &mut [IncrementResponse<$size>],
+            ) {
                 dispatch(Increments(self, strain_n, strain_n1, increments));
             }
         }
@@ -320,8 +343,8 @@ mod tests {
         (response[0].stress.map(|c| c.0[2]), response[0].tangent.map(|row| row.map(|c| c.0[2])))
     }
 
-    fn increment<const S: usize>(law: &dyn Batch<S>, strain_n: &Strain<S>, strain_n1: &Strain<S>) -> Increment<S> {
-        let mut increment = [Increment::ZERO];
+    fn increment<const S: usize>(law: &dyn Batch<S>, strain_n: &Strain<S>, strain_n1: &Strain<S>) -> IncrementResponse<S> {
+        let mut increment = [IncrementResponse::ZERO];
         law.increments_into(&[*strain_n], &[*strain_n1], &mut increment);
         increment[0]
     }
@@ -360,7 +383,15 @@ mod tests {
             let d: [f64; S] = std::array::from_fn(|k| n1[k].0[0] - n[k].0[0]);
             let work: f64 = stress_tangent(law, &mid).0.iter().zip(d).map(|(s, d)| s * d).sum();
             let plain = energy(law, &n1) - energy(law, &n) - work;
-            let remainder = increment(law, &n, &n1).remainder.0[0];
+            let IncrementResponse { mean, stress_end, remainder } = increment(law, &n, &n1);
+            let remainder = remainder.0[0];
+            let expected = stress_tangent(law, &mid);
+            assert!(mean.tangent.iter().flatten().zip(expected.1.iter().flatten()).all(|(a, b)| (a.0[2] - b).abs() < 1e-14 * mu), "{name}");
+            for k in 0..S {
+                assert!((mean.stress[k].0[2] - expected.0[k]).abs() < 1e-15 * mu, "{name}: stress {k} at the mean");
+                // Round-off of logarithms of order one, times a modulus.
+                assert!((stress_end[k].0[2] - stress[k]).abs() < 1e-14 * mu, "{name}: stress {k} at the end");
+            }
             let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
             assert!((remainder - plain).abs() < 1e-14 * scale, "{name}: remainder {remainder} against {plain}");
         }

@@ -5,7 +5,7 @@
 //! `x = det C - 1 = 2 tr E + 4 II(E) + 8 det E`, `ln J = ln(1 + x)/2` and `tr E - ln J = (x - ln(1 + x))/2 - 2 II(E) - 4 det E`.
 //! The remainder of the discrete gradient has a closed form without cancellation (see [`Law::remainder`] below).
 
-use super::{DENSITY, Law, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
+use super::{DENSITY, Increment, Law, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
 use crate::math::lanes::Real;
 use crate::math::tensor::Tensor;
 
@@ -30,27 +30,35 @@ struct NeoHookean {
 /// `det C - 1`.
 #[inline(always)]
 fn growth<T: Tensor>(strain: &T) -> T::Scalar {
-    strain.trace() * 2.0 + strain.second_invariant() * 4.0 + strain.determinant() * 8.0
+    let plane = strain.second_invariant().mul_add(T::Scalar::splat(4.0), strain.trace() * 2.0);
+    if T::PLANE { plane } else { plane + strain.determinant() * 8.0 }
 }
 
 /// `cof C = I + 2 (tr E I - E) + 4 cof E`.
 #[inline(always)]
 fn cofactor_of_c<T: Tensor>(strain: &T) -> T {
-    T::identity() * (strain.trace() * 2.0 + 1.0) - *strain * 2.0 + strain.cofactor() * 4.0
+    let plane = (*strain * -2.0).plus_identity(strain.trace() * 2.0 + 1.0);
+    if T::PLANE { plane } else { plane + strain.cofactor() * 4.0 }
 }
 
 impl NeoHookean {
-    /// Stress, inverse of `C`, and `mu - lambda ln J`.
+    /// Stress for given `det C` (its inverse), `ln J` and `cof C`:
+    /// `S = mu (I - C^-1) + lambda ln J C^-1`, and `det C (I - C^-1) = 2 E + 4 (II I - cof E) + 8 det E I`, free of cancellation.
     #[inline(always)]
-    fn evaluate<T: Tensor>(&self, strain: &T) -> (T, T, T::Scalar) {
-        // S = mu (I - C^-1) + lambda ln J C^-1, and det C (I - C^-1) = 2 E + 4 (II I - cof E) + 8 det E I, free of cancellation.
-        let (second, third, cofactor) = (strain.second_invariant(), strain.determinant(), strain.cofactor());
-        let x = strain.trace() * 2.0 + second * 4.0 + third * 8.0;
-        let inverse_det = T::Scalar::splat(1.0) / (x + 1.0);
-        let log = x.ln_1p() * (0.5 * self.lambda);
-        let inverse = (T::identity() * (strain.trace() * 2.0 + 1.0) - *strain * 2.0 + cofactor * 4.0) * inverse_det;
-        let shape = *strain * 2.0 + T::identity() * (second * 4.0 + third * 8.0) - cofactor * 4.0;
-        (shape * (inverse_det * self.mu) + inverse * log, inverse, -log + self.mu)
+    fn stress_of<T: Tensor>(&self, strain: &T, inverse_det: T::Scalar, log: T::Scalar, cofactor: &T) -> T {
+        let second = strain.second_invariant() * 4.0;
+        let shape = if T::PLANE {
+            (*strain * 2.0).plus_identity(second)
+        } else {
+            (*strain * 2.0).plus_identity(second + strain.determinant() * 8.0) - strain.cofactor() * 4.0
+        };
+        shape.mul_add(inverse_det * self.mu, &(*cofactor * (log * inverse_det * self.lambda)))
+    }
+
+    #[inline(always)]
+    fn tangent_of<T: Tensor>(&self, inverse_det: T::Scalar, log: T::Scalar, cofactor: &T) -> T::Tangent {
+        let k = log * -(2.0 * self.lambda) + 2.0 * self.mu;
+        T::isotropic_tangent(T::Scalar::splat(self.lambda), k, &(*cofactor * inverse_det))
     }
 }
 
@@ -66,36 +74,55 @@ impl Law for NeoHookean {
 
     #[inline(always)]
     fn stress<T: Tensor>(&self, strain: &T) -> T {
-        self.evaluate(strain).0
+        let x = growth(strain);
+        self.stress_of(strain, T::Scalar::splat(1.0) / (x + 1.0), x.ln_1p() * 0.5, &cofactor_of_c(strain))
     }
 
     #[inline(always)]
     fn stress_tangent<T: Tensor>(&self, strain: &T) -> (T, T::Tangent) {
-        let (stress, inverse, k) = self.evaluate(strain);
-        (stress, T::isotropic_tangent(T::Scalar::splat(self.lambda), k * 2.0, &inverse))
+        let (x, cofactor) = (growth(strain), cofactor_of_c(strain));
+        let (inverse_det, log) = (T::Scalar::splat(1.0) / (x + 1.0), x.ln_1p() * 0.5);
+        (self.stress_of(strain, inverse_det, log, &cofactor), self.tangent_of(inverse_det, log, &cofactor))
+    }
+
+    #[inline(always)]
+    fn remainder<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> T::Scalar {
+        self.increment(strain_n, strain_n1).remainder
     }
 
     /// With `det(C_m + s dC) = d + s p + s^2 r + s^3 t` (`s` from -1/2 to 1/2), `A = d + r/4`, `B = p/2 + t/8`, `z = B/A`:
     /// `ln J_1 - ln J_0 = atanh z`, slope of `ln J` over the step `delta = p/(2 d)`, and `(ln J_0 + ln J_1)/2 - ln J_m = ln(1 + u)/4`
     /// with `u = (A^2 - B^2)/d^2 - 1`. The part linear in `E` drops out, and what is left is of second and third order by itself.
+    /// `ln J_1` and `det C_1 = A + B` follow on the way.
     #[inline(always)]
-    fn remainder<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> T::Scalar {
+    fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
         let (mid, d) = ((*strain_n + *strain_n1) * 0.5, *strain_n1 - *strain_n);
-        let x = growth(&mid);
+        let (x, cofactor) = (growth(&mid), cofactor_of_c(&mid));
         let inverse = T::Scalar::splat(1.0) / (x + 1.0);
         let log_mid = x.ln_1p() * 0.5;
-        // p, r and t over d; dC = 2 dE.
-        let p = cofactor_of_c(&mid).dot(&d) * 2.0 * inverse;
-        let r = (d.second_invariant() + mid.dot(&d.cofactor()) * 2.0) * 4.0 * inverse;
-        let t = d.determinant() * 8.0 * inverse;
-        let delta = p * 0.5;
-        let rho = r * 0.25; // A/d - 1
-        let b = delta + t * 0.125; // B/d
-        let z = b / (rho + 1.0);
-        let third = z.atanh_excess() - (delta * rho - t * 0.125) / (rho + 1.0); // ln J_1 - ln J_0 - delta
-        let u = rho * 2.0 + rho * rho - b * b;
-        let y = u / (u + 2.0);
+        // r and t over d; dC = 2 dE.
+        let delta = cofactor.dot(&d) * inverse;
+        let mut rho = d.second_invariant() * inverse; // A/d - 1 = r/(4 d)
+        let (mut b, mut defect) = (delta, delta * rho); // B/d and delta A/d - B/d
+        if !T::PLANE {
+            rho = (d.second_invariant() + mid.dot(&d.cofactor()) * 2.0) * inverse;
+            let eighth = d.determinant() * inverse; // t/(8 d)
+            (b, defect) = (delta + eighth, delta * rho - eighth);
+        }
+        let (a, u) = (rho + 1.0, rho * (rho + 2.0) - b * b);
+        // One division for 1/A, 1/(A + B) and 1/(u + 2).
+        let (end, two) = (a + b, u + 2.0);
+        let inverses = T::Scalar::splat(1.0) / (a * end * two);
+        let inverse_a = inverses * (end * two);
+        let third = (b * inverse_a).atanh_excess() - defect * inverse_a; // ln J_1 - ln J_0 - delta
+        let y = u * (inverses * (a * end));
         let second = (y + y.atanh_excess()) * 0.5; // (ln J_0 + ln J_1)/2 - ln J_m
-        ((log_mid + second) * self.lambda + -self.mu) * third + second * delta * self.lambda
+        let log_end = log_mid + second + (third + delta) * 0.5;
+        Increment {
+            stress: self.stress_of(&mid, inverse, log_mid, &cofactor),
+            tangent: self.tangent_of(inverse, log_mid, &cofactor),
+            stress_end: self.stress_of(strain_n1, inverse * (inverses * (a * two)), log_end, &cofactor_of_c(strain_n1)),
+            remainder: ((log_mid + second) * self.lambda + -self.mu) * third + second * delta * self.lambda,
+        }
     }
 }

@@ -41,9 +41,15 @@ pub trait Tensor: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Sca
     type Scalar: Real;
     /// A symmetric fourth-order tensor: a matrix of Mandel components.
     type Tangent;
+    /// Whether the third direction is known to be zero; then so are determinant and cofactor, and nobody needs to compute with them.
+    const PLANE: bool;
 
     /// The identity.
     fn identity() -> Self;
+    /// `A + s I`.
+    fn plus_identity(&self, s: Self::Scalar) -> Self;
+    /// `s A + B`.
+    fn mul_add(&self, s: Self::Scalar, b: &Self) -> Self;
     /// Double contraction `A:B`.
     fn dot(&self, other: &Self) -> Self::Scalar;
     /// Trace.
@@ -64,6 +70,15 @@ impl<R: Real, const S: usize> Mandel<R, S> {
         let mut result = self;
         for k in 0..S {
             result.0[k] = f(self.0[k], other.0[k]);
+        }
+        result
+    }
+
+    #[inline(always)]
+    fn plus_diagonal<const D: usize>(&self, s: R) -> Self {
+        let mut result = *self;
+        for k in 0..D {
+            result.0[k] = self.0[k] + s;
         }
         result
     }
@@ -121,7 +136,16 @@ impl<const FMA: bool, const S: usize> Mul<Lanes<FMA>> for Mandel<Lanes<FMA>, S> 
 impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 3> {
     type Scalar = Lanes<FMA>;
     type Tangent = [[Lanes<FMA>; 3]; 3];
+    const PLANE: bool = true;
 
+    #[inline(always)]
+    fn plus_identity(&self, s: Lanes<FMA>) -> Self {
+        self.plus_diagonal::<2>(s)
+    }
+    #[inline(always)]
+    fn mul_add(&self, s: Lanes<FMA>, b: &Self) -> Self {
+        self.zip(*b, |a, b| a.mul_add(s, b))
+    }
     #[inline(always)]
     fn identity() -> Self {
         let (one, zero) = (Lanes::splat(1.0), Lanes::splat(0.0));
@@ -137,7 +161,7 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 3> {
     }
     #[inline(always)]
     fn second_invariant(&self) -> Lanes<FMA> {
-        self.0[0] * self.0[1] - self.0[2] * self.0[2] * 0.5
+        (self.0[2] * -0.5).mul_add(self.0[2], self.0[0] * self.0[1])
     }
     #[inline(always)]
     fn determinant(&self) -> Lanes<FMA> {
@@ -161,7 +185,16 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 3> {
 impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 6> {
     type Scalar = Lanes<FMA>;
     type Tangent = [[Lanes<FMA>; 6]; 6];
+    const PLANE: bool = false;
 
+    #[inline(always)]
+    fn plus_identity(&self, s: Lanes<FMA>) -> Self {
+        self.plus_diagonal::<3>(s)
+    }
+    #[inline(always)]
+    fn mul_add(&self, s: Lanes<FMA>, b: &Self) -> Self {
+        self.zip(*b, |a, b| a.mul_add(s, b))
+    }
     #[inline(always)]
     fn identity() -> Self {
         let (one, zero) = (Lanes::splat(1.0), Lanes::splat(0.0));

@@ -57,7 +57,7 @@ where
         // Nothing of what stood there before may be left.
         let (mut force, mut values) = (vec![f64::NAN; q_1.len()], vec![f64::NAN; self.pattern.values()]);
         let step = Step { integrator, inertia: 0.0, q_0, q_1 };
-        self.elements.assemble(&step, &mut force, &mut values, &Workers::new(1)).expect("no cell turns inside out");
+        self.elements.assemble(&step, &mut force, Some(&mut values), &Workers::new(1)).expect("no cell turns inside out");
         (force, values)
     }
 
@@ -140,8 +140,10 @@ where
     let (force, stiffness) = cells.assemble(integrator, &cells.reference, &q);
     let (mut same, mut values) = (vec![0.0; q.len()], vec![0.0; stiffness.len()]);
     let step = Step { integrator, inertia: 400.0, q_0: &cells.reference, q_1: &q };
-    cells.elements.assemble(&step, &mut same, &mut values, &Workers::new(1)).expect("no cell turns inside out");
+    cells.elements.assemble(&step, &mut same, Some(&mut values), &Workers::new(1)).expect("no cell turns inside out");
     assert_eq!(force, same, "{name}: the force is that of the strains alone");
+    cells.elements.assemble(&step, &mut same, None, &Workers::new(1)).expect("no cell turns inside out");
+    assert_eq!(force, same, "{name}: the force is the same without a tangent");
     let mut mass = NodeMatrix::new(&cells.pattern, cells.nodes);
     cells.elements.add_mass(&mut mass);
     for (row, column, mass) in mass.entries() {
@@ -172,7 +174,10 @@ fn sums_do_not_depend_on_the_number_of_threads() {
     let step = Step { integrator: Integrator::EnergyMomentum, inertia: 10.0, q_0: &q_0, q_1: &q_1 };
     let assembled = [1, 2, 3].map(|threads| {
         let (mut force, mut values) = (vec![f64::NAN; q_1.len()], vec![f64::NAN; cells.pattern.values()]);
-        cells.elements.assemble(&step, &mut force, &mut values, &Workers::new(threads)).expect("no cell turns inside out");
+        cells.elements.assemble(&step, &mut force, Some(&mut values), &Workers::new(threads)).expect("no cell turns inside out");
+        let mut alone = vec![f64::NAN; q_1.len()];
+        cells.elements.assemble(&step, &mut alone, None, &Workers::new(threads)).expect("no cell turns inside out");
+        assert_eq!(alone, force, "the force alone, {threads} threads");
         (force, values)
     });
     assert!(assembled[0] == assembled[1] && assembled[0] == assembled[2]);
