@@ -22,7 +22,8 @@ use super::scan::Target;
 use super::sources::Place;
 use super::tables::table;
 use crate::dynamics::{
-    ContactFields, ContactTotals, CyclingNode, FailureCause, LedgerRow, Model, Options, ProbeValues, Simulation, State, StepError,
+    ContactDefinition, ContactFields, ContactMethod, ContactTotals, CyclingNode, FailureCause, LedgerRow, Model, Options, ProbeValues,
+    Simulation, State, StepError,
 };
 use crate::integrators::Integrator;
 use crate::math::catalogue::Interval;
@@ -613,7 +614,16 @@ impl SimulationHandle {
             // A failure without a step size comes from `settle`.
             StepError::NotConverged { dt: 0.0, cause, .. } => {
                 *self.0.cure.borrow_mut() = cure.clone();
-                Failure::new(Class::Numerics, "no static equilibrium was found").cause(cause).hint(cure)
+                let failure = Failure::new(Class::Numerics, "no static equilibrium was found").cause(cause).hint(cure);
+                // Its gaps jump where a node passes the end of the other surface or settles in one of its corners.
+                let by_nodes = |contact: &&ContactDefinition| self.is_lost() && contact.method == ContactMethod::NodeToSegment;
+                match self.0.model.model.contacts.iter().find(by_nodes) {
+                    Some(contact) => {
+                        let name = &contact.name;
+                        failure.hint(format!("`node_to_segment()` often has no equilibrium at rest: use `mortar()` for contact \"{name}\""))
+                    }
+                    None => failure,
+                }
             }
             StepError::NotConverged { time, step, dt, halvings, cause, .. } => {
                 *self.0.cure.borrow_mut() = cure.clone();
@@ -627,6 +637,16 @@ impl SimulationHandle {
                 if call.host.settings.interactive { failure.hint("`sim.why()` shows the iterations") } else { failure }
             }
         }
+    }
+
+    /// Whether the iterations of the last failure went astray, while supports and loads seem to be in order.
+    fn is_lost(&self) -> bool {
+        use FailureCause::{CyclingContact, Divergence, InvertedCell, SlowConvergence};
+        let simulation = self.0.simulation.try_borrow();
+        simulation.is_ok_and(|simulation| {
+            let cause = simulation.failure().map(|report| &report.cause);
+            matches!(cause, Some(CyclingContact { .. } | Divergence | InvertedCell { .. } | SlowConvergence))
+        })
     }
 
     fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
