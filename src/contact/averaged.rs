@@ -15,7 +15,7 @@ use num_dual::{Derivative, Dual2SVec64, DualNumCopy, DualSVec64};
 
 use super::ContactKernel;
 use super::patches::Evaluation;
-use super::search::{Candidates, PairSearch};
+use super::search::PairSearch;
 use super::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Integrator, PatchFunction, Projection};
 use crate::math::tolerances::FACING;
@@ -80,28 +80,6 @@ impl AveragedMortar {
         let sides = Sides::new(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
         AveragedMortar { sides, search, pairs: Vec::new(), start: Vec::new() }
-    }
-
-    /// Makes the patches of the present candidates.
-    fn list_patches(&mut self) {
-        self.sides.patches.clear();
-        self.pairs.clear();
-        for &[own, other] in self.search.candidates.pairs() {
-            let [x_1, x_2] = self.sides.secondary.facets()[own as usize];
-            let [y_1, y_2] = self.sides.primary.facets()[other as usize];
-            let [before, after] = neighbors(&self.sides.secondary, own as usize);
-            let mut nodes: Vec<u32> = Vec::with_capacity(ROLES);
-            let roles = [before, Some(x_1), Some(x_2), after, Some(y_1), Some(y_2)].map(|node| {
-                let node = node?;
-                let known = nodes.iter().position(|&other| other == node);
-                Some(known.unwrap_or_else(|| {
-                    nodes.push(node);
-                    nodes.len() - 1
-                }) as u8)
-            });
-            self.sides.patches.push(&nodes, &self.sides.secondary.local_facets()[own as usize]);
-            self.pairs.push(Pair { roles });
-        }
     }
 
     /// Positions of the nodes of patch `p`.
@@ -292,22 +270,33 @@ impl ContactKernel for AveragedMortar {
         &self.sides
     }
 
-    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
-        let changed = self.search.update(&self.sides, q, margin);
-        if changed {
-            self.list_patches();
+    fn search(&self) -> Option<&PairSearch> {
+        Some(&self.search)
+    }
+
+    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
+        Some((&mut self.search, &self.sides))
+    }
+
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        self.pairs.clear();
+        for &[own, other] in self.search.candidates.pairs() {
+            let [x_1, x_2] = self.sides.secondary.facets()[own as usize];
+            let [y_1, y_2] = self.sides.primary.facets()[other as usize];
+            let [before, after] = neighbors(&self.sides.secondary, own as usize);
+            let mut nodes: Vec<u32> = Vec::with_capacity(ROLES);
+            let roles = [before, Some(x_1), Some(x_2), after, Some(y_1), Some(y_2)].map(|node| {
+                let node = node?;
+                let known = nodes.iter().position(|&other| other == node);
+                Some(known.unwrap_or_else(|| {
+                    nodes.push(node);
+                    nodes.len() - 1
+                }) as u8)
+            });
+            self.sides.patches.push(&nodes, &self.sides.secondary.local_facets()[own as usize]);
+            self.pairs.push(Pair { roles });
         }
-        changed
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        Some(&self.search.candidates)
-    }
-
-    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.search.restore(candidates, &self.sides, q);
-        self.list_patches();
-        self.begin_step(q);
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -319,13 +308,7 @@ impl ContactKernel for AveragedMortar {
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
-        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
-            for (&row, value) in self.sides.patches.rows(p).iter().zip(start.value.unwrap_or_default()) {
-                gaps[row as usize] += value;
-            }
-        }
-        gaps
+        self.search.summed(&self.sides, self.start.iter().map(|start| start.value.unwrap_or_default()))
     }
 
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {

@@ -31,7 +31,7 @@ pub use mortar::Mortar;
 pub use node_to_segment::NodeToSegment;
 pub use patches::{Evaluation, Patches};
 pub use rigid::{Obstacle, RigidContact};
-pub use search::Candidates;
+pub use search::{Candidates, PairSearch};
 pub use surface::{Sides, Surface};
 pub use tie::Tie;
 
@@ -100,15 +100,41 @@ pub trait ContactKernel: Send + Sync {
 
     /// Makes the patches contain everything that comes within `margin` of each other at `q`; returns whether the list changed (a
     /// matrix pattern made from it must then be made anew). `margin` `[length]`: reach plus the largest relative motion of the step.
-    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool;
+    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
+        let Some((search, sides)) = self.search_mut() else { return false };
+        let changed = search.update(sides, q, margin);
+        if changed {
+            self.list_patches();
+        }
+        changed
+    }
 
     /// The candidates, for a method that searches: all that it keeps from one step to the next.
     fn candidates(&self) -> Option<&Candidates> {
-        None
+        self.search().map(|search| &search.candidates)
     }
 
     /// Puts earlier candidates of this pair in place of the present ones, and keeps what depends on `q`, where a step may start.
-    fn restore_candidates(&mut self, _candidates: &Candidates, _q: &[f64]) {}
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        if let Some((search, sides)) = self.search_mut() {
+            search.restore(candidates, sides, q);
+            self.list_patches();
+            self.begin_step(q);
+        }
+    }
+
+    /// The search for pairs of facets, in a method whose patches are such pairs.
+    fn search(&self) -> Option<&PairSearch> {
+        None
+    }
+
+    /// The same to change it, with the sides between which it searches.
+    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
+        None
+    }
+
+    /// Makes the patches of the pairs that the search has found.
+    fn list_patches(&mut self) {}
 
     /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}

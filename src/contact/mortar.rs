@@ -9,7 +9,7 @@
 
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
 use super::patches::Evaluation;
-use super::search::{Candidates, PairSearch};
+use super::search::PairSearch;
 use super::surface::Sides;
 use super::{ContactKernel, Correction};
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
@@ -93,16 +93,6 @@ impl Mortar {
     /// Shape functions of a pair in this step.
     fn shape(&self, p: usize) -> &Shape {
         self.start.get(p).map_or(&STANDARD, |start| &start.shape)
-    }
-
-    /// Makes the patches of the present candidates.
-    fn list_patches(&mut self) {
-        self.sides.patches.clear();
-        for &[secondary, primary] in self.search.candidates.pairs() {
-            let [x_1, x_2] = self.sides.secondary.facets()[secondary as usize];
-            let [y_1, y_2] = self.sides.primary.facets()[primary as usize];
-            self.sides.patches.push(&[x_1, x_2, y_1, y_2], &self.sides.secondary.local_facets()[secondary as usize]);
-        }
     }
 
     /// Searches candidates with this margin `[length]` beyond what a step needs, in place of two shortest secondary facets.
@@ -216,32 +206,25 @@ impl ContactKernel for Mortar {
         &self.sides
     }
 
-    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
-        let changed = self.search.update(&self.sides, q, margin);
-        if changed {
-            self.list_patches();
+    fn search(&self) -> Option<&PairSearch> {
+        Some(&self.search)
+    }
+
+    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
+        Some((&mut self.search, &self.sides))
+    }
+
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        for &[secondary, primary] in self.search.candidates.pairs() {
+            let [x_1, x_2] = self.sides.secondary.facets()[secondary as usize];
+            let [y_1, y_2] = self.sides.primary.facets()[primary as usize];
+            self.sides.patches.push(&[x_1, x_2, y_1, y_2], &self.sides.secondary.local_facets()[secondary as usize]);
         }
-        changed
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        Some(&self.search.candidates)
-    }
-
-    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.search.restore(candidates, &self.sides, q);
-        self.list_patches();
-        self.begin_step(q);
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
-        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
-            for (&row, value) in self.sides.patches.rows(p).iter().zip(start.value) {
-                gaps[row as usize] += value;
-            }
-        }
-        gaps
+        self.search.summed(&self.sides, self.start.iter().map(|start| start.value))
     }
 
     fn set_correction(&mut self, correction: Correction) {

@@ -264,10 +264,6 @@ impl ContactKernel for RigidContact {
         &self.sides
     }
 
-    fn update_candidates(&mut self, _q: &[f64], _margin: f64) -> bool {
-        false
-    }
-
     fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
         self.translations = *translations;
     }

@@ -15,6 +15,7 @@ use std::ops::ControlFlow;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use super::pair::PerNode;
 use super::surface::{Sides, Surface};
 
 /// A list of facet pairs that contains every pair within a margin, valid for a bounded relative motion.
@@ -119,7 +120,7 @@ impl Candidates {
 
 /// The facet pairs of two surfaces that a step may bring into contact.
 #[derive(Clone, Debug)]
-pub(super) struct PairSearch {
+pub struct PairSearch {
     /// All listed pairs.
     pub candidates: Candidates,
     /// Those within reach in this step. The list keeps pairs that have moved apart; where bodies turn, such facets may come to face each
@@ -144,6 +145,17 @@ impl PairSearch {
         let changed = self.candidates.update(&sides.secondary, &sides.primary, q, margin);
         self.near = near(self.candidates.pairs(), &sides.secondary, &sides.primary, q, margin);
         changed
+    }
+
+    /// Sums the values of all pairs within reach, one for each node of the secondary facet, into the secondary nodes.
+    pub fn summed(&self, sides: &Sides, values: impl Iterator<Item = PerNode<f64>>) -> Vec<f64> {
+        let mut sums = vec![0.0; sides.secondary.nodes().len()];
+        for (p, values) in values.enumerate().filter(|(p, _)| self.near[*p]) {
+            for (&row, value) in sides.patches.rows(p).iter().zip(values) {
+                sums[row as usize] += value;
+            }
+        }
+        sums
     }
 
     /// Puts an earlier list in place.
