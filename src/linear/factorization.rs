@@ -89,14 +89,24 @@ pub struct Factorization {
     null_vector: Option<Vec<f64>>,
 }
 
-/// The power of two next to `1/sqrt(x)`; 1 for zero.
-fn reciprocal_root(x: f64) -> f64 {
-    if x > 0.0 { (-0.5 * x.log2()).round().exp2() } else { 1.0 }
+/// The largest power of two that is at most `x > 0`, as its exponent.
+fn exponent(x: f64) -> i32 {
+    (x.to_bits() >> 52) as i32 - 1023
 }
 
-/// The power of two next to `1/x`; 1 for zero.
+/// `2^n`, as far as that is a normal number.
+fn power_of_two(n: i32) -> f64 {
+    f64::from_bits(((n.clamp(-1022, 1023) + 1023) as u64) << 52)
+}
+
+/// A power of two near `1/sqrt(x)`; 1 for zero.
+fn reciprocal_root(x: f64) -> f64 {
+    if x > 0.0 { power_of_two(-exponent(x).div_euclid(2)) } else { 1.0 }
+}
+
+/// A power of two near `1/x`; 1 for zero.
 fn reciprocal(x: f64) -> f64 {
-    if x > 0.0 { (-x.log2()).round().exp2() } else { 1.0 }
+    if x > 0.0 { power_of_two(-exponent(x)) } else { 1.0 }
 }
 
 /// Largest absolute value; NaN if there is one.
@@ -281,7 +291,12 @@ impl Factorization {
         self.equilibrate(values);
         self.fallen_back = false;
         self.null_vector = None;
-        self.multifrontal.factorize(&self.symbolic, values, &self.vertex_scale, &self.workers, &self.watch);
+        let Factorization { multifrontal, symbolic, vertex_scale, workers, watch, .. } = self;
+        if symbolic.tasks.is_empty() {
+            multifrontal.factorize(symbolic, values, vertex_scale, &Workers::default(), watch);
+        } else {
+            workers.together(|| multifrontal.factorize(symbolic, values, vertex_scale, workers, watch));
+        }
         self.watch.ended();
         if self.watch.is_interrupted() { Err(LinearError::Interrupted) } else { Ok(()) }
     }
@@ -309,11 +324,13 @@ impl Factorization {
     }
 
     /// Solves with the last factorised values, which are given again for the residual; `right` becomes the solution.
-    /// Returns the largest residual over the largest right-hand side, both scaled.
+    ///
+    /// Returns the backward error `|r| / (|A| |x| + |b|)` (Rigal and Gaches 1967) in largest components, all scaled, which makes `|A|` of
+    /// order one: 1 is taken for it. Near an equilibrium `b` is hardly more than round-off itself, so the residual is not measured by it.
     ///
     /// # Errors
-    /// [`LinearError::Singular`], [`LinearError::NotFinite`], or [`LinearError::Inaccurate`] when the residual stays above
-    /// [`crate::math::tolerances::LINEAR_RESIDUAL`].
+    /// [`LinearError::Singular`], [`LinearError::NotFinite`], or [`LinearError::Inaccurate`] when the backward error stays above
+    /// [`crate::math::tolerances::LINEAR_RESIDUAL`] or the residual above [`crate::math::tolerances::LINEAR_UNSOLVED`] of `b`.
     pub fn solve(&mut self, values: &[f64], right: &mut [f64]) -> Result<f64, LinearError> {
         let size = self.scaled_size(right);
         if size == 0.0 {
@@ -322,23 +339,24 @@ impl Factorization {
         if !size.is_finite() {
             return Err(LinearError::NotFinite);
         }
-        let mut relative = f64::NAN;
+        let mut error = f64::NAN;
         if !self.fallen_back {
             if !self.multifrontal.replaced().is_empty() {
                 self.refuse_singular(values)?;
             } else {
-                relative = self.refined(values, right, size);
+                error = self.refined(values, right, size);
             }
         }
-        if relative.is_nan() || relative > tolerances::LINEAR_FALLBACK {
+        if error.is_nan() || error > tolerances::LINEAR_FALLBACK {
             self.fall_back(values)?;
-            relative = self.refined(values, right, size);
+            error = self.refined(values, right, size);
         }
-        if relative.is_nan() || relative > tolerances::LINEAR_RESIDUAL {
-            return Err(LinearError::Inaccurate { residual: relative });
+        let residual = self.scaled_size(&self.residual) / size;
+        if error.is_nan() || error > tolerances::LINEAR_RESIDUAL || residual > tolerances::LINEAR_UNSOLVED {
+            return Err(LinearError::Inaccurate { residual });
         }
         right.copy_from_slice(&self.solution);
-        Ok(relative)
+        Ok(error)
     }
 
     /// An estimate of the vector that the matrix maps to zero, one number per unknown, after [`LinearError::Singular`].
@@ -372,11 +390,11 @@ impl Factorization {
         }
     }
 
-    /// Solves into `solution`, refined until the scaled residual, which is returned, is at round-off.
+    /// Solves into `solution`, refined until the backward error, which is returned, is at round-off.
     fn refined(&mut self, values: &[f64], right: &[f64], size: f64) -> f64 {
         self.solution.fill(0.0);
         self.residual.copy_from_slice(right);
-        let mut relative = 1.0;
+        let mut error = 1.0;
         for _ in 0..=REFINEMENTS {
             self.substitute();
             for (x, d) in self.solution.iter_mut().zip(&self.residual) {
@@ -386,12 +404,13 @@ impl Factorization {
             for (r, b) in self.residual.iter_mut().zip(right) {
                 *r = b - *r;
             }
-            relative = self.scaled_size(&self.residual) / size;
-            if relative.is_nan() || relative <= tolerances::LINEAR_REFINED {
+            let solution = largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
+            error = self.scaled_size(&self.residual) / (solution + size);
+            if error.is_nan() || error <= tolerances::LINEAR_REFINED {
                 break;
             }
         }
-        relative
+        error
     }
 
     /// Tells a matrix `A` that is singular from one that was only badly ordered, by the factors of `M`, which is `A` with replaced pivots.

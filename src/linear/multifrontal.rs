@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use pulp::{Simd, WithSimd};
 
-use super::dense::{self, Blocks, Manner, WIDTH};
+use super::dense::{self, Blocks, Manner};
 use super::symbolic::{Beside, Front, Inside, Run, Symbolic};
 use super::watch::Watch;
 use crate::math::simd::with_registers;
@@ -298,7 +298,6 @@ impl WithSimd for Elimination<'_, '_, '_> {
             let (p, u) = (front.p, front.u);
             let (own, rest) = factors.split_at_mut(front.length());
             factors = rest;
-            own.fill(0.0);
             let (diagonal, beside) = own.split_at_mut(p * p);
             let (lower, upper) = beside.split_at_mut(u * p);
             let children = &symbolic.children[front.children.clone()];
@@ -308,14 +307,9 @@ impl WithSimd for Elimination<'_, '_, '_> {
                 _ if children.iter().any(|&child| symbolic.fronts[child as usize].side == 0) => (&mut update[..], even.all()),
                 _ => (&mut update[..], odd.all()),
             };
-            rest.fill(0.0);
             let mut blocks = Blocks { pivots: front.pivots, p, u, diagonal, lower, upper, rest };
+            Received { symbolic, children, waiting, handed }.add_up(simd, &mut blocks, workers);
             add_entries(symbolic, front, values, scale, &mut blocks);
-            for &child in children {
-                let child = &symbolic.fronts[child as usize];
-                let source = if child.side == 2 { handed } else { waiting };
-                add_update(symbolic, child, &source[child.update_at..][..child.u * child.u], &mut blocks);
-            }
             let manner = Manner { tiny: TINY, workers, stopped: &stopped };
             let (own, rest) = swaps.split_at_mut(front.pivots);
             swaps = rest;
@@ -358,7 +352,7 @@ fn add_inside(entry: &Inside, rows: usize, columns: usize, factor: f64, values: 
         let source = &values[entry.source.at(0, k)..][..rows];
         let target = &mut blocks.diagonal[entry.target as usize + k * blocks.p..][..rows];
         for i in 0..rows {
-            target[i] = factor * source[i];
+            target[i] += factor * source[i];
         }
     }
 }
@@ -371,60 +365,171 @@ fn add_beside(entry: &Beside, pivots: usize, others: usize, factor: f64, values:
         let source = &values[entry.lower.at(0, k)..][..others];
         let lower = &mut blocks.lower[target + k * blocks.u..][..others];
         for i in 0..others {
-            lower[i] = factor * source[i];
+            lower[i] += factor * source[i];
         }
     }
     for i in 0..others {
         let source = &values[entry.upper.at(0, i)..][..pivots];
         for k in 0..pivots {
-            blocks.upper[target + k * blocks.u + i] = factor * source[k];
+            blocks.upper[target + k * blocks.u + i] += factor * source[k];
         }
     }
 }
 
-/// Adds a child's update.
-#[inline(always)]
-fn add_update(symbolic: &Symbolic, child: &Front, update: &[f64], blocks: &mut Blocks) {
-    let (p, u) = (blocks.p, blocks.u);
-    let (pivots, others) = (&symbolic.runs[child.to_pivots.clone()], &symbolic.runs[child.to_others.clone()]);
-    for columns in pivots {
-        let source = &update[columns.source as usize * child.u..][..columns.length as usize * child.u];
-        let first = columns.target as usize;
-        for rows in pivots {
-            add_run(rows, source, child.u, &mut blocks.diagonal[first * p..], p);
-        }
-        for rows in others {
-            add_run(rows, source, child.u, &mut blocks.lower[first * u..], u);
+/// Pivots, or other unknowns, whose columns are put together at a time: few enough to stay in a cache near by.
+const COLUMNS: usize = 32;
+
+/// Entries of a front from which on its columns are shared among threads.
+const WORTH_SHARING: usize = 20_000;
+
+/// The updates that a front receives from its children.
+#[derive(Clone, Copy)]
+struct Received<'a> {
+    symbolic: &'a Symbolic,
+    children: &'a [u32],
+    waiting: &'a [f64],
+    handed: &'a [f64],
+}
+
+/// Columns of some pivots: those of the pivot block, and what is below and to the right of it.
+struct PivotColumns<'a> {
+    first: usize,
+    count: usize,
+    diagonal: &'a mut [f64],
+    lower: &'a mut [f64],
+    upper: &'a mut [f64],
+}
+
+/// Columns of the remainder of a front.
+struct RestColumns<'a> {
+    first: usize,
+    columns: &'a mut [f64],
+}
+
+impl<'a> Received<'a> {
+    /// Fills the blocks with the sums of the updates.
+    #[inline(always)]
+    fn add_up<S: Simd>(self, simd: S, blocks: &mut Blocks, workers: &Workers) {
+        let (p, u) = (blocks.p, blocks.u);
+        let (mut diagonal, mut lower, mut upper) = (&mut *blocks.diagonal, &mut *blocks.lower, &mut *blocks.upper);
+        let pivots = (0..p).step_by(COLUMNS).map(|first| {
+            let count = COLUMNS.min(p - first);
+            PivotColumns {
+                first,
+                count,
+                diagonal: diagonal.split_off_mut(..count * p).unwrap_or_default(),
+                lower: lower.split_off_mut(..count * u).unwrap_or_default(),
+                upper: upper.split_off_mut(..count * u).unwrap_or_default(),
+            }
+        });
+        let rest = blocks.rest.chunks_mut((COLUMNS * u).max(1)).enumerate();
+        let rest = rest.map(|(k, columns)| RestColumns { first: k * COLUMNS, columns });
+        if workers.are_many() && (p + u) * (p + u) >= WORTH_SHARING {
+            let (mut pivots, mut rest) = (pivots.collect::<Vec<_>>(), rest.collect::<Vec<_>>());
+            workers.for_each(&mut pivots, 1, |_, part| with_registers(AddUp { received: self, part, p, u }));
+            workers.for_each(&mut rest, 1, |_, part| with_registers(AddUp { received: self, part, p, u }));
+        } else {
+            for mut part in pivots {
+                self.add_to_pivots(simd, &mut part, p, u);
+            }
+            for mut part in rest {
+                self.add_to_rest(simd, &mut part, u);
+            }
         }
     }
-    for columns in others {
-        let source = &update[columns.source as usize * child.u..][..columns.length as usize * child.u];
-        let first = columns.target as usize;
-        for rows in pivots {
-            for i in 0..rows.length as usize {
-                let target = &mut blocks.upper[(rows.target as usize + i) * u + first..][..columns.length as usize];
-                for (x, source) in target.iter_mut().zip(source[rows.source as usize + i..].iter().step_by(child.u)) {
-                    *x += source;
+
+    /// A child and its update.
+    #[inline(always)]
+    fn update(self, child: u32) -> (&'a Front, &'a [f64]) {
+        let child = &self.symbolic.fronts[child as usize];
+        let source = if child.side == 2 { self.handed } else { self.waiting };
+        (child, &source[child.update_at..][..child.u * child.u])
+    }
+
+    #[inline(always)]
+    fn add_to_pivots<S: Simd>(self, simd: S, part: &mut PivotColumns, p: usize, u: usize) {
+        let PivotColumns { first, count, diagonal, lower, upper } = part;
+        diagonal.fill(0.0);
+        lower.fill(0.0);
+        upper.fill(0.0);
+        for &child in self.children {
+            let (child, update) = self.update(child);
+            let (pivots, others) = (&self.symbolic.runs[child.to_pivots.clone()], &self.symbolic.runs[child.to_others.clone()]);
+            for run in pivots {
+                let Some(mine) = run.within(*first, *count) else { continue };
+                let columns = &update[mine.source as usize * child.u..][..mine.length as usize * child.u];
+                let target = mine.target as usize;
+                for rows in pivots {
+                    add_run(simd, rows, columns, child.u, &mut diagonal[target * p..], p);
+                }
+                for rows in others {
+                    add_run(simd, rows, columns, child.u, &mut lower[target * u..], u);
+                }
+                for columns in others {
+                    let source = &update[columns.source as usize * child.u..][..columns.length as usize * child.u];
+                    for i in 0..mine.length as usize {
+                        let target = &mut upper[(target + i) * u + columns.target as usize..][..columns.length as usize];
+                        for (x, source) in target.iter_mut().zip(source[mine.source as usize + i..].iter().step_by(child.u)) {
+                            *x += source;
+                        }
+                    }
                 }
             }
         }
-        for rows in others {
-            add_run(rows, source, child.u, &mut blocks.rest[first * u..], u);
+    }
+
+    #[inline(always)]
+    fn add_to_rest<S: Simd>(self, simd: S, part: &mut RestColumns, u: usize) {
+        part.columns.fill(0.0);
+        for &child in self.children {
+            let (child, update) = self.update(child);
+            let others = &self.symbolic.runs[child.to_others.clone()];
+            for run in others {
+                let Some(mine) = run.within(part.first, COLUMNS) else { continue };
+                let columns = &update[mine.source as usize * child.u..][..mine.length as usize * child.u];
+                for rows in others {
+                    add_run(simd, rows, columns, child.u, &mut part.columns[mine.target as usize * u..], u);
+                }
+            }
         }
+    }
+}
+
+/// [`Received`], where a thread takes a part.
+struct AddUp<'a, P> {
+    received: Received<'a>,
+    part: P,
+    p: usize,
+    u: usize,
+}
+
+impl WithSimd for AddUp<'_, &mut PivotColumns<'_>> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.received.add_to_pivots(simd, self.part, self.p, self.u);
+    }
+}
+
+impl WithSimd for AddUp<'_, &mut RestColumns<'_>> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.received.add_to_rest(simd, self.part, self.u);
     }
 }
 
 /// Adds a run of rows of some columns to where they go.
 #[inline(always)]
-fn add_run(rows: &Run, source: &[f64], source_stride: usize, target: &mut [f64], target_stride: usize) {
+fn add_run<S: Simd>(simd: S, rows: &Run, source: &[f64], source_stride: usize, target: &mut [f64], target_stride: usize) {
     let (length, from, to) = (rows.length as usize, rows.source as usize, rows.target as usize);
     for (source, target) in source.chunks_exact(source_stride).zip(target.chunks_mut(target_stride)) {
-        let (sources, source_rest) = source[from..from + length].as_chunks::<WIDTH>();
-        let (targets, target_rest) = target[to..to + length].as_chunks_mut::<WIDTH>();
+        let (sources, source_rest) = S::as_simd_f64s(&source[from..from + length]);
+        let (targets, target_rest) = S::as_mut_simd_f64s(&mut target[to..to + length]);
         for (x, value) in targets.iter_mut().zip(sources) {
-            for l in 0..WIDTH {
-                x[l] += value[l];
-            }
+            *x = simd.add_f64s(*x, *value);
         }
         for (x, value) in target_rest.iter_mut().zip(source_rest) {
             *x += value;

@@ -107,6 +107,16 @@ pub(super) struct Run {
     pub(super) length: u32,
 }
 
+impl Run {
+    /// The part whose places are among `count` places from `first` on, its target counted from there.
+    pub(super) fn within(&self, first: usize, count: usize) -> Option<Self> {
+        let (first, end) = (first as u32, (first + count) as u32);
+        let from = self.target.max(first);
+        let to = (self.target + self.length).min(end);
+        (from < to).then(|| Run { source: self.source + from - self.target, target: from - first, length: to - from })
+    }
+}
+
 /// The structure of the factors of a pattern, for one order of elimination.
 #[derive(Debug, Default)]
 pub(super) struct Symbolic {

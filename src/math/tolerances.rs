@@ -69,18 +69,22 @@ pub const STEP_LIMIT: f64 = 0.1;
 /// Covered share below which a node has no row at all in this iteration (a zero row makes the matrix singular).
 pub const ZERO_ROW: f64 = 1e-6;
 
-/// Relative residual of the linear solve that needs no refinement: three decimal digits above round-off.
+/// Backward error of the linear solve that needs no refinement: three decimal digits above round-off.
 pub const LINEAR_REFINED: f64 = 1e-13;
 
-/// Relative residual after refinement above which the system is solved again with pivots sought in whole columns: good factors leave
+/// Backward error after refinement above which the system is solved again with pivots sought in whole columns: good factors leave
 /// 1e-14 to 1e-16, so this is a sign of growth in them.
 pub const LINEAR_FALLBACK: f64 = 1e-10;
 
 /// Image of a unit vector under a matrix with entries of order one that counts as zero: the round-off of a row's sum.
 pub const LINEAR_SINGULAR: f64 = 1e-14;
 
-/// Relative residual of the linear solve after refinement above which the solution is refused.
+/// Backward error of the linear solve after refinement above which the solution is refused.
 pub const LINEAR_RESIDUAL: f64 = 1e-8;
+
+/// Residual over the right-hand side above which a solution is refused however small its backward error is: it is so much larger than the
+/// right-hand side that the matrix is as good as singular.
+pub const LINEAR_UNSOLVED: f64 = 1e-3;
 
 /// Jacobian determinant of a cell, relative to its longest edge to the power of the dimension, below which it has no area or volume:
 /// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).

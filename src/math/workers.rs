@@ -1,8 +1,10 @@
 //! Threads that share a loop. What the loop's items compute must not depend on one another; then no result depends on the number of
 //! threads.
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use rayon::Yield;
 use rayon::prelude::*;
 
 /// A number of threads.
@@ -28,6 +30,28 @@ impl Workers {
         self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
+    /// Runs work that has many short loops, with all threads awake until it ends: to wake one up takes as long as a short loop.
+    pub fn together<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        let Some(pool) = &self.pool else { return work() };
+        let (work, result, done) = (Mutex::new(Some(work)), Mutex::new(None), AtomicBool::new(false));
+        pool.broadcast(|thread| {
+            if thread.index() == 0 {
+                let ended = Ended(&done);
+                let work = work.lock().unwrap_or_else(PoisonError::into_inner).take();
+                *result.lock().unwrap_or_else(PoisonError::into_inner) = work.map(|work| work());
+                drop(ended);
+                return;
+            }
+            let mut idle = 0;
+            while !done.load(Ordering::Acquire) {
+                idle = if rayon::yield_now() == Some(Yield::Executed) { 0 } else { idle + 1 };
+                // Other programs may need the processor more.
+                if idle % 64 == 63 { std::thread::yield_now() } else { std::hint::spin_loop() }
+            }
+        });
+        result.into_inner().unwrap_or_else(PoisonError::into_inner).expect("one thread has the number 0")
+    }
+
     /// Calls `work` for every item with its number, in any order, `together` items at a time.
     pub fn for_each<T: Send>(&self, items: &mut [T], together: usize, work: impl Fn(usize, &mut T) + Sync + Send) {
         match &self.pool {
@@ -45,5 +69,14 @@ impl Workers {
             Some(pool) => pool.install(|| data.par_chunks_mut(length).with_max_len(1).enumerate().for_each(|(k, part)| work(k, part))),
             None => data.chunks_mut(length).enumerate().for_each(|(k, part)| work(k, part)),
         }
+    }
+}
+
+/// Sets a flag at its end, also after a panic.
+struct Ended<'a>(&'a AtomicBool);
+
+impl Drop for Ended<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
     }
 }
