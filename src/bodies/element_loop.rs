@@ -16,7 +16,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::batch::{Batch, Table, Workspace};
-use super::rounds::{Run, pieces, rounds};
+use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
 use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
 use crate::integrators::Integrator;
 use crate::linear::{Block, NodeMatrix, Pattern};
@@ -377,8 +377,9 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
     }
 
     fn assemble(&self, step: &Step, force: &mut [f64], mut values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted> {
+        let is_shared = workers.are_many() && self.cliques.len() >= LEAST_CELLS_FOR_THREADS;
         for round in &self.rounds {
-            if !workers.are_many() {
+            if !is_shared {
                 for placed in round {
                     let values = values.as_deref_mut().map(|values| &mut values[placed.values.clone()]);
                     self.assemble_run(step, placed, &mut force[placed.unknowns()], values)?;

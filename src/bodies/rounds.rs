@@ -9,6 +9,9 @@
 
 use std::ops::Range;
 
+/// A body of fewer cells is left to one thread: waking another takes longer than it saves. The order of sums stays that of the rounds.
+pub(super) const LEAST_CELLS_FOR_THREADS: usize = 2000;
+
 /// Cells of one run: enough to be worth a thread's while, and most runs that a body is cut into.
 const LEAST_CELLS: usize = 128;
 const MOST_RUNS: usize = 16;

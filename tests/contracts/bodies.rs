@@ -168,7 +168,7 @@ fn tangent_holds_the_weighted_mass() {
 fn sums_do_not_depend_on_the_number_of_threads() {
     let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").expect("a row of the catalogue");
     let material = Material::new(row, &[MODULUS, 0.3, 1.0]);
-    let cells = Loop::<2>::new(&rectangle([4.0, 3.0], [40, 30], [0.0; 2]).expect("the mesh is sound"), &material);
+    let cells = Loop::<2>::new(&rectangle([6.0, 4.0], [60, 40], [0.0; 2]).expect("the mesh is sound"), &material);
     let mut random = Random(17);
     let (q_0, q_1) = (cells.random_state(0.01, &mut random), cells.random_state(0.01, &mut random));
     let step = Step { integrator: Integrator::EnergyMomentum, inertia: 10.0, q_0: &q_0, q_1: &q_1 };
