@@ -214,7 +214,13 @@ impl Factorization {
             let price = DISSECTION * pattern.couplings() as f64;
             let dissect = !ordered || self.order.spent >= price;
             self.order.best = if ordered { self.symbolic.operations } else { f64::INFINITY };
-            for order in candidates(&restricted, dissect) {
+            let orders = candidates(&restricted, dissect, &self.watch);
+            if self.watch.is_interrupted() {
+                // The structure at hand is that of no order that was chosen.
+                self.order.kept = Arc::default();
+                return Err(LinearError::Interrupted);
+            }
+            for order in orders {
                 let symbolic = Symbolic::new(&restricted, &anchored(&restricted, &order));
                 if symbolic.operations < self.order.best {
                     self.order.best = symbolic.operations;

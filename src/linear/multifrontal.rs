@@ -23,6 +23,9 @@ const TINY: f64 = 1e-10;
 /// Numbers in a cache line.
 const LINE: usize = 8;
 
+/// Part of a buffer's length that is set aside for growth.
+const SLACK: usize = 16;
+
 /// Numbers that begin at a cache line.
 #[derive(Debug, Default)]
 struct AlignedBuffer {
@@ -38,8 +41,10 @@ impl AlignedBuffer {
             // The old numbers go first: both at once would be the peak of the whole run.
             self.storage = Vec::new();
             let mut storage = Vec::new();
-            storage.try_reserve_exact(length + LINE)?;
-            storage.resize(length + LINE, 0.0);
+            // Some more, because structures tend to grow a little while surfaces slide, and new pages are slow.
+            let length = length + length / SLACK + LINE;
+            storage.try_reserve_exact(length)?;
+            storage.resize(length, 0.0);
             self.offset = storage.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
             self.storage = storage;
         }

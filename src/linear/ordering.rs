@@ -9,35 +9,85 @@
 //! and Duff 1996). Dissection needs less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long
 //! as minimum degree.
 
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
 use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 
 use super::pattern::Pattern;
+use super::watch::Watch;
 
 /// Parts of at most this many vertices are not dissected: measured on the bearing (its matrices factor a fifth faster than with 200).
 const SMALLEST_PART: u32 = 25;
 
+/// Couplings of a graph from which on its dissection is interruptible: some hundredths of a second.
+const LONG: usize = 50_000;
+
+/// How long an interrupt waits at most.
+const PATIENCE: Duration = Duration::from_millis(20);
+
 /// Orders of the vertices that are worth a comparison, the costly dissection only if wanted; multipliers may still come too early.
-pub(super) fn candidates(pattern: &Pattern, dissect: bool) -> Vec<Vec<u32>> {
-    let parts = if dissect { &[SMALLEST_PART, u32::MAX][..] } else { &[u32::MAX] };
-    let orders: Vec<Vec<u32>> = parts.iter().filter_map(|&part| dissection(pattern, part)).collect();
-    if orders.is_empty() { vec![(0..pattern.vertices() as u32).collect()] } else { orders }
+/// None at all after an interrupt.
+pub(super) fn candidates(pattern: &Pattern, dissect: bool, watch: &Watch) -> Vec<Vec<u32>> {
+    let mut orders = Vec::new();
+    if let Some(graph) = Graph::new(pattern) {
+        let minimum_degree = graph.dissection(u32::MAX);
+        if dissect {
+            orders.extend(graph.watched_dissection(SMALLEST_PART, watch));
+        }
+        orders.extend(minimum_degree);
+    }
+    if orders.is_empty() && !watch.is_interrupted() {
+        orders.push((0..pattern.vertices() as u32).collect());
+    }
+    orders
 }
 
-/// Nested dissection into parts of at most `smallest_part` vertices, and minimum degree in these; nothing when the graph is larger than the
-/// crate can number.
-fn dissection(pattern: &Pattern, smallest_part: u32) -> Option<Vec<u32>> {
-    let count = pattern.vertices();
-    let mut starts = Vec::with_capacity(count + 1);
-    let mut neighbors: Vec<i32> = Vec::new();
-    starts.push(0);
-    for v in 0..count {
-        neighbors.extend(pattern.neighbors(v).iter().map(|&u| u as i32));
-        starts.push(i32::try_from(neighbors.len()).ok()?);
+/// The graph of a pattern as the crate wants it.
+struct Graph {
+    starts: Vec<i32>,
+    neighbors: Vec<i32>,
+}
+
+impl Graph {
+    /// Nothing when the graph is larger than the crate can number.
+    fn new(pattern: &Pattern) -> Option<Self> {
+        let count = pattern.vertices();
+        let mut graph = Graph { starts: Vec::with_capacity(count + 1), neighbors: Vec::new() };
+        graph.starts.push(0);
+        for v in 0..count {
+            graph.neighbors.extend(pattern.neighbors(v).iter().map(|&u| u as i32));
+            graph.starts.push(i32::try_from(graph.neighbors.len()).ok()?);
+        }
+        Some(graph)
     }
-    let graph = CscPattern::new(count, &starts, &neighbors)?;
-    let options = MetisOptions { nd_to_amd_switch: smallest_part, ..MetisOptions::default() };
-    let (order, ..) = metis_order_full(&graph, &options).ok()?;
-    Some(order.into_iter().map(|v| v as u32).collect())
+
+    /// Nested dissection into parts of at most `smallest_part` vertices, and minimum degree in these.
+    fn dissection(&self, smallest_part: u32) -> Option<Vec<u32>> {
+        let graph = CscPattern::new(self.starts.len() - 1, &self.starts, &self.neighbors)?;
+        let options = MetisOptions { nd_to_amd_switch: smallest_part, ..MetisOptions::default() };
+        let (order, ..) = metis_order_full(&graph, &options).ok()?;
+        Some(order.into_iter().map(|v| v as u32).collect())
+    }
+
+    /// The same; nothing after an interrupt. The crate cannot be stopped, so a long dissection goes to a thread that is left behind then.
+    fn watched_dissection(self, smallest_part: u32, watch: &Watch) -> Option<Vec<u32>> {
+        if watch.interrupt.is_none() || self.neighbors.len() < LONG {
+            return self.dissection(smallest_part);
+        }
+        let (sender, receiver) = mpsc::channel();
+        std::thread::spawn(move || {
+            // Nobody listens any more after an interrupt.
+            let _ = sender.send(self.dissection(smallest_part));
+        });
+        loop {
+            match receiver.recv_timeout(PATIENCE) {
+                Ok(order) => return order,
+                Err(RecvTimeoutError::Timeout) if !watch.is_interrupted() => {}
+                Err(_) => return None,
+            }
+        }
+    }
 }
 
 /// The order of elimination: every multiplier that comes too early moves behind its anchor, or behind all its neighbors when it has none.

@@ -89,7 +89,7 @@ impl System {
 
 /// Solves without refinement, scaled as given, and returns the solution and how many pivots were replaced.
 fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
-    let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &candidates(&system.pattern, true)[0]));
+    let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &candidates(&system.pattern, true, &Watch::default())[0]));
     let scale = |vertex: usize| if vertex < system.nodes { 2f64.powi(-9) } else { 2f64.powi(9) };
     let vertex_scale: Vec<f64> = (0..system.pattern.vertices()).map(scale).collect();
     let unknown_scale: Vec<f64> = (0..system.pattern.unknowns()).map(|i| scale(system.pattern.vertex_of(i))).collect();
@@ -104,7 +104,7 @@ fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
 #[test]
 fn every_unknown_is_eliminated_once_and_every_multiplier_after_its_anchor() {
     let system = tied::<2>(30, 4, 2, 0.01);
-    let order = anchored(&system.pattern, &candidates(&system.pattern, true)[0]);
+    let order = anchored(&system.pattern, &candidates(&system.pattern, true, &Watch::default())[0]);
     let symbolic = Symbolic::new(&system.pattern, &order);
     let mut unknowns = symbolic.unknowns.clone();
     unknowns.sort_unstable();
