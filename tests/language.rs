@@ -221,6 +221,14 @@ fn check_lists_everything_and_takes_no_step() {
     assert!(report.error.is_none());
     assert!(report.findings.last().unwrap().contains("the script uses `energy`"), "{:?}", report.findings);
 
+    // What `settle` gives is a result, too.
+    let text = flight("let settled = sim.settle();\nprint(settled.strain);\nnonsense();");
+    let (_, _, report) = run_in(&home, &text, settings());
+    assert!(report.error.is_none(), "{:?}", report.error);
+    let last = report.findings.last().unwrap();
+    assert!(last.contains("the script uses `strain`"), "{:?}", report.findings);
+    assert!(last.contains(".rhai:"), "a place: {last}");
+
     let text = flight("sim.run_to(1.0); nonsense();");
     assert_eq!(run_in(&home, &text, settings()).2.error.unwrap().class, Class::Script);
 }

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rhai::{Array, Dynamic, EvalAltResult, Map};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 
 use super::arguments::{Arguments, Call, interrupted};
 use super::callback::Callback;
@@ -452,8 +452,7 @@ impl SimulationHandle {
         if !call.host.is_check() {
             return Ok(());
         }
-        let failure = Failure::new(Class::ResultUsed, format!("the script uses `{}` of the simulation", call.function.name));
-        Err(failure.placed(call.place(&Target::Call)))
+        Err(result_used(call.function.name).placed(call.place(&Target::Call)))
     }
 
     /// What the kernels say, unless a step is running.
@@ -471,12 +470,14 @@ impl SimulationHandle {
     /// Notes which contact pairs are closed now.
     fn note_contact(&self) {
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
-        if simulation.row().active > 0 {
-            let time = self.0.script_time(simulation.time());
-            for (since, nodes) in self.0.closed_since.borrow_mut().iter_mut().zip(simulation.closed_nodes()) {
-                if nodes > 0 && since.is_none() {
-                    *since = Some(time);
-                }
+        self.note_closed(self.0.script_time(simulation.time()), simulation.closed_nodes());
+    }
+
+    /// Notes which contact pairs are closed at a time, from the number of closed nodes of each.
+    fn note_closed(&self, time: f64, nodes: impl IntoIterator<Item = usize>) {
+        for (since, nodes) in self.0.closed_since.borrow_mut().iter_mut().zip(nodes) {
+            if nodes > 0 && since.is_none() {
+                *since = Some(time);
             }
         }
     }
@@ -547,7 +548,6 @@ impl SimulationHandle {
         for row in rows {
             self.accept(call, row, from, end)?;
         }
-        self.note_contact();
         self.tell_of_large_motion(call.host);
         stepped.map_err(|error| self.step_failure(call, error))?;
         // Called without a borrow: a closure may look at everything, and hand over further closures.
@@ -599,6 +599,8 @@ impl SimulationHandle {
             let simulation = data.simulation.try_borrow().map_err(|_| busy(call))?;
             artifacts.accepted(&row, &simulation)?;
         }
+        // Every piece of a halved step counts: a contact may have opened again when the step is over.
+        self.note_closed(row.time, row.contacts.iter().map(|contact| contact.active));
         data.history.borrow_mut().push(row);
         Ok(())
     }
@@ -652,7 +654,7 @@ impl SimulationHandle {
     fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
         let data = &self.0;
         if call.host.is_check() {
-            return Ok(Dynamic::UNIT);
+            return Ok(Dynamic::from(SettleToCome));
         }
         self.refuse_nested(call)?;
         call.host.go_on()?;
@@ -671,7 +673,8 @@ impl SimulationHandle {
         self.note_contact();
         data.scale.set(data.scale.get().max(row.total().abs()));
         let mut rows = data.history.borrow().clone();
-        if rows.len() == 1 {
+        // An equilibrium takes the place of the start, which was none, and of one at the same time; others are rows of their own.
+        if rows.len() == 1 && (rows[0].time == 0.0 || rows[0].time == row.time) {
             rows.clear();
         }
         rows.push(row);
@@ -693,6 +696,22 @@ impl SimulationHandle {
         *self.0.history.borrow_mut() = rows;
         Ok(())
     }
+}
+
+/// What `settle` gives in `conserva check`: nothing is known of it, but most scripts do not ask.
+#[derive(Clone)]
+struct SettleToCome;
+
+/// Lets a script ask what `settle` found in `conserva check`, which ends there.
+pub fn register_settle_to_come(engine: &mut Engine) {
+    engine.register_type_with_name::<SettleToCome>("Map");
+    engine.register_indexer_get(|_: &mut SettleToCome, name: ImmutableString| -> Result<Dynamic, Box<EvalAltResult>> {
+        Err(result_used(&name).into())
+    });
+}
+
+fn result_used(name: &str) -> Failure {
+    Failure::new(Class::ResultUsed, format!("the script uses `{name}` of the simulation"))
 }
 
 /// An error of a closure that a step called, with its own place first.
