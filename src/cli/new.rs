@@ -35,8 +35,10 @@ pub fn new(arguments: Arguments) -> u8 {
     let written = std::fs::OpenOptions::new().write(true).create_new(true).open(&file).and_then(|mut file| file.write_all(text.as_bytes()));
     match written {
         Ok(()) => {
-            let path = file.display();
-            Console::new(true).say(&format!("{path} is written; `conserva run {path}` runs it, `conserva test {path}` tests it"));
+            let path = file.display().to_string();
+            // what stands between backticks can be pasted into a shell
+            let word = if path.contains(char::is_whitespace) { format!("\"{path}\"") } else { path.clone() };
+            Console::new(true).say(&format!("{path} is written; `conserva run {word}` runs it, `conserva test {word}` tests it"));
             0
         }
         Err(error) => {
