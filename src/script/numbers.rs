@@ -11,7 +11,7 @@ use crate::math::catalogue::Interval;
 /// A number with so many significant digits; with an exponent where that is shorter.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
-        return number_text(value);
+        return number_text(value + 0.0); // without the sign of a zero
     }
     let scientific = format!("{value:.*e}", digits.saturating_sub(1));
     let exponent: i32 = scientific.split('e').nth(1).and_then(|text| text.parse().ok()).unwrap_or(0);
@@ -111,6 +111,7 @@ mod tests {
         assert_eq!(significant(1.23456e-9, 3), "1.23e-9");
         assert_eq!(significant(-0.00012345, 2), "-0.00012");
         assert_eq!(significant(0.0, 3), "0");
+        assert_eq!(significant(-0.0, 3), "0");
         assert_eq!([2.0, -0.0, 0.25, 1e-9, 1.5e10, 100000.0].map(brief), ["2", "0", "0.25", "1e-9", "1.5e10", "100000"]);
     }
 }
