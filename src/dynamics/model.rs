@@ -72,7 +72,7 @@ pub struct Load {
     pub amplitude: Amplitude,
 }
 
-/// How contact conditions are discretised in space.
+/// How contact conditions are discretized in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ContactMethod {
     /// Mortar method with standard Lagrange multipliers on the secondary nodes.

@@ -98,7 +98,7 @@ fn name_parameter() -> Parameter {
 }
 
 fn method_parameter() -> Parameter {
-    Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretised between two surfaces")
+    Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretized between two surfaces")
         .or(Absent::Means("`mortar()`"))
 }
 

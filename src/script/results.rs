@@ -6,7 +6,8 @@ use rhai::{Array, Dynamic};
 
 use super::arguments::{Arguments, Call};
 use super::failure::Failure;
-use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
+use super::numbers::brief;
+use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body};
 use super::simulations::{SimulationHandle, example, unknown_column};
 use crate::math::catalogue::Interval;
 use crate::output::{Field, Frame, OutputError, PictureOptions, braille_plot, picture, plot};
@@ -167,7 +168,7 @@ pub fn functions() -> Vec<Function> {
                 let width = options.number("width")?;
                 let content = || {
                     handle.with(call, |simulation| {
-                        let title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, number_text(simulation.time())));
+                        let title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, brief(simulation.time())));
                         picture(&simulation.fields(), &PictureOptions { field, title, range, width }).into_bytes()
                     })
                 };

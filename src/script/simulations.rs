@@ -125,7 +125,7 @@ impl Handle for SimulationHandle {
         let row = simulation.row();
         let (options, number) = (simulation.options(), brief);
         let mut lines = vec![
-            format!("simulation \"{}\" at t = {}, step {}", data.name, number_text(row.time), row.step),
+            format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step),
             format!("  {}, dt = {}, {} unknowns", options.integrator.name(), number_text(options.dt), simulation.unknowns()),
             format!(
                 "  energy {}: kinetic {}, strain {}, potential {}",
@@ -162,7 +162,7 @@ impl Handle for StateHandle {
     const NAME: &'static str = "State";
 
     fn describe(&self) -> String {
-        format!("state of simulation \"{}\" at t = {}", self.simulation.0.name, number_text(self.state.row.time))
+        format!("state of simulation \"{}\" at t = {}", self.simulation.0.name, brief(self.state.row.time))
     }
 }
 
@@ -190,7 +190,7 @@ impl Handle for ContactHandle {
         format!(
             "contact \"{}\" at t = {}: {active} of {} nodes active, largest pressure {}, force {}{cycling}",
             self.name,
-            number_text(self.time),
+            brief(self.time),
             self.fields.active.len(),
             brief(largest),
             vector_of(self.fields.force, self.dimension)
@@ -367,7 +367,7 @@ impl SimulationHandle {
         let data = &self.0;
         let Ok(simulation) = data.simulation.try_borrow() else { return self.describe() };
         let (row, options) = (simulation.row(), simulation.options());
-        let title = format!("simulation \"{}\" at t = {}, step {}", data.name, number_text(row.time), row.step);
+        let title = format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step);
         let method = format!("  {}, dt = {}, {} unknowns", options.integrator.name(), number_text(options.dt), simulation.unknowns());
         let history = data.history.borrow();
         let worst = history.iter().map(|row| row.energy_defect.abs()).fold(0.0, f64::max);
@@ -525,7 +525,7 @@ impl SimulationHandle {
         let data = &self.0;
         let stopped = || {
             let time = data.simulation.borrow().time();
-            interrupted(format!("interrupted at t = {}", number_text(time))).hint("everything up to this time is kept")
+            interrupted(format!("interrupted at t = {}", brief(time))).hint("everything up to this time is kept")
         };
         if call.host.is_stopped() {
             return Err(stopped().into());
@@ -539,7 +539,7 @@ impl SimulationHandle {
             // Stopped between two pieces of a step that had to be halved: whole steps only, so that it can be gone on with exactly.
             data.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&before);
             let time = before.row.time;
-            return Err(interrupted(format!("interrupted at t = {}", number_text(time))).hint("everything up to this time is kept").into());
+            return Err(interrupted(format!("interrupted at t = {}", brief(time))).hint("everything up to this time is kept").into());
         }
         if !rows.is_empty() {
             call.host.count_effect();
@@ -608,7 +608,7 @@ impl SimulationHandle {
     fn step_failure(&self, call: &Call, error: StepError) -> Failure {
         let (title, cure) = (error.to_string(), error.cure());
         match error {
-            StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", number_text(time))).hint(cure),
+            StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(cure),
             StepError::Amplitude { source, .. } => match source.downcast::<ScriptError>() {
                 Ok(inner) => call.fail(title).caused_by(*inner),
                 Err(other) => call.fail(title).cause(other.to_string()).hint(cure),
@@ -890,7 +890,7 @@ fn methods() -> Vec<Function> {
                 let now = handle.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
                 if end < now {
                     let failure = call.argument("time").fail(format!("`run_to` goes forward, but {} has passed", number_text(end)));
-                    let failure = failure.label(format!("the simulation is at t = {}", number_text(now)));
+                    let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
                     return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
                 }
                 handle.advance(call, Some(end), usize::MAX)?;
@@ -924,7 +924,7 @@ fn methods() -> Vec<Function> {
                 let now = handle.0.script_time(now);
                 if end < now {
                     let failure = argument.fail(format!("`settle` goes forward, but {} has passed", number_text(end)));
-                    let failure = failure.label(format!("the simulation is at t = {}", number_text(now)));
+                    let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
                     return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
                 }
                 handle.settle(call, Some(handle.0.kernel_time(end)))
