@@ -53,10 +53,14 @@ pub fn energies(title: &str, rows: &[LedgerRow]) -> String {
     draw(title, ["time", "energy"], &time, &curves, Some(0.0))
 }
 
-/// Columns over time as SVG, with a legend; `labels` are those of the two axes.
+/// Columns over time as SVG, with a legend; `labels` are those of the two axes. The total energy looks as in [`energies`].
 pub fn plot(title: &str, labels: [&str; 2], time: &[f64], columns: &[(&str, &[f64])]) -> String {
-    let curves: Vec<Curve> =
-        columns.iter().zip(COLORS.iter().cycle()).map(|(&(name, values), &color)| Curve { name, values, color, width: 1.8 }).collect();
+    let looks = |name: &str, color| if name == "total" { (BLACK, 2.2) } else { (color, 1.8) };
+    let curve = |(&(name, values), &color)| {
+        let (color, width) = looks(name, color);
+        Curve { name, values, color, width }
+    };
+    let curves: Vec<Curve> = columns.iter().zip(COLORS.iter().cycle()).map(curve).collect();
     draw(title, labels, time, &curves, None)
 }
 
@@ -197,6 +201,13 @@ mod tests {
                 .collect()
         };
         svg.lines().filter(|line| line.contains("<polyline")).map(points).collect()
+    }
+
+    #[test]
+    fn the_total_energy_is_black_in_every_picture() {
+        let time = [0.0, 1.0];
+        let black = |name| plot("", ["time", ""], &time, &[("strain", &[0.0, 1.0]), (name, &[1.0, 1.0])]).contains("stroke=\"#000000\"");
+        assert!(black("total") && !black("kinetic"));
     }
 
     #[test]

@@ -12,6 +12,9 @@ use super::simulations::{SimulationHandle, example, unknown_column};
 use crate::math::catalogue::Interval;
 use crate::output::{Field, Frame, OutputError, PictureOptions, braille_plot, picture, plot};
 
+/// Columns of a history that are energies, as one axis of a plot says.
+const ENERGIES: [&str; 4] = ["kinetic", "strain", "potential", "total"];
+
 /// The failure of a file that could not be written.
 pub fn output_failure(error: &OutputError) -> Failure {
     Failure::script(error.to_string()).hint(error.cure())
@@ -106,7 +109,11 @@ pub fn functions() -> Vec<Function> {
                 let columns = chosen_columns(call, &handle)?;
                 let time = handle.column("time").unwrap_or_default();
                 let curves: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
-                let label = if columns.len() == 1 { columns[0].0.as_str() } else { "" };
+                let label = match columns.as_slice() {
+                    [(only, _)] => only.as_str(),
+                    several if several.iter().all(|(name, _)| ENERGIES.contains(&name.as_str())) => "energy",
+                    _ => "",
+                };
                 Ok(write(call, &handle, ".svg", || Ok(plot(&handle.0.name, ["time", label], &time, &curves).into_bytes()))?)
             }),
         },
