@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::error::LinearError;
 use super::multifrontal::Multifrontal;
-use super::ordering::{anchored, candidates};
+use super::ordering::{Order, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
 use super::symbolic::Symbolic;
@@ -21,12 +21,9 @@ use super::watch::Watch;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
-/// Growth of the work, since the order of elimination was made, above which a new order pays.
-const WORTH_A_NEW_ORDER: f64 = 1.3;
-
-/// Work per coupling after which another dissection may be tried: twenty times what one costs. Minimum degree costs less than a
-/// factorisation.
-const DISSECTION: f64 = 5e5;
+/// Operations per coupling of the pattern that a new order is worth: some times what a dissection takes, because where meshes are coarse
+/// an order gets worse within few steps and then no more.
+const DISSECTION: f64 = 1.5e5;
 
 /// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to
 /// come back, and each new structure costs a third of a factorisation.
@@ -39,16 +36,23 @@ const REFINEMENTS: usize = 2;
 /// depends on the matrices before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EliminationOrder {
-    /// Vertices in the order that was found best, multipliers not yet moved.
-    vertices: Arc<Vec<u32>>,
+    /// The order that was found best.
+    found: Arc<Order>,
     /// Work of a factorisation when the order was made.
     best: f64,
     /// Per coupling of the pattern, whether its block is in the structure; empty before the first matrix of a pattern.
     kept: Arc<Vec<bool>>,
     /// Work of a factorisation when `kept` was that of one matrix alone.
     least: f64,
-    /// Work done since the last dissection.
-    spent: f64,
+    /// Work done in excess of `best` since the order was made.
+    wasted: f64,
+}
+
+impl EliminationOrder {
+    /// The structure of the factors of a pattern in this order.
+    fn structure(&self, pattern: &Pattern) -> Symbolic {
+        Symbolic::new(pattern, &anchored(pattern, &self.found.repaired(pattern)))
+    }
 }
 
 /// How much has been done: the same on every run and every machine with the same instructions.
@@ -181,10 +185,9 @@ impl Factorization {
         for buffer in [&mut self.scale, &mut self.solution, &mut self.residual] {
             buffer.resize(pattern.unknowns(), 0.0);
         }
-        let fits = self.order.vertices.len() == pattern.vertices() && self.order.kept.len() == pattern.couplings();
+        let fits = self.order.found.vertices.len() == pattern.vertices() && self.order.kept.len() == pattern.couplings();
         if std::mem::take(&mut self.restored) && fits {
-            let restricted = pattern.restricted(&self.order.kept);
-            self.symbolic = Symbolic::new(&restricted, &anchored(&restricted, &self.order.vertices));
+            self.symbolic = self.order.structure(&pattern.restricted(&self.order.kept));
             return self.use_structure();
         }
         self.order.kept = Arc::default();
@@ -195,11 +198,13 @@ impl Factorization {
     fn adapt(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let pattern = &self.pattern;
         let present = pattern.present(values);
-        let ordered = self.order.vertices.len() == pattern.vertices();
-        if ordered && self.order.kept.len() == present.len() {
+        let ordered = self.order.found.vertices.len() == pattern.vertices();
+        // When the old order has cost in vain what a new one is worth.
+        let price = DISSECTION * pattern.couplings() as f64;
+        let reorder = !ordered || self.order.wasted >= price;
+        if !reorder && self.order.kept.len() == present.len() {
             let kept: Vec<bool> = present.iter().zip(&*self.order.kept).map(|(a, b)| a | b).collect();
-            let restricted = pattern.restricted(&kept);
-            let symbolic = Symbolic::new(&restricted, &anchored(&restricted, &self.order.vertices));
+            let symbolic = self.order.structure(&pattern.restricted(&kept));
             if symbolic.operations <= WORTH_KEEPING * self.order.least {
                 self.symbolic = symbolic;
                 self.order.kept = Arc::new(kept);
@@ -208,31 +213,28 @@ impl Factorization {
         }
         let restricted = pattern.restricted(&present);
         if ordered {
-            self.symbolic = Symbolic::new(&restricted, &anchored(&restricted, &self.order.vertices));
+            self.symbolic = self.order.structure(&restricted);
         }
-        if !ordered || self.symbolic.operations > WORTH_A_NEW_ORDER * self.order.best {
-            let price = DISSECTION * pattern.couplings() as f64;
-            let dissect = !ordered || self.order.spent >= price;
+        if reorder {
             self.order.best = if ordered { self.symbolic.operations } else { f64::INFINITY };
-            let orders = candidates(&restricted, dissect, &self.watch);
+            let orders = candidates(&restricted, &self.watch);
             if self.watch.is_interrupted() {
                 // The structure at hand is that of no order that was chosen.
                 self.order.kept = Arc::default();
                 return Err(LinearError::Interrupted);
             }
             for order in orders {
-                let symbolic = Symbolic::new(&restricted, &anchored(&restricted, &order));
+                let vertices = anchored(&restricted, &order);
+                let symbolic = Symbolic::new(&restricted, &vertices);
                 if symbolic.operations < self.order.best {
                     self.order.best = symbolic.operations;
-                    self.order.vertices = Arc::new(order);
+                    self.order.found = Arc::new(Order::new(vertices, symbolic.parents.clone()));
                     self.symbolic = symbolic;
                 }
             }
-            if dissect {
-                self.work.dissections += 1;
-                // The first matrix is often that of bodies that do not touch yet.
-                self.order.spent = if ordered { 0.0 } else { price };
-            }
+            self.work.dissections += 1;
+            // The first matrix is often that of bodies that do not touch yet.
+            self.order.wasted = if ordered { 0.0 } else { price };
         }
         self.order.least = self.symbolic.operations;
         self.order.kept = Arc::new(present);
@@ -293,7 +295,7 @@ impl Factorization {
         }
         self.work.factorizations += 1;
         self.work.operations += self.symbolic.operations;
-        self.order.spent += self.symbolic.operations;
+        self.order.wasted += (self.symbolic.operations - self.order.best).max(0.0);
         self.equilibrate(values);
         self.fallen_back = false;
         self.null_vector = None;

@@ -6,8 +6,8 @@
 //! opposes), it moves to the place directly behind.
 //!
 //! Dissection by the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis
-//! and Duff 1996). Dissection needs less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long
-//! as minimum degree.
+//! and Duff 1996). Dissection gives less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long
+//! as minimum degree. So an order outlives many changes of contact, and is repaired where surfaces have slid.
 
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
@@ -26,15 +26,12 @@ const LONG: usize = 50_000;
 /// How long an interrupt waits at most.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Orders of the vertices that are worth a comparison, the costly dissection only if wanted; multipliers may still come too early.
-/// None at all after an interrupt.
-pub(super) fn candidates(pattern: &Pattern, dissect: bool, watch: &Watch) -> Vec<Vec<u32>> {
+/// Orders of the vertices that are worth a comparison; multipliers may still come too early. None at all after an interrupt.
+pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
     let mut orders = Vec::new();
     if let Some(graph) = Graph::new(pattern) {
         let minimum_degree = graph.dissection(u32::MAX);
-        if dissect {
-            orders.extend(graph.watched_dissection(SMALLEST_PART, watch));
-        }
+        orders.extend(graph.watched_dissection(SMALLEST_PART, watch));
         orders.extend(minimum_degree);
     }
     if orders.is_empty() && !watch.is_interrupted() {
@@ -89,6 +86,97 @@ impl Graph {
         }
     }
 }
+
+/// An order of elimination with its elimination tree, whose vertices are named by their places in the order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Order {
+    /// Vertices in their order.
+    pub(super) vertices: Vec<u32>,
+    /// Parent at each place, or `u32::MAX`.
+    parents: Vec<u32>,
+    /// The descendants of each place, itself the last, as a range of numbers in a postorder.
+    families: Vec<[u32; 2]>,
+}
+
+impl Order {
+    /// An order and the parents in its tree.
+    pub(super) fn new(vertices: Vec<u32>, parents: Vec<u32>) -> Self {
+        let count = parents.len();
+        let mut sizes = vec![1u32; count];
+        for k in 0..count {
+            if parents[k] != NONE {
+                sizes[parents[k] as usize] += sizes[k];
+            }
+        }
+        // Parents stand behind their children, so from the last one on every family is placed within that of its parent.
+        let mut families = vec![[0; 2]; count];
+        let mut roots_end = count as u32;
+        let mut free_end: Vec<u32> = vec![0; count];
+        for k in (0..count).rev() {
+            let end = if parents[k] == NONE { &mut roots_end } else { &mut free_end[parents[k] as usize] };
+            families[k] = [*end - sizes[k], *end - 1];
+            *end -= sizes[k];
+            free_end[k] = families[k][1];
+        }
+        Order { vertices, parents, families }
+    }
+
+    /// Whether one place is another one's ancestor.
+    fn is_above(&self, ancestor: u32, place: u32) -> bool {
+        let ([first, last], [_, own]) = (self.families[ancestor as usize], self.families[place as usize]);
+        (first..=last).contains(&own)
+    }
+
+    /// The same order with as few changes as make it good for a pattern with some other couplings.
+    ///
+    /// Where surfaces slide, vertices are coupled that stand in separate branches of the tree. Eliminated in the old order, one would drag
+    /// the other through all fronts up to where the branches meet, and join the branches. So one of the two moves up to that place: it
+    /// becomes a part of what separates the branches.
+    pub(super) fn repaired(&self, pattern: &Pattern) -> Vec<u32> {
+        let count = self.vertices.len();
+        let mut place = vec![0u32; count];
+        for (k, &v) in self.vertices.iter().enumerate() {
+            place[v as usize] = k as u32;
+        }
+        let mut is_anchor = vec![false; count];
+        for node in (0..count).filter_map(|v| pattern.anchor(v)) {
+            is_anchor[node as usize] = true;
+        }
+        // Whom it costs least to move: a node of the side that carries no multipliers, else a multiplier.
+        let rank = |v: u32| if pattern.is_multiplier(v as usize) { 1 } else { 2 * u8::from(is_anchor[v as usize]) };
+        // Where to: before the vertex at that place; 0 for those that stay.
+        let mut targets = vec![0u32; count];
+        for (k, &v) in self.vertices.iter().enumerate() {
+            let k = k as u32;
+            for &u in pattern.neighbors(v as usize) {
+                let other = place[u as usize];
+                if k < other && !self.is_above(other, k) {
+                    let mut meeting = other;
+                    while meeting != NONE && !self.is_above(meeting, k) {
+                        meeting = self.parents[meeting as usize];
+                    }
+                    let target = &mut targets[if rank(v) <= rank(u) { k } else { other } as usize];
+                    *target = (*target).max(meeting.min(count as u32));
+                }
+            }
+        }
+        let mut movers: Vec<(u32, u32)> = (0..count as u32).map(|k| (targets[k as usize], k)).filter(|mover| mover.0 > 0).collect();
+        movers.sort_unstable();
+        let mut movers = movers.into_iter().peekable();
+        let mut order = Vec::with_capacity(count);
+        for k in 0..=count as u32 {
+            while let Some((_, mover)) = movers.next_if(|mover| mover.0 == k) {
+                order.push(self.vertices[mover as usize]);
+            }
+            if targets.get(k as usize) == Some(&0) {
+                order.push(self.vertices[k as usize]);
+            }
+        }
+        order
+    }
+}
+
+const NONE: u32 = u32::MAX;
 
 /// The order of elimination: every multiplier that comes too early moves behind its anchor, or behind all its neighbors when it has none.
 pub(super) fn anchored(pattern: &Pattern, order: &[u32]) -> Vec<u32> {

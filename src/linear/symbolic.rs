@@ -120,7 +120,9 @@ impl Run {
 /// The structure of the factors of a pattern, for one order of elimination.
 #[derive(Debug, Default)]
 pub(super) struct Symbolic {
-    /// Unknown at each place of the order of elimination.
+    /// Parent in the elimination tree of the vertex at each place of the order, or `u32::MAX`.
+    pub(super) parents: Vec<u32>,
+    /// Unknown at each place of the order of elimination, which the merger of fronts has changed.
     pub(super) unknowns: Vec<u32>,
     pub(super) fronts: Vec<Front>,
     pub(super) rows: Vec<u32>,
@@ -146,8 +148,9 @@ pub(super) struct Symbolic {
 impl Symbolic {
     /// The structure for vertices eliminated in the order given.
     pub(super) fn new(pattern: &Pattern, order: &[u32]) -> Self {
-        let tree = Tree::new(pattern, order);
-        let mut symbolic = Symbolic { sizes: (0..pattern.vertices()).map(|v| pattern.size(v) as u8).collect(), ..Symbolic::default() };
+        let (tree, parents) = Tree::new(pattern, order);
+        let mut symbolic =
+            Symbolic { sizes: (0..pattern.vertices()).map(|v| pattern.size(v) as u8).collect(), parents, ..Symbolic::default() };
         let numbering = symbolic.number_fronts(pattern, order, &tree);
         symbolic.place_entries(pattern, order, &tree, &numbering);
         symbolic.find_tasks();
@@ -465,7 +468,8 @@ impl Tree {
         self.starts[k as usize] as usize..self.starts[k as usize + 1] as usize
     }
 
-    fn new(pattern: &Pattern, order: &[u32]) -> Self {
+    /// The tree, and the parents of the vertices before any merger.
+    fn new(pattern: &Pattern, order: &[u32]) -> (Self, Vec<u32>) {
         let count = order.len();
         let mut place = vec![0u32; count];
         for (k, &v) in order.iter().enumerate() {
@@ -520,7 +524,7 @@ impl Tree {
         let mut tree =
             Tree { roots, first_kid, next_kid, head: (0..count as u32).collect(), next: vec![NONE; count], update, structure, starts };
         tree.merge(weights);
-        tree
+        (tree, parent)
     }
 
     /// Merges children into their parents where it pays.
