@@ -45,6 +45,15 @@ impl Options {
     pub(super) fn interrupted(&self) -> bool {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
+
+    /// An error, or the end of the run at `time` where the error is that of a time function: an interrupt also ends a script's closure
+    /// that is just running.
+    pub(super) fn or_interrupted(&self, error: StepError, time: f64) -> StepError {
+        match error {
+            StepError::Amplitude { .. } if self.interrupted() => StepError::Interrupted { time },
+            error => error,
+        }
+    }
 }
 
 /// Wall-clock time by phase since the simulation was made.

@@ -336,7 +336,7 @@ where
             // Nothing of the pieces that failed stays: the state alone decides how it goes on.
             self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
         }
-        outcome
+        outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
     }
 
     fn settle(&mut self, time: f64) -> Result<SettleReport, StepError> {
@@ -350,7 +350,7 @@ where
             self.system.restore_search(&before.search, &before.positions, before.row.time);
             self.state = before;
         }
-        outcome
+        outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
     }
 
     fn watch(&mut self, node: usize) {

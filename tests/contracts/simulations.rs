@@ -1,7 +1,13 @@
 //! What a simulation promises for every integrator, material and cell kind: constants of free flight, order two in time, indifference to
 //! where the model stands, to the number of threads and to being stopped and resumed.
 
-use conserva::dynamics::{LoadKind, Options, Simulation};
+use std::cell::Cell;
+use std::error::Error;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use conserva::dynamics::{LoadKind, Options, Simulation, StepError, TimeFunction};
 use conserva::elements::CellKind;
 use conserva::integrators::Integrator;
 use conserva::materials::{CATALOGUE, Material};
@@ -217,6 +223,51 @@ fn a_state_of_sliding_bodies_goes_on_to_the_same_bytes() {
             let mut branch = builder.simulate(integrator, 0.005);
             branch.restore(state);
             assert!(advance(&mut branch, steps) == end, "{}: {steps} steps of a branch", integrator.name());
+        }
+    }
+}
+
+/// A time function that is cut short in one of its calls, by an interrupt or by a mistake of its own.
+struct CutShort {
+    calls: Rc<Cell<usize>>,
+    at: usize,
+    interrupt: Option<Arc<AtomicBool>>,
+}
+
+impl TimeFunction for CutShort {
+    fn value(&self, time: f64) -> Result<f64, Box<dyn Error>> {
+        self.calls.set(self.calls.get() + 1);
+        if self.calls.get() < self.at {
+            return Ok(time);
+        }
+        if let Some(flag) = &self.interrupt {
+            flag.store(true, Ordering::Relaxed);
+        }
+        Err("cut short".into())
+    }
+
+    fn describe(&self) -> String {
+        "cut short".into()
+    }
+}
+
+#[test]
+fn an_interrupt_within_a_time_function_is_no_mistake_of_it() {
+    for interrupted in [true, false] {
+        let (flag, calls) = (Arc::new(AtomicBool::new(false)), Rc::new(Cell::new(0)));
+        let mut builder = Builder::default();
+        let body = builder.body("bar", bar(CellKind::Quad4), &material("neo_hookean", [100.0, 0.3, 1.0]));
+        builder.fix(body, "left", [true; 3]);
+        let interrupt = interrupted.then(|| flag.clone());
+        builder.load(body, "right", LoadKind::Traction([1.0, 0.0, 0.0]), CutShort { calls: calls.clone(), at: 20, interrupt });
+        let options = Options { interrupt: Some(flag), ..Options::new(Integrator::EnergyMomentum, 0.05) };
+        let mut sim = Simulation::new(&builder.model, options).expect("the model is sound");
+        let error = (0..20).find_map(|_| sim.step(None, &mut |_| ()).err()).expect("the time function is cut short");
+        assert!(calls.get() == 20 && sim.time() > 0.0);
+        match error {
+            StepError::Interrupted { time } => assert!(interrupted && time == sim.time(), "{time}"),
+            StepError::Amplitude { .. } => assert!(!interrupted),
+            other => panic!("{other}"),
         }
     }
 }
