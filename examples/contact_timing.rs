@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
 
-use conserva::contact::{ContactKernel, Evaluation, Mortar};
+use conserva::contact::{ContactKernel, Evaluation, Mortar, Outlook};
 use conserva::integrators::Integrator;
 
 /// Nodes of a circle of facets, one after the other.
@@ -26,17 +26,17 @@ fn main() {
         let half_facet = 0.5 * TAU / f64::from(inner);
         let (q_0, q_1) = (positions(0.1), positions(0.1 + half_facet));
         let mut mortar = Mortar::new(&secondary, &primary, &q_0);
-        let margin = 1.5 * mortar.facet_size();
+        let travel = 0.5 * mortar.facet_size();
         let repetitions = 20_000 / refine;
 
         let clock = Instant::now();
         for step in 0..repetitions {
-            black_box(mortar.update_candidates(if step % 2 == 0 { &q_0 } else { &q_1 }, margin));
+            black_box(mortar.update_candidates(&Outlook::within(if step % 2 == 0 { &q_0 } else { &q_1 }, travel)));
         }
         let kept = clock.elapsed().as_secs_f64() / f64::from(repetitions);
         let clock = Instant::now();
         for _ in 0..repetitions / 10 {
-            black_box(Mortar::new(&secondary, &primary, &q_0).update_candidates(&q_0, margin));
+            black_box(Mortar::new(&secondary, &primary, &q_0).update_candidates(&Outlook::within(&q_0, travel)));
         }
         let searched = clock.elapsed().as_secs_f64() / f64::from(repetitions / 10);
         mortar.begin_step(&q_0);

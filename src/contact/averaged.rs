@@ -18,7 +18,7 @@ use super::patches::Evaluation;
 use super::search::PairSearch;
 use super::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Integrator, PatchFunction, Projection};
-use crate::math::tolerances::FACING;
+use crate::math::tolerances::{FACING, SMOOTH};
 
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
@@ -50,6 +50,8 @@ type Values<T> = [T; 2];
 pub struct AveragedMortar {
     sides: Sides,
     search: PairSearch,
+    /// For each secondary facet, the nodes before and after it, up to a sharp corner.
+    neighbors: Vec<[Option<u32>; 2]>,
     pairs: Vec<Pair>,
     start: Vec<Start>,
 }
@@ -79,7 +81,8 @@ impl AveragedMortar {
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
-        AveragedMortar { sides, search, pairs: Vec::new(), start: Vec::new() }
+        let neighbors = (0..sides.secondary.facets().len()).map(|facet| neighbors(&sides.secondary, facet, reference)).collect();
+        AveragedMortar { sides, search, neighbors, pairs: Vec::new(), start: Vec::new() }
     }
 
     /// Positions of the nodes of patch `p`.
@@ -99,12 +102,20 @@ impl AveragedMortar {
     }
 }
 
-/// The nodes before and after a facet on its chain.
-fn neighbors(surface: &Surface, facet: usize) -> [Option<u32>; 2] {
-    let ends = surface.local_facets()[facet];
+/// The nodes before and after a facet on its chain, where the surface is smooth in the reference positions: a normal averaged over a sharp
+/// corner is that of neither side, and what lies beside the corner would seem to lie in front of it.
+fn neighbors(surface: &Surface, facet: usize, reference: &[f64]) -> [Option<u32>; 2] {
+    let facets = surface.facets();
+    let along = |facet: usize| {
+        let [a, b] = facets[facet].map(|node| 2 * node as usize);
+        [reference[b] - reference[a], reference[b + 1] - reference[a + 1]]
+    };
+    let neighbors = surface.neighbors(facet);
     [0, 1].map(|end| {
-        let other = surface.adjacent_facets(ends[end] as usize).iter().find(|&&other| other as usize != facet)?;
-        Some(surface.facets()[*other as usize][end])
+        let other = neighbors[end]? as usize;
+        let (t, u) = (along(facet), along(other));
+        let cosine = (t[0] * u[0] + t[1] * u[1]) / (t[0].hypot(t[1]) * u[0].hypot(u[1]));
+        (cosine > SMOOTH).then(|| facets[other][end])
     })
 }
 
@@ -284,7 +295,7 @@ impl ContactKernel for AveragedMortar {
         for &[own, other] in self.search.candidates.pairs() {
             let [x_1, x_2] = self.sides.secondary.facets()[own as usize];
             let [y_1, y_2] = self.sides.primary.facets()[other as usize];
-            let [before, after] = neighbors(&self.sides.secondary, own as usize);
+            let [before, after] = self.neighbors[own as usize];
             let mut nodes: Vec<u32> = Vec::with_capacity(ROLES);
             let roles = [before, Some(x_1), Some(x_2), after, Some(y_1), Some(y_2)].map(|node| {
                 let node = node?;

@@ -24,6 +24,7 @@ mod rigid;
 mod search;
 mod surface;
 mod tie;
+mod window;
 
 pub use averaged::AveragedMortar;
 pub use checks::{Finding, NamedSurface, check_surfaces};
@@ -34,6 +35,7 @@ pub use rigid::{Obstacle, RigidContact};
 pub use search::{Candidates, PairSearch};
 pub use surface::{Sides, Surface};
 pub use tie::Tie;
+pub use window::{Outlook, Travel};
 
 use crate::integrators::Integrator;
 
@@ -98,15 +100,32 @@ pub trait ContactKernel: Send + Sync {
         &self.sides().patches
     }
 
-    /// Makes the patches contain everything that comes within `margin` of each other at `q`; returns whether the list changed (a
-    /// matrix pattern made from it must then be made anew). `margin` `[length]`: reach plus the largest relative motion of the step.
-    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
+    /// Makes the patches contain everything that may touch in a step; returns whether the list changed (a matrix pattern made from it must
+    /// then be made anew).
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
         let Some((search, sides)) = self.search_mut() else { return false };
-        let changed = search.update(sides, q, margin);
+        let changed = search.update(sides, outlook);
         if changed {
             self.list_patches();
         }
         changed
+    }
+
+    /// Distance within which candidates are searched `[length]`.
+    fn margin(&self, outlook: &Outlook) -> f64 {
+        outlook.margin(self.sides())
+    }
+
+    /// Whether something that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end.
+    fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        self.search().is_some_and(|search| search.overlooks(self.sides(), q_0, q_1, tolerance))
+    }
+
+    /// Tells the nodes of patch `p` that take part in this step. The others are there for later steps.
+    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
+        if self.search().is_none_or(|search| search.near[p]) {
+            self.patches().nodes(p).iter().copied().for_each(tell);
+        }
     }
 
     /// The candidates, for a method that searches: all that it keeps from one step to the next.

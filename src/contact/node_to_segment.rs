@@ -5,15 +5,17 @@
 //! (`chain.rs`), and its projected discrete gradient keeps energy and momenta while the node slides over facet borders and corners (after
 //! Hesch and Betsch, IUTAM Bookseries 3, 2007, whose formula for a single segment does not).
 //!
-//! Facets that look the same way as the node's own surface (the far side of a thin body) and facets out of the step's reach are no
-//! opposite; that is decided with the positions at the start of the step and kept in it. The method fails the contact patch test, and two
-//! polygons that are pressed into each other lock with the nodes in the corners: mortar is the default for a reason.
+//! Facets that look the same way as the node's own surface (the far side of a thin body), that the node would be too deep behind, and that
+//! are out of the step's reach are no opposite; that is decided with the positions at the start of the step and kept in it. Only the facets
+//! that are admitted, with their neighbors, take part: how far the search has looked does not matter. The method fails the contact patch
+//! test, and two polygons that are pressed into each other lock with the nodes in the corners: mortar is the default for a reason.
 
 use super::ContactKernel;
 use super::chain::{Chain, Measure};
 use super::patches::Evaluation;
-use super::search::{Candidates, near, within_the_body};
+use super::search::{Candidates, within_the_body};
 use super::surface::{Sides, Surface};
+use super::window::{Outlook, Travel, Window};
 use crate::integrators::{Configuration, Integrator, PatchFunction, Projection};
 use crate::math::tolerances::SAME_WAY;
 
@@ -27,20 +29,22 @@ pub struct NodeToSegment {
     /// The secondary nodes as facets of no length, for the search.
     points: Surface,
     candidates: Candidates,
-    chains: Vec<Chain>,
-    /// For each candidate, patch after patch: whether it is within reach in this step. The list keeps facets that have moved apart, and one
-    /// of those on the far side of its body would look as if the node had passed through.
-    near: Vec<bool>,
-    /// Where each patch's candidates begin.
-    first: Vec<usize>,
+    window: Window,
+    /// Per patch: the primary facets in it, ascending, candidates and their neighbors.
+    facets: Vec<Vec<u32>>,
     start: Vec<Start>,
 }
 
 /// What a patch keeps of the start of the step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Start {
-    positions: Vec<f64>,
+    /// Places in the patch of the nodes that take part: the secondary node, and those of the admitted facets and their neighbors.
+    places: Vec<u32>,
+    /// These facets, in indices of `places`, and which of them are admitted.
+    chain: Chain,
     admitted: Vec<bool>,
+    /// Positions of the nodes that take part.
+    positions: Vec<f64>,
     measure: Option<Measure>,
 }
 
@@ -50,8 +54,39 @@ struct Scratch {
     end: Vec<f64>,
     middle: Vec<f64>,
     gradient: Vec<f64>,
+    gradient_end: Vec<f64>,
+    bar: Vec<f64>,
     hessian: Vec<f64>,
+    tangent: Vec<f64>,
     projection: Projection<2>,
+}
+
+impl Start {
+    /// Positions of the nodes that take part into `z`, `nodes` those of the patch.
+    fn gather_into(&self, nodes: &[u32], q: &[f64], z: &mut Vec<f64>) {
+        z.clear();
+        z.extend(self.places.iter().map(|&place| 2 * nodes[place as usize] as usize).flat_map(|x| [q[x], q[x + 1]]));
+    }
+
+    /// Writes a vector over the nodes that take part as one over all nodes of the patch.
+    fn spread_into(&self, values: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for (&place, value) in self.places.iter().zip(values.chunks_exact(2)) {
+            out[2 * place as usize..][..2].copy_from_slice(value);
+        }
+    }
+
+    /// Writes a matrix over the nodes that take part as one over all nodes of the patch, row by row.
+    fn spread_matrix_into(&self, values: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let (width, own) = (out.len().isqrt(), 2 * self.places.len());
+        for (row, values) in values.chunks_exact(own).enumerate() {
+            let at = width * (2 * self.places[row / 2] as usize + row % 2);
+            for (&place, value) in self.places.iter().zip(values.chunks_exact(2)) {
+                out[at + 2 * place as usize..][..2].copy_from_slice(value);
+            }
+        }
+    }
 }
 
 impl NodeToSegment {
@@ -68,43 +103,29 @@ impl NodeToSegment {
             let lowest = |row: usize| secondary.adjacent_facets(row).iter().map(|&facet| facets[facet as usize]).min().unwrap_or(0);
             candidates = candidates.once((0..secondary.nodes().len()).map(lowest).collect(), others);
         }
-        NodeToSegment { sides, points, candidates, chains: Vec::new(), near: Vec::new(), first: Vec::new(), start: Vec::new() }
+        let window = Window::new(&sides, reference);
+        NodeToSegment { sides, points, candidates, window, facets: Vec::new(), start: Vec::new() }
     }
 
     /// Makes the patches of the present candidates, one for each node that has any.
     fn list_patches(&mut self) {
         self.sides.patches.clear();
-        self.chains.clear();
+        self.facets.clear();
         self.start.clear();
-        self.first.clear();
-        let mut first = 0;
         for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
             let row = pairs[0][0];
-            let mut nodes = vec![self.sides.secondary.nodes()[row as usize]];
-            let mut facets = Vec::with_capacity(pairs.len());
-            for &[_, facet] in pairs {
-                facets.push(self.sides.primary.facets()[facet as usize].map(|node| {
-                    let known = nodes[1..].iter().position(|&other| other == node);
-                    known.map_or_else(
-                        || {
-                            nodes.push(node);
-                            nodes.len() as u32 - 1
-                        },
-                        |index| index as u32 + 1,
-                    )
-                }));
-            }
-            self.first.push(first);
-            first += pairs.len();
+            let primary = &self.sides.primary;
+            let mut facets: Vec<u32> = pairs.iter().map(|pair| pair[1]).collect();
+            facets.extend(pairs.iter().flat_map(|pair| primary.neighbors(pair[1] as usize)).flatten());
+            facets.sort_unstable();
+            facets.dedup();
+            let mut nodes: Vec<u32> = facets.iter().flat_map(|&facet| primary.facets()[facet as usize]).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes.insert(0, self.sides.secondary.nodes()[row as usize]);
             self.sides.patches.push(&nodes, &[row]);
-            self.chains.push(Chain::new(facets));
+            self.facets.push(facets);
         }
-    }
-
-    /// Positions of the nodes of patch `p` into `z`.
-    fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
-        z.clear();
-        z.extend(self.sides.patches.nodes(p).iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]));
     }
 
     /// Outward normal at a secondary node (mean of its facets, not of unit length) at `q`.
@@ -119,31 +140,76 @@ impl NodeToSegment {
         normal
     }
 
-    /// Which facets of patch `p` can be opposite its node at `q`.
-    fn admitted(&self, p: usize, q: &[f64]) -> Vec<bool> {
-        let normal = self.normal(self.sides.patches.rows(p)[0] as usize, q);
-        let size = normal[0].hypot(normal[1]);
-        let nodes = self.sides.patches.nodes(p);
-        let near = &self.near[self.first[p]..];
-        let facets = self.chains[p].facets().iter().zip(near).map(|(facet, &near)| {
-            let [a, b] = facet.map(|local| 2 * nodes[local as usize] as usize);
-            let t = [q[b] - q[a], q[b + 1] - q[a + 1]];
-            near && normal[0] * t[1] - normal[1] * t[0] <= SAME_WAY * size * t[0].hypot(t[1])
-        });
-        facets.collect()
+    /// Whether a primary facet can be opposite the node of a row in a step.
+    fn admits(&self, row: usize, facet: u32, normal: [f64; 2], outlook: &Outlook) -> bool {
+        let (node, ends) = (self.sides.secondary.nodes()[row], self.sides.primary.facets()[facet as usize]);
+        let seen = Seen::new(node, ends, outlook.q);
+        let across = normal[0] * seen.along[1] - normal[1] * seen.along[0];
+        seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends)
+            && across <= SAME_WAY * normal[0].hypot(normal[1])
+            && self.window.admits_depth(self.sides.secondary.adjacent_facets(row), facet, seen.gap)
     }
 
-    /// What measures each patch's gap at `q`: decided as in the present step, or afresh before there is one.
+    /// What takes part of a patch in a step.
+    fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
+        let (row, nodes, primary) = (self.sides.patches.rows(p)[0] as usize, self.sides.patches.nodes(p), &self.sides.primary);
+        let normal = self.normal(row, outlook.q);
+        let is_admitted =
+            |facet: u32| self.candidates.pairs().binary_search(&[row as u32, facet]).is_ok() && self.admits(row, facet, normal, outlook);
+        let admitted: Vec<u32> = self.facets[p].iter().copied().filter(|&facet| is_admitted(facet)).collect();
+        let mut facets: Vec<u32> = admitted.iter().flat_map(|&facet| primary.neighbors(facet as usize)).flatten().collect();
+        facets.extend(&admitted);
+        facets.sort_unstable();
+        facets.dedup();
+        let mut places = vec![0];
+        let mut chain = Vec::with_capacity(facets.len());
+        for &facet in &facets {
+            chain.push(primary.facets()[facet as usize].map(|node| {
+                // The other nodes of a patch are in ascending order.
+                let place = 1 + nodes[1..].partition_point(|&other| other < node) as u32;
+                let known = places[1..].iter().position(|&other| other == place).map(|index| index + 1);
+                known.unwrap_or_else(|| {
+                    places.push(place);
+                    places.len() - 1
+                }) as u32
+            }));
+        }
+        let admitted = facets.iter().map(|facet| admitted.binary_search(facet).is_ok()).collect();
+        Start { places, chain: Chain::new(chain), admitted, positions: Vec::new(), measure: None }
+    }
+
+    /// What measures each patch's gap at `q` in the present step.
     fn measures(&self, q: &[f64]) -> Vec<Option<Measure>> {
         let mut z = Vec::new();
-        let mut measure = |p: usize| {
-            self.gather_into(p, q, &mut z);
-            match self.start.get(p) {
-                Some(start) => self.chains[p].measure(&z, &start.admitted),
-                None => self.chains[p].measure(&z, &self.admitted(p, q)),
-            }
+        let mut measure = |(p, start): (usize, &Start)| {
+            start.gather_into(self.sides.patches.nodes(p), q, &mut z);
+            start.chain.measure(&z, &start.admitted)
         };
-        (0..self.sides.patches.len()).map(&mut measure).collect()
+        self.start.iter().enumerate().map(&mut measure).collect()
+    }
+}
+
+/// A facet as seen from a node.
+struct Seen {
+    /// Distance to its closest point, and to its line `[length]`.
+    distance: f64,
+    gap: f64,
+    /// Whether the closest point is no end.
+    inside: bool,
+    /// Unit vector along it.
+    along: [f64; 2],
+}
+
+impl Seen {
+    fn new(node: u32, facet: [u32; 2], q: &[f64]) -> Self {
+        let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
+        let (x, [a, b]) = (at(node), facet.map(at));
+        let (t, d) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+        let length = t[0].hypot(t[1]);
+        let along = t.map(|t| t / length);
+        let s = along[0] * d[0] + along[1] * d[1];
+        let (gap, beyond) = (along[1] * d[0] - along[0] * d[1], s - s.clamp(0.0, length));
+        Seen { distance: gap.hypot(beyond), gap, inside: beyond == 0.0, along }
     }
 }
 
@@ -163,13 +229,45 @@ impl ContactKernel for NodeToSegment {
         &self.sides
     }
 
-    fn update_candidates(&mut self, q: &[f64], margin: f64) -> bool {
-        let changed = self.candidates.update(&self.points, &self.sides.primary, q, margin);
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.margin(&self.sides));
         if changed {
             self.list_patches();
         }
-        self.near = near(self.candidates.pairs(), &self.points, &self.sides.primary, q, margin);
+        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, outlook)).collect();
         changed
+    }
+
+    fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
+        let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
+        self.candidates.pairs().iter().any(|&[row, facet]| {
+            let (row, ends) = (row as usize, self.sides.primary.facets()[facet as usize]);
+            let node = self.sides.secondary.nodes()[row];
+            let end = Seen::new(node, ends, q_1);
+            let closed =
+                end.inside && end.gap < -tolerance && self.window.admits_depth(self.sides.secondary.adjacent_facets(row), facet, end.gap);
+            closed && Seen::new(node, ends, q_0).gap > 0.0 && {
+                // Admitted it would have been, had its motion been known; was it?
+                let p = self.facets.iter().enumerate().position(|(p, _)| self.sides.patches.rows(p)[0] as usize == row);
+                let was = p.is_some_and(|p| {
+                    let start = &self.start[p];
+                    let nodes = self.sides.patches.nodes(p);
+                    start
+                        .chain
+                        .facets()
+                        .iter()
+                        .zip(&start.admitted)
+                        .any(|(local, &admitted)| admitted && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
+                });
+                !was && self.admits(row, facet, self.normal(row, q_0), &outlook)
+            }
+        })
+    }
+
+    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
+        let nodes = self.sides.patches.nodes(p);
+        self.start[p].places.iter().map(|&place| nodes[place as usize]).for_each(tell);
     }
 
     fn candidates(&self) -> Option<&Candidates> {
@@ -179,7 +277,8 @@ impl ContactKernel for NodeToSegment {
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.candidates = candidates.clone();
         self.list_patches();
-        self.near = near(self.candidates.pairs(), &self.points, &self.sides.primary, q, self.sides.facet_size);
+        let outlook = Outlook::within(q, 0.0);
+        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, &outlook)).collect();
         self.begin_step(q);
     }
 
@@ -193,14 +292,12 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.start = (0..self.sides.patches.len())
-            .map(|p| {
-                let mut positions = Vec::new();
-                self.gather_into(p, q_0, &mut positions);
-                let admitted = self.admitted(p, q_0);
-                Start { measure: self.chains[p].measure(&positions, &admitted), positions, admitted }
-            })
-            .collect();
+        for (p, start) in self.start.iter_mut().enumerate() {
+            let mut positions = std::mem::take(&mut start.positions);
+            start.gather_into(self.sides.patches.nodes(p), q_0, &mut positions);
+            start.measure = start.chain.measure(&positions, &start.admitted);
+            start.positions = positions;
+        }
     }
 
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -208,9 +305,10 @@ impl ContactKernel for NodeToSegment {
         let placement = integrator.placement();
         out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
         let mut scratch = Scratch::default();
-        let Scratch { end: z_1, middle: z_mid, gradient, hessian, projection } = &mut scratch;
-        for (p, (start, chain)) in self.start.iter().zip(&self.chains).enumerate() {
-            self.gather_into(p, q_1, z_1);
+        let Scratch { end: z_1, middle: z_mid, gradient, gradient_end, bar, hessian, tangent, projection } = &mut scratch;
+        for (p, start) in self.start.iter().enumerate() {
+            let chain = &start.chain;
+            start.gather_into(self.sides.patches.nodes(p), q_1, z_1);
             z_mid.clear();
             z_mid.extend(start.positions.iter().zip(&*z_1).map(|(a, b)| 0.5 * (a + b)));
             let at_end = chain.measure(z_1, &start.admitted);
@@ -223,44 +321,39 @@ impl ContactKernel for NodeToSegment {
             let row = self.sides.patches.rows(p)[0] as usize;
             let weight = self.sides.weights[row];
             let (places, square) = (self.sides.patches.gradient_range(p), self.sides.patches.tangent_range(p));
-
-            let gradient_end = &mut out.gradient_end[places.clone()];
-            gradient_end.fill(0.0);
+            for vector in [&mut *gradient, &mut *gradient_end, &mut *bar] {
+                vector.clear();
+                vector.resize(z_1.len(), 0.0);
+            }
+            for matrix in [&mut *hessian, &mut *tangent] {
+                matrix.clear();
+                matrix.resize(z_1.len() * z_1.len(), 0.0);
+            }
             if let Some(Measure { facet, gap, covered }) = at_end {
                 out.gap[row] = weight * gap;
                 out.coverage[row] = f64::from(u8::from(covered));
                 chain.add_gradient(facet, z_1, weight, gradient_end);
             }
             let pressure = lambda[row];
-            let bar = &mut out.gradient_bar[places];
-            let tangent = &mut out.tangent[square];
             if integrator == Integrator::EnergyMomentum {
                 let change = weight * (at_end.map_or(0.0, |m| m.gap) - start.measure.map_or(0.0, |m| m.gap));
-                gradient.clear();
-                gradient.resize(bar.len(), 0.0);
                 if let Some(middle) = at_middle {
                     chain.add_gradient(middle.facet, z_mid, weight, gradient);
                 }
                 projection.set(&start.positions, z_1);
                 projection.gradient_into(gradient, change, bar);
-                if pressure == 0.0 {
-                    tangent.fill(0.0);
-                    continue;
+                if pressure != 0.0 {
+                    if let Some(middle) = at_middle {
+                        chain.add_hessian(middle.facet, z_mid, weight, hessian);
+                    }
+                    let function = PatchFunction { gradient_mid: gradient, gradient_end, hessian_mid: hessian, change };
+                    projection.tangent_into(pressure, &function, tangent);
                 }
-                hessian.clear();
-                hessian.resize(tangent.len(), 0.0);
-                if let Some(middle) = at_middle {
-                    chain.add_hessian(middle.facet, z_mid, weight, hessian);
-                }
-                let function = PatchFunction { gradient_mid: gradient, gradient_end, hessian_mid: hessian, change };
-                projection.tangent_into(pressure, &function, tangent);
             } else {
                 let (at, z) = match placement.test {
                     Configuration::Middle => (at_middle, &*z_mid),
                     Configuration::End => (at_end, &*z_1),
                 };
-                bar.fill(0.0);
-                tangent.fill(0.0);
                 if let Some(Measure { facet, .. }) = at {
                     chain.add_gradient(facet, z, placement.weight * weight, bar);
                     if pressure != 0.0 {
@@ -268,6 +361,9 @@ impl ContactKernel for NodeToSegment {
                     }
                 }
             }
+            start.spread_into(gradient_end, &mut out.gradient_end[places.clone()]);
+            start.spread_into(bar, &mut out.gradient_bar[places]);
+            start.spread_matrix_into(tangent, &mut out.tangent[square]);
         }
     }
 
@@ -316,7 +412,7 @@ mod tests {
         let mut reference = q_0.to_vec();
         reference.extend([q_0[0] - 1.0, q_0[1], q_0[0] + 1.0, q_0[1]]);
         let mut kernel = NodeToSegment::new(&[[5, 0], [0, 6]], &[[1, 2], [2, 3], [3, 4]], &reference);
-        kernel.update_candidates(&reference, 100.0);
+        kernel.update_candidates(&Outlook::within(&reference, 100.0));
         kernel.begin_step(&reference);
         kernel
     }
@@ -414,7 +510,7 @@ mod tests {
             let mut kernel = if secondary_inside { NodeToSegment::new(&inner, &outer, &q) } else { NodeToSegment::new(&outer, &inner, &q) };
             let q_0 = turned(&q, 40, 0.3, 1e-3);
             let q_1 = turned(&q_0, 40, 0.4, 2e-3); // 2.5 facets
-            assert!(kernel.update_candidates(&q_0, 0.5));
+            assert!(kernel.update_candidates(&Outlook::within(&q_0, 0.5)));
             kernel.begin_step(&q_0);
             let count = kernel.secondary().nodes().len();
             let lambda: Vec<f64> = (0..count).map(|node| 1.0 + 0.5 * (node as f64).sin()).collect();
@@ -435,10 +531,10 @@ mod tests {
     fn facets_that_have_moved_apart_are_no_opposite() {
         let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
         let mut kernel = NodeToSegment::new(&[[0, 1]], &[[2, 3]], &q_0);
-        assert!(kernel.update_candidates(&q_0, 0.5));
+        assert!(kernel.update_candidates(&Outlook::within(&q_0, 0.5)));
         assert!((kernel.gap(&q_0)[0] - 0.05).abs() < 1e-15);
         let q_1 = [0.0, 0.0, 1.0, 0.0, 1.0, 5.0, 0.0, 5.0];
-        assert!(!kernel.update_candidates(&q_1, 0.5), "the list is kept");
+        assert!(!kernel.update_candidates(&Outlook::within(&q_1, 0.5)), "the list is kept");
         kernel.begin_step(&q_1);
         assert_eq!((kernel.gap(&q_1), kernel.coverage(&q_1)), (vec![0.0; 2], vec![0.0; 2]));
     }
@@ -449,11 +545,11 @@ mod tests {
         // Chain along x with the body below; the surface above looks up.
         let q = [1.0, 0.0, 0.0, 0.0, 0.2, -0.1, 0.8, -0.1];
         let mut kernel = NodeToSegment::new(&[[3, 2]], &[[0, 1]], &q);
-        kernel.update_candidates(&q, 1.0);
+        kernel.update_candidates(&Outlook::within(&q, 1.0));
         kernel.begin_step(&q);
         assert_eq!((kernel.coverage(&q), kernel.gap(&q)), (vec![0.0; 2], vec![0.0; 2]));
         let mut kernel = NodeToSegment::new(&[[2, 3]], &[[0, 1]], &q);
-        kernel.update_candidates(&q, 1.0);
+        kernel.update_candidates(&Outlook::within(&q, 1.0));
         kernel.begin_step(&q);
         assert_eq!(kernel.coverage(&q), [1.0; 2]);
         assert!(kernel.gap(&q).iter().all(|gap| (gap + 0.3 * 0.1).abs() < 1e-16));

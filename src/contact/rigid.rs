@@ -337,6 +337,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
+    use super::super::Outlook;
     use super::super::fixtures::{difference, evaluated, product};
     use super::*;
 
@@ -354,7 +355,7 @@ mod tests {
     fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
         let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
         kernel.move_obstacle(translations);
-        assert!(!kernel.update_candidates(q_0, 1.0));
+        assert!(!kernel.update_candidates(&Outlook::within(q_0, 1.0)));
         kernel.begin_step(q_0);
         kernel
     }

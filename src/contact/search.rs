@@ -17,6 +17,7 @@ use rstar::{AABB, RTree};
 
 use super::pair::PerNode;
 use super::surface::{Sides, Surface};
+use super::window::{Outlook, Window};
 
 /// A list of facet pairs that contains every pair within a margin, valid for a bounded relative motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,9 +124,9 @@ impl Candidates {
 pub struct PairSearch {
     /// All listed pairs.
     pub candidates: Candidates,
-    /// Those within reach in this step. The list keeps pairs that have moved apart; where bodies turn, such facets may come to face each
-    /// other from the far sides of their bodies, as if the bodies had passed through each other.
+    /// Those that take part in this step.
     pub near: Vec<bool>,
+    window: Window,
 }
 
 impl PairSearch {
@@ -137,17 +138,28 @@ impl PairSearch {
         if let Some([own, other]) = secondary.ranks(primary) {
             candidates = candidates.once(own, other);
         }
-        PairSearch { candidates, near: Vec::new() }
+        PairSearch { candidates, near: Vec::new(), window: Window::new(sides, reference) }
     }
 
-    /// Finds the pairs for a step that starts at `q`; returns whether the list has changed.
-    pub fn update(&mut self, sides: &Sides, q: &[f64], margin: f64) -> bool {
-        let changed = self.candidates.update(&sides.secondary, &sides.primary, q, margin);
-        self.near = near(self.candidates.pairs(), &sides.secondary, &sides.primary, q, margin);
+    /// Finds the pairs for a step; returns whether the list has changed.
+    pub fn update(&mut self, sides: &Sides, outlook: &Outlook) -> bool {
+        let changed = self.candidates.update(&sides.secondary, &sides.primary, outlook.q, outlook.margin(sides));
+        self.admit(sides, outlook);
         changed
     }
 
-    /// Sums the values of all pairs within reach, one for each node of the secondary facet, into the secondary nodes.
+    /// Decides which pairs take part in a step.
+    fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
+        self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
+    }
+
+    /// Whether a pair that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end.
+    pub fn overlooks(&self, sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        let others = self.candidates.pairs().iter().zip(&self.near).filter(|(_, near)| !**near);
+        others.into_iter().any(|(&pair, _)| self.window.is_overlooked(pair, sides, q_0, q_1, tolerance))
+    }
+
+    /// Sums the values of all pairs that take part, one for each node of the secondary facet, into the secondary nodes.
     pub fn summed(&self, sides: &Sides, values: impl Iterator<Item = PerNode<f64>>) -> Vec<f64> {
         let mut sums = vec![0.0; sides.secondary.nodes().len()];
         for (p, values) in values.enumerate().filter(|(p, _)| self.near[*p]) {
@@ -161,17 +173,8 @@ impl PairSearch {
     /// Puts an earlier list in place.
     pub fn restore(&mut self, candidates: &Candidates, sides: &Sides, q: &[f64]) {
         self.candidates = candidates.clone();
-        self.near = near(self.candidates.pairs(), &sides.secondary, &sides.primary, q, sides.facet_size);
+        self.admit(sides, &Outlook::within(q, 0.0));
     }
-}
-
-/// Which of these pairs have boxes within `margin` of each other at `q`.
-pub(super) fn near(pairs: &[[u32; 2]], secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<bool> {
-    let apart = |(low_a, high_a): ([f64; 2], [f64; 2]), (low_b, high_b): ([f64; 2], [f64; 2])| {
-        (0..2).map(|i| (low_a[i] - high_b[i]).max(low_b[i] - high_a[i])).fold(f64::NEG_INFINITY, f64::max)
-    };
-    let boxes = |&[s, p]: &[u32; 2]| (facet_box(secondary.facets()[s as usize], q), facet_box(primary.facets()[p as usize], q));
-    pairs.iter().map(boxes).map(|(a, b)| apart(a, b) <= margin).collect()
 }
 
 /// Positions of a surface's nodes.

@@ -88,6 +88,15 @@ impl Surface {
         &self.adjacent[self.adjacent_start[index] as usize..self.adjacent_start[index + 1] as usize]
     }
 
+    /// The facet that ends where this one starts, and the facet that starts where this one ends.
+    pub fn neighbors(&self, facet: usize) -> [Option<u32>; 2] {
+        let ends = self.local_facets[facet];
+        [0, 1].map(|end| {
+            let joins = |&&other: &&u32| other as usize != facet && self.local_facets[other as usize][1 - end] == ends[end];
+            self.adjacent_facets(ends[end] as usize).iter().find(joins).copied()
+        })
+    }
+
     /// For surfaces with common facets: ranks of this surface's facets and of the other's such that of the two ways round in which a pair
     /// of common facets can be taken, one has the lower rank first. `None` without common facets.
     pub fn ranks(&self, other: &Surface) -> Option<[Vec<u32>; 2]> {
@@ -152,6 +161,7 @@ mod tests {
         assert_eq!(surface.adjacent_facets(0), [0, 1]);
         assert_eq!((surface.index(6), surface.index(7)), (Some(2), None));
         assert!(surface.is_closed());
+        assert_eq!(surface.neighbors(0), [Some(3), Some(1)]);
         assert_eq!(surface.weights(&q), [1.5; 4]);
         assert_eq!(surface.shortest_facet(&q), 1.0);
     }

@@ -15,11 +15,11 @@
 //!
 //! Each secondary node has two rows. Nodes with (nearly) no overlap are not tied. For the plane: in space the offset needs a facet's frame.
 
-use super::ContactKernel;
 use super::pair::{invariants, offsets, overlaps};
 use super::patches::Evaluation;
 use super::search::Candidates;
 use super::surface::Sides;
+use super::{ContactKernel, Outlook};
 use crate::integrators::Integrator;
 use crate::math::tolerances::SLIVER;
 
@@ -143,7 +143,7 @@ impl ContactKernel for Tie {
         ROWS
     }
 
-    fn update_candidates(&mut self, _q: &[f64], _margin: f64) -> bool {
+    fn update_candidates(&mut self, _outlook: &Outlook) -> bool {
         let first = self.sides.patches.is_empty() && !self.pairs.is_empty();
         if first {
             for pair in &self.pairs {
@@ -207,7 +207,8 @@ mod tests {
     fn tied_rings() -> (Tie, Vec<f64>) {
         let Rings { inner, outer, q } = rings(40, 48, 0.0);
         let mut tie = Tie::new(&inner, &outer, &q, 0.05);
-        assert!(tie.update_candidates(&q, 0.0) && !tie.update_candidates(&q, 0.0));
+        let outlook = Outlook::within(&q, 0.0);
+        assert!(tie.update_candidates(&outlook) && !tie.update_candidates(&outlook));
         tie.begin_step(&q);
         (tie, q)
     }

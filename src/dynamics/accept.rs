@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::impact::Jump;
 use super::ledger::LedgerRow;
-use super::model::UpdateRule;
-use super::newton::{Failure, Solution};
+use super::newton::Solution;
 use super::pairs::{Conditions, PairKind};
 use super::simulation::State;
 use super::system::{Forces, StepStart, add_force, add_moment, half_product, moment, resultant};
@@ -13,61 +13,10 @@ use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
 use crate::math::tolerances;
 
-/// A jump of the velocities at the end of a step.
-pub(super) struct Jump {
-    velocity: Vec<f64>,
-    /// Impulse of supports and obstacles.
-    impulse: Vec<f64>,
-    /// Kinetic energy that it gives back.
-    energy: f64,
-    /// Kinetic energy that moving obstacles add by their push: as seen from the obstacle, only the lost energy returns.
-    work: f64,
-    /// Multipliers whose forces would give the same impulse over the step.
-    lambda: Vec<f64>,
-}
-
 impl<const D: usize> TimeLoop<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The velocity jump that returns the energy `sum lambda Phi(q_0)` which closing pairs of the `velocity` rule lost, and its support
-    /// impulse.
-    ///
-    /// `v_1 + s w` with the root of `1/2 s^2 w.Mw + s (v_1.Mw - work) = lost`, `work` what moving obstacles do by the push of `w`.
-    pub(super) fn velocity_jump(&mut self, dt: f64, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {
-        let mut lambda = vec![0.0; self.system.multipliers];
-        let mut lost = 0.0;
-        for pair in self.system.pairs.iter().filter(|pair| pair.update == UpdateRule::Velocity && pair.penalty == 0.0) {
-            let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
-            for row in pair.rows.clone().filter(|&row| solution.active[row] && conditions.gap_n[row].abs() > closed) {
-                lambda[row] = solution.lambda[row];
-                lost += lambda[row] * conditions.gap_n[row];
-            }
-        }
-        if lost == 0.0 {
-            return Ok(None);
-        }
-        let jump = self.system.smoothed_jump(&solution.q_1, dt, &lambda);
-        let (mut w, mut impulse, work) = jump.map_err(|error| Failure::Linear(error).or_interrupt(self.state.row.time))?;
-        let state = &self.state;
-        let mut momentum = vec![0.0; w.len()];
-        self.system.mass.multiply_into::<D>(&w, &mut momentum);
-        let velocity = |k: usize| 2.0 / dt * (solution.q_1[k] - state.positions[k]) - state.velocities[k];
-        let (a, b) = (0..w.len()).fold((0.0, 0.0), |(a, b), k| (a + 0.5 * w[k] * momentum[k], b + velocity(k) * momentum[k]));
-        let b = b - work;
-        let discriminant = b * b + 4.0 * a * lost;
-        let divisor = b + discriminant.max(0.0).sqrt();
-        if discriminant < 0.0 || divisor <= 0.0 {
-            // A gain (a node that had sat out a step) larger than the jump can take away: it stays booked as contact work.
-            return Ok(None);
-        }
-        let s = 2.0 * lost / divisor;
-        w.iter_mut().for_each(|w| *w *= s);
-        impulse.iter_mut().for_each(|f| *f *= s);
-        lambda.iter_mut().for_each(|lambda| *lambda *= s / dt);
-        Ok(Some(Jump { velocity: w, impulse, energy: lost, work: s * work, lambda }))
-    }
-
     /// The state at the end of a converged step, with its row of the ledger.
     pub(super) fn accept(&mut self, start: &StepStart, solution: Solution, conditions: &Conditions, jump: Option<Jump>) -> State {
         let Solution { q_1, mut lambda, active, mut forces, iterations } = solution;
@@ -76,7 +25,8 @@ where
         for (lambda, _) in lambda.iter_mut().zip(&active).filter(|(_, active)| !**active) {
             *lambda = 0.0;
         }
-        let gaps: Vec<f64> = system.pairs.iter().flat_map(|pair| pair.evaluation.gap.iter().copied()).collect();
+        let gaps = system.pairs.iter().flat_map(|pair| pair.evaluation.gap.iter());
+        let felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
         let mut v_1: Vec<f64> = (0..unknowns).map(|k| 2.0 / dt * (q_1[k] - start.q_0[k]) - start.v_0[k]).collect();
         for (prescribed, v) in system.prescribed.iter().zip(start.prescribed_v_1) {
             v_1[prescribed.unknown] = *v;
@@ -91,6 +41,8 @@ where
         } else {
             self.state.half_force.clone()
         };
+        let v_before = jump.is_some().then(|| v_1.clone());
+        let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
         if let Some(jump) = &jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
         }
@@ -101,11 +53,12 @@ where
             dt,
             kinetic: half_product(&v_1, &momenta),
             strain: system.strain_energy(&q_1),
-            potential: system.potential_energy(&q_1) + system.penalty_energy(&gaps),
+            reserve: reserve.iter().sum(),
             newton_iterations: iterations,
             active: system.touching(&active),
             ..LedgerRow::default()
         };
+        row.potential = system.potential_energy(&q_1) + system.penalty_energy(&felt) + row.reserve;
         (row.momentum, row.angular_momentum) = (resultant::<D>(&momenta), moment::<D>(&q_1, &momenta));
 
         // The trapezoidal rule's forces are the mean of both ends; the load of the start is part of the half force.
@@ -129,7 +82,7 @@ where
         row.load_work += obstacle_work;
         let mut slip_moment = [0.0; 3];
         if !system.prescribed.is_empty() {
-            let (work, moment) = self.prescribed_work(start, &forces, &q_1, &v_1);
+            let (work, moment) = self.prescribed_work(start, &forces, &q_1, v_before.as_ref().unwrap_or(&v_1));
             row.load_work += work;
             slip_moment = moment;
         }
@@ -140,7 +93,14 @@ where
             .flat_map(|pair| pair.rows.clone())
             .map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row]))
             .sum();
-        row.contact_work = weight * closing + jump.as_ref().map_or(0.0, |jump| jump.energy);
+        // A potential that is felt through other pairs than at the end of the step before is another one.
+        let found = if system.pairs.iter().any(|pair| pair.penalty > 0.0) && !conditions.end_point {
+            system.potential_energy(start.q_0) + system.penalty_energy(&conditions.gap_n) + old.reserve - old.potential
+        } else {
+            0.0
+        };
+        let kept = row.reserve - old.reserve;
+        row.contact_work = found + weight * closing + jump.as_ref().map_or(0.0, |jump| jump.energy) + kept;
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
 
         // Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
@@ -186,6 +146,8 @@ where
             positions: q_1,
             velocities: v_1,
             lambda,
+            felt,
+            reserve,
             active,
             half_force,
             clock: self.state.clock,

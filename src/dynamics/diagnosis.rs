@@ -49,7 +49,7 @@ where
             Failure::Diverged => self.blamed_on_a_load(FailureCause::Divergence),
             Failure::Linear(error) => FailureCause::SingularSystem { reason: self.system.explain(error, &self.state.positions) },
             Failure::Foreseen(motion) => FailureCause::TooFast { contact: motion.contact.clone() },
-            Failure::BeyondSearch { pair } => FailureCause::TooFast { contact: pair.clone() },
+            Failure::BeyondSearch { pair } | Failure::Overlooked { pair } => FailureCause::TooFast { contact: pair.clone() },
             Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string() },
         };
         self.report_of(cause)

@@ -13,8 +13,10 @@ pub struct LedgerRow {
     pub kinetic: f64,
     /// Strain energy `[energy]`.
     pub strain: f64,
-    /// Potential energy of gravity `[energy]`.
+    /// Potential energy of gravity, of penalty potentials, and the reserve of closed contacts `[energy]`.
     pub potential: f64,
+    /// What closed contacts of the `velocity` rule took at their closing and give back at their opening, part of the potential `[energy]`.
+    pub reserve: f64,
     /// Work of loads in this step `[energy]`.
     pub load_work: f64,
     /// Work of contact in this step that the update rule loses or gains on purpose `[energy]`.
@@ -118,7 +120,15 @@ impl LedgerRow {
                 "angular_momentum_z",
             ][..]
         });
-        names.extend(["momentum_defect", "angular_momentum_defect", "newton_iterations", "halvings", "active", "max_penetration"]);
+        names.extend([
+            "momentum_defect",
+            "angular_momentum_defect",
+            "newton_iterations",
+            "halvings",
+            "active",
+            "max_penetration",
+            "reserve",
+        ]);
         names
     }
 
@@ -151,6 +161,7 @@ impl LedgerRow {
             "halvings" => self.halvings as f64,
             "active" => self.active as f64,
             "max_penetration" => self.max_penetration,
+            "reserve" => self.reserve,
             _ => return None,
         })
     }

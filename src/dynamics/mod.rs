@@ -8,6 +8,7 @@ mod error;
 mod failed;
 mod fields;
 mod findings;
+mod impact;
 mod ledger;
 mod loads;
 mod model;

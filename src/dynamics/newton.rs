@@ -67,6 +67,10 @@ pub(super) enum Failure {
     BeyondSearch {
         pair: String,
     },
+    /// Something that took no part in the step, since it was not expected to close, overlaps at its end.
+    Overlooked {
+        pair: String,
+    },
     /// The predicted motion is too large: the step was not tried.
     Foreseen(LargeMotion),
     /// Not a matter of the numerics: do not try again.
@@ -81,7 +85,7 @@ impl Failure {
             Failure::Inverted { .. } => "inverted cell",
             Failure::Linear(_) => "singular system",
             Failure::Diverged => "divergence",
-            Failure::Foreseen(_) | Failure::BeyondSearch { .. } => "motion too fast",
+            Failure::Foreseen(_) | Failure::BeyondSearch { .. } | Failure::Overlooked { .. } => "motion too fast",
             Failure::Fatal(_) => "given up",
         }
     }
@@ -361,7 +365,7 @@ fn violation(pair: &Pair, conditions: &Conditions, row: usize, lambda: f64) -> (
     let gap = pair.evaluation.gap[row - pair.rows.start];
     if pair.penalty > 0.0 {
         let off = lambda - conditions.penalty_pressure(pair, row, gap).0;
-        return (off / pair.c, off * (gap - conditions.gap_n[row]));
+        return (off / pair.c, off * (gap + conditions.shift[row] - conditions.gap_n[row]));
     }
     let gap = gap - conditions.targets[row];
     (if pair.equality { gap } else { gap.min(lambda / pair.c) }, lambda * gap)

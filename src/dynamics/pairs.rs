@@ -6,6 +6,7 @@ use super::system::{StepStart, System};
 use crate::contact::{AveragedMortar, ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
 use crate::integrators::Integrator;
 use crate::linear::Block;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// What a pair consists of.
@@ -47,6 +48,18 @@ pub(super) struct Pair {
     pub(super) column_places: Vec<Block>,
 }
 
+impl Pair {
+    /// Weighted gap at the start of a step that counts as closed.
+    pub(super) fn closed(&self) -> f64 {
+        (tolerances::CLOSED * self.kernel.facet_size().powi(2)).max(10.0 * self.gap_tolerance)
+    }
+
+    /// Whether open nodes may come through the other side within a step.
+    fn may_penetrate(&self) -> bool {
+        self.update == UpdateRule::Persistency && self.penalty == 0.0 && !self.equality
+    }
+}
+
 /// Why a step was halved before it was tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LargeMotion {
@@ -70,13 +83,20 @@ pub(super) struct Conditions {
     pub(super) compliance: Vec<f64>,
     /// Penalty pressures belong to the end of the step (statics, trapezoidal rule) instead of to its change of energy.
     pub(super) end_point: bool,
+    /// By how much a penalty potential feels the weighted gaps larger than they are: an overlap that no motion has made, but that pairs find
+    /// which take part in this step and took none in the one before, has no potential.
+    pub(super) shift: Vec<f64>,
 }
 
 impl Conditions {
     /// Pressure of a pair's penalty potential at a constraint whose weighted gap is `gap`, and its derivative.
     pub(super) fn penalty_pressure(&self, pair: &Pair, row: usize, gap: f64) -> (f64, f64) {
         // From a start at zero the quotient is half the pressure of the end.
-        if self.end_point { penalty_pressure(2.0 * pair.penalty, 0.0, gap) } else { penalty_pressure(pair.penalty, self.gap_n[row], gap) }
+        if self.end_point {
+            penalty_pressure(2.0 * pair.penalty, 0.0, gap)
+        } else {
+            penalty_pressure(pair.penalty, self.gap_n[row], gap + self.shift[row])
+        }
     }
 }
 
@@ -94,19 +114,34 @@ impl<const D: usize> System<D> {
         compliance
     }
 
-    /// The contact conditions of the step that has begun, by the pairs' update rules.
-    pub(super) fn conditions(&self, start: &StepStart) -> Conditions {
-        let gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
+    /// The contact conditions of the step that has begun, by the pairs' update rules; `felt` are the weighted gaps that penalty potentials
+    /// felt at the end of the step before.
+    ///
+    /// Whatever the rule, the target of a unilateral constraint is not above the gap at the start where that is an overlap: contact drives
+    /// nothing apart, its work `lambda (target - Phi_n)` is never positive.
+    pub(super) fn conditions(&self, start: &StepStart, felt: &[f64]) -> Conditions {
+        let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         let mut targets = vec![0.0; gap_n.len()];
         let mut members = vec![true; gap_n.len()];
-        for pair in self.pairs.iter().filter(|pair| pair.update == UpdateRule::Persistency && pair.penalty == 0.0) {
-            let closed = tolerances::CLOSED * pair.kernel.facet_size().powi(2);
+        let mut shift = vec![0.0; gap_n.len()];
+        let end_point = start.integrator == Integrator::Trapezoidal;
+        for pair in &self.pairs {
+            let closed = pair.closed();
             for row in pair.rows.clone() {
-                members[row] = pair.equality || gap_n[row] <= closed;
-                targets[row] = gap_n[row];
+                if pair.penalty > 0.0 {
+                    if !end_point {
+                        shift[row] = (felt[row].min(0.0) - gap_n[row].min(0.0)).max(0.0);
+                        gap_n[row] += shift[row];
+                    }
+                } else if pair.update == UpdateRule::Persistency {
+                    members[row] = pair.equality || gap_n[row] <= closed;
+                    targets[row] = gap_n[row];
+                } else if !pair.equality && gap_n[row] < -closed {
+                    targets[row] = gap_n[row];
+                }
             }
         }
-        Conditions { gap_n, targets, members, compliance: self.compliance(start), end_point: start.integrator == Integrator::Trapezoidal }
+        Conditions { gap_n, targets, members, compliance: self.compliance(start), end_point, shift }
     }
 }
 
@@ -120,16 +155,23 @@ impl<const D: usize> System<D> {
             if facets > tolerances::SLIDING {
                 return Some(LargeMotion { contact: pair.name.clone(), approach: false, facets });
             }
-            if pair.update == UpdateRule::Persistency && pair.penalty == 0.0 && !pair.equality {
-                let (gaps, coverage, weights) = (pair.kernel.gap(predicted), pair.kernel.coverage(predicted), pair.kernel.weights());
-                let open = (0..gaps.len()).filter(|&k| !conditions.members[pair.rows.start + k] && coverage[k] > tolerances::SLIVER);
-                let facets = open.map(|k| -gaps[k] / (coverage[k] * weights[k] * size)).fold(0.0, f64::max);
+            if pair.may_penetrate() {
+                let facets = through(pair, conditions, &pair.kernel.gap(predicted), &pair.kernel.coverage(predicted));
                 if facets > tolerances::APPROACH {
                     return Some(LargeMotion { contact: pair.name.clone(), approach: true, facets });
                 }
             }
         }
         None
+    }
+
+    /// How far open nodes have come through the other side in a converged step of the persistency rule, if too far: elastic motion is not
+    /// foreseen.
+    pub(super) fn came_through(&self, conditions: &Conditions) -> Option<LargeMotion> {
+        self.pairs.iter().filter(|pair| pair.may_penetrate()).find_map(|pair| {
+            let facets = through(pair, conditions, &pair.evaluation.gap, &pair.evaluation.coverage);
+            (facets > tolerances::CAME_THROUGH).then(|| LargeMotion { contact: pair.name.clone(), approach: true, facets })
+        })
     }
 
     /// Largest predicted motion of the nodes of an active patch's secondary side relative to those of its primary side `[length]`.
@@ -152,13 +194,15 @@ impl<const D: usize> System<D> {
             }
             let mean = |side: u8| -> Option<[f64; D]> {
                 let (mut sum, mut count) = ([0.0; D], 0.0);
-                for &node in patches.nodes(p).iter().filter(|&&node| lies_on[node as usize] == side) {
-                    count += 1.0;
-                    for i in 0..D {
-                        let k = node as usize * D + i;
-                        sum[i] += predicted[k] - q_0[k];
+                pair.kernel.for_each_participant(p, &mut |node| {
+                    if lies_on[node as usize] == side {
+                        count += 1.0;
+                        for i in 0..D {
+                            let k = node as usize * D + i;
+                            sum[i] += predicted[k] - q_0[k];
+                        }
                     }
-                }
+                });
                 (count > 0.0).then(|| sum.map(|sum| sum / count))
             };
             if let (Some(a), Some(b)) = (mean(SECONDARY), mean(PRIMARY)) {
@@ -167,6 +211,13 @@ impl<const D: usize> System<D> {
         }
         largest
     }
+}
+
+/// Largest depth at which nodes of a pair that were open at the start of the step are behind the other side, in secondary facets.
+fn through(pair: &Pair, conditions: &Conditions, gaps: &[f64], coverage: &[f64]) -> f64 {
+    let (size, weights) = (pair.kernel.facet_size(), pair.kernel.weights());
+    let open = (0..gaps.len()).filter(|&k| !conditions.members[pair.rows.start + k] && coverage[k] > tolerances::SLIVER);
+    open.map(|k| -gaps[k] / (coverage[k] * weights[k] * size)).fold(0.0, f64::max)
 }
 
 /// Pressure of the penalty potential `kappa/2 min(Phi, 0)^2` over a step, `-(U_1 - U_0)/(Phi_1 - Phi_0)`, and its derivative with respect
@@ -217,7 +268,7 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
             augmentation: 0.0,
             rows: 0..kernel.rows_per_node() * kernel.secondary().nodes().len(),
             c: model.bodies[body].material.youngs_modulus() / (size * size),
-            gap_tolerance: tolerances::GAP * size * size,
+            gap_tolerance: (tolerances::GAP * size * size).max(tolerances::GAP_FLOOR * largest_size(reference) * size),
             kernel,
             evaluation: Evaluation::default(),
             tangent_places: Vec::new(),

@@ -11,6 +11,7 @@ use super::simulation::{Clock, SettleReport, State};
 use super::system::StepStart;
 use super::time_loop::{TimeLoop, solve};
 use crate::bodies::{Elements, Space};
+use crate::contact::Outlook;
 use crate::integrators::Integrator;
 use crate::math::tolerances;
 
@@ -48,11 +49,12 @@ where
             let (displacement, _) = self.system.prescribed_motion(self.state.row.time)?;
             let mut predicted = positions.clone();
             predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
-            // Both sides may follow what is prescribed, and three facets more.
+            // Both sides may follow what is prescribed, and a facet more.
             let moved = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
-            let margins: Vec<f64> = self.system.pairs.iter().map(|pair| 3.0 * pair.kernel.facet_size() + 2.0 * moved).collect();
+            let size = self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min);
+            let outlook = Outlook::within(&positions, if size.is_finite() { 2.0 * size + 2.0 * moved } else { 0.0 });
             self.system.move_obstacles(self.state.row.time, 0.0)?;
-            if let Err(error) = self.system.begin_step(&positions, &margins) {
+            if let Err(error) = self.system.begin_step(&outlook) {
                 return Err(self.failed(&Failure::Linear(error), 0.0, 0));
             }
             let start = StepStart {
@@ -76,6 +78,7 @@ where
                 members: vec![true; count],
                 compliance: self.system.compliance(&start),
                 end_point: true,
+                shift: vec![0.0; count],
             };
             let task = Task {
                 start: &start,
@@ -92,7 +95,7 @@ where
                 Err(Failure::Fatal(error)) => return Err(error),
                 Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
             };
-            self.check_reach(&solution, &margins).map_err(|failure| self.failed(&failure, 0.0, 0))?;
+            self.check_search(&outlook, &solution).map_err(|failure| self.failed(&failure, 0.0, 0))?;
             steps += 1;
             let strain = self.system.strain_energy(&solution.q_1);
             // What the damping did in this step: nothing, at equilibrium.
@@ -115,10 +118,13 @@ where
         }
         let contacts = self.contact_totals(&self.state.positions, &self.state.lambda, &self.state.active);
         let probes = self.probe_values(&self.state.positions, &self.state.velocities);
-        let State { positions: q, velocities: v, row, active, .. } = Arc::make_mut(&mut self.state);
+        let State { positions: q, velocities: v, row, active, felt, reserve, .. } = Arc::make_mut(&mut self.state);
         row.strain = self.system.strain_energy(q);
         let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
         row.potential = self.system.potential_energy(q) + self.system.penalty_energy(&gaps);
+        *felt = gaps;
+        reserve.fill(0.0);
+        row.reserve = 0.0;
         (row.momentum, row.angular_momentum) = self.system.momenta(q, v);
         row.active = self.system.touching(active);
         (row.contacts, row.probes) = (contacts, probes);

@@ -26,6 +26,8 @@ pub struct Options {
     pub tolerance: f64,
     /// How often a step may be halved.
     pub max_halvings: usize,
+    /// Multiple of the usual reach of the search for contact. Results do not depend on it: what takes part in a step is decided afterwards.
+    pub reach: f64,
     /// Threads of the element loop and of the factorisation; results do not depend on it.
     pub threads: usize,
     /// A flag that ends the run at the last accepted step when it becomes true.
@@ -38,7 +40,7 @@ impl Options {
     /// Defaults for an integrator and a step size.
     pub fn new(integrator: Integrator, dt: f64) -> Self {
         let tolerance = crate::math::tolerances::NEWTON_ENERGY;
-        Options { integrator, dt, tolerance, max_halvings: 7, threads: 1, interrupt: None, progress: None }
+        Options { integrator, dt, tolerance, max_halvings: 7, reach: 1.0, threads: 1, interrupt: None, progress: None }
     }
 
     /// Whether the user wants the run to end.
@@ -118,6 +120,10 @@ pub struct State {
     pub velocities: Vec<f64>,
     /// Multipliers of all contact pairs `[stress]`.
     pub(super) lambda: Vec<f64>,
+    /// Weighted gaps as penalty potentials felt them at the end of the step.
+    pub(super) felt: Vec<f64>,
+    /// Energy that closed constraints of the `velocity` rule keep until they open `[energy]`.
+    pub(super) reserve: Vec<f64>,
     /// Active contact nodes.
     pub(super) active: Vec<bool>,
     /// Half of the forces that are not inertial (trapezoidal rule).
@@ -217,7 +223,8 @@ impl Simulation {
     /// Bytes that a state takes.
     pub fn state_size(&self) -> usize {
         let state = self.steps.state();
-        8 * (state.positions.len() + state.velocities.len() + state.half_force.len() + state.lambda.len()) + state.active.len()
+        let rows = 3 * state.lambda.len();
+        8 * (state.positions.len() + state.velocities.len() + state.half_force.len() + rows) + state.active.len()
     }
 
     /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in pieces where it must be halved.

@@ -21,7 +21,7 @@ use super::model::{LoadKind, Model};
 use super::pairs::{Pair, PairKind, boundary_facets, contact_pairs};
 use super::simulation::PhaseTimes;
 use crate::bodies::{ElementLoop, Elements, Inverted, Space, Step, nodal_areas};
-use crate::contact::{Candidates, Correction};
+use crate::contact::{Candidates, Correction, Evaluation, Outlook};
 use crate::integrators::{Configuration, Integrator};
 use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch, Work};
 use crate::math::norms::largest_size;
@@ -63,6 +63,17 @@ pub(super) struct ConstraintRows {
     pub(super) gradient: Vec<bool>,
     pub(super) diagonal: Vec<f64>,
     pub(super) right: Vec<f64>,
+}
+
+/// A change of the velocities by impulses.
+pub(super) struct Push {
+    pub(super) velocity: Vec<f64>,
+    /// Impulses of the constraints.
+    pub(super) lambda: Vec<f64>,
+    /// Impulses of supports and obstacles on the nodes.
+    pub(super) impulse: Vec<f64>,
+    /// Work of obstacles that move.
+    pub(super) work: f64,
 }
 
 /// Forces of a step at one iterate.
@@ -414,14 +425,13 @@ where
         self.stale = true;
     }
 
-    /// Starts a step (or a piece of one) at `q_0`: candidate pairs within a margin for each contact, and what the kernels keep of the
-    /// start.
-    pub(super) fn begin_step(&mut self, q_0: &[f64], margins: &[f64]) -> Result<(), LinearError> {
+    /// Starts a step (or a piece of one): candidate pairs of each contact, and what the kernels keep of the start.
+    pub(super) fn begin_step(&mut self, outlook: &Outlook) -> Result<(), LinearError> {
         self.assemblies_of_step = [0, self.assemblies_of_step[0]];
         let clock = Instant::now();
         let mut changed = false;
-        for (pair, &margin) in self.pairs.iter_mut().zip(margins) {
-            changed |= pair.kernel.update_candidates(q_0, margin);
+        for pair in &mut self.pairs {
+            changed |= pair.kernel.update_candidates(outlook);
         }
         self.times.search += clock.elapsed();
         if changed || self.stale {
@@ -434,7 +444,7 @@ where
         }
         let clock = Instant::now();
         for pair in &mut self.pairs {
-            pair.kernel.begin_step(q_0);
+            pair.kernel.begin_step(outlook.q);
         }
         self.times.contact += clock.elapsed();
         Ok(())
@@ -580,7 +590,7 @@ where
     pub(super) fn solve(&mut self, forces: &Forces, rows: &ConstraintRows) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         self.assemble_deferred_tangent();
         let clock = Instant::now();
-        self.write_constraints(&rows.gradient, &rows.diagonal);
+        self.write_constraints(&rows.gradient, &rows.diagonal, |evaluation| &evaluation.gradient_bar);
         let unknowns = self.reference.len();
         let mut right: Vec<f64> = forces.without_contact.iter().zip(&self.fixed).map(|(r, &fixed)| if fixed { 0.0 } else { -r }).collect();
         right.extend_from_slice(&rows.right);
@@ -595,47 +605,54 @@ where
         Ok((right, lambda))
     }
 
-    /// The smoothed velocity jump of the `velocity` rule: `w` with `(M + (dt/2)^2 K_m(q_1)) w = sum_A lambda_A grad Phi_A(q_1)`, and the
-    /// impulse of the supports that belongs to it. `K_m` is the material stiffness: its forces have neither resultant nor moment at `q_1`,
-    /// so that `v_1 + s w` has the momenta of `v_1` for every `s`.
-    ///
-    /// Obstacles push from outside as supports do; where they move, the work of their push per unit of the jump comes third.
-    pub(super) fn smoothed_jump(&mut self, q_1: &[f64], dt: f64, lambda: &[f64]) -> Result<(Vec<f64>, Vec<f64>, f64), LinearError> {
-        let clock = Instant::now();
-        self.values.fill(0.0);
-        for body in &self.bodies {
-            body.elements.add_material_stiffness(q_1, 0.25 * dt * dt, &mut self.values);
-        }
-        let mut push = vec![0.0; q_1.len()];
-        let mut reaction = vec![0.0; q_1.len()];
-        let mut obstacle_work = 0.0;
+    /// Rates `grad Phi_A(q_1).v` of all constraints at the last [`Self::assemble`], as seen from obstacles that move.
+    pub(super) fn rates(&self, v: &[f64]) -> Vec<f64> {
+        let mut rates = vec![0.0; self.multipliers];
+        self.for_each_end_gradient(|pair, row, k, gradient| {
+            let seen = if pair.kind == PairKind::Obstacle { pair.obstacle_velocity[k % D] } else { 0.0 };
+            rates[row] += gradient * (v[k] - seen);
+        });
+        rates
+    }
+
+    /// Tells every entry of the gradients at the end of the step: pair, row, unknown, value.
+    fn for_each_end_gradient(&self, mut tell: impl FnMut(&Pair, usize, usize, f64)) {
         for pair in &self.pairs {
-            let from_outside = pair.kind == PairKind::Obstacle;
             let patches = pair.kernel.patches();
             for p in (0..patches.len()).filter(|&p| pair.evaluation.live[p]) {
                 let gradients = &pair.evaluation.gradient_end[patches.gradient_range(p)];
-                for (row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
-                    let lambda = lambda[pair.rows.start + *row as usize];
+                for (&row, gradient) in patches.rows(p).iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
                     for (u, &node) in patches.nodes(p).iter().enumerate() {
                         for i in 0..D {
-                            push[node as usize * D + i] += lambda * gradient[u * D + i];
-                            if from_outside {
-                                reaction[node as usize * D + i] += lambda * gradient[u * D + i];
-                                obstacle_work += lambda * gradient[u * D + i] * pair.obstacle_velocity[i];
-                            }
+                            tell(pair, pair.rows.start + row as usize, node as usize * D + i, gradient[u * D + i]);
                         }
                     }
                 }
             }
         }
-        let support_rows: Vec<usize> = (0..q_1.len()).filter(|&k| self.fixed[k]).collect();
-        let free_values = self.values.clone();
-        self.write_constraints(&vec![false; self.multipliers], &vec![1.0; self.multipliers]);
-        let mut right = push.clone();
-        for &k in &support_rows {
-            right[k] = 0.0;
+    }
+
+    /// A change of the velocities by impulses of the constraints: `w` with `(M + beta K_m(q_1)) w = G_1^T (lambda + mu)` and
+    /// `G_1 w = rate` where `hold`, gradients as at the last [`Self::assemble`]. `K_m` is the material stiffness: its forces have neither
+    /// resultant nor moment at `q_1`, so that `v_1 + s w` has the momenta of `v_1` for every `s`, up to what supports and obstacles push.
+    pub(super) fn push(&mut self, q_1: &[f64], beta: f64, lambda: &[f64], hold: &[bool], rate: &[f64]) -> Result<Push, LinearError> {
+        let clock = Instant::now();
+        self.deferred = None;
+        self.values.fill(0.0);
+        for body in &self.bodies {
+            body.elements.add_material_stiffness(q_1, beta, &mut self.values);
         }
-        right.resize(q_1.len() + self.multipliers, 0.0);
+        let free_values = self.fixed.contains(&true).then(|| self.values.clone());
+        // Masses as large as gradients, or the round-off of the constraints would be felt as momentum.
+        let gradient = self.pairs.iter().map(|pair| largest_size(&pair.evaluation.gradient_end)).fold(0.0, f64::max);
+        let scale = gradient / self.largest_nodal_mass;
+        self.values.iter_mut().for_each(|value| *value *= scale);
+        let diagonal: Vec<f64> = hold.iter().map(|hold| if *hold { 0.0 } else { 1.0 }).collect();
+        self.write_constraints(hold, &diagonal, |evaluation| &evaluation.gradient_end);
+        let mut right = vec![0.0; q_1.len()];
+        self.for_each_end_gradient(|_, row, k, gradient| right[k] += scale * lambda[row] * gradient);
+        right.iter_mut().zip(&self.fixed).filter(|(_, fixed)| **fixed).for_each(|(f, _)| *f = 0.0);
+        right.extend(hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }));
         self.times.assembly += clock.elapsed();
         let clock = Instant::now();
         self.factorizations += 1;
@@ -644,19 +661,34 @@ where
         let clock = Instant::now();
         self.factorization.solve(&self.values, &mut right)?;
         self.times.solve += clock.elapsed();
-        right.truncate(q_1.len());
+        let mu = right.split_off(q_1.len());
+        let lambda: Vec<f64> = lambda.iter().zip(&mu).map(|(lambda, mu)| lambda + mu / scale).collect();
+        let mut push = Push { velocity: right, lambda, impulse: vec![0.0; q_1.len()], work: 0.0 };
+        let (mut on_nodes, mut from_obstacles, mut work) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()], 0.0);
+        self.for_each_end_gradient(|pair, row, k, gradient| {
+            let f = push.lambda[row] * gradient;
+            on_nodes[k] += f;
+            if pair.kind == PairKind::Obstacle {
+                from_obstacles[k] += f;
+                work += f * pair.obstacle_velocity[k % D];
+            }
+        });
+        (push.impulse, push.work) = (from_obstacles, work);
         // What the supports must push so that their nodes stay, besides what obstacles push.
-        if !support_rows.is_empty() {
-            let mut needed = vec![0.0; q_1.len()];
-            self.pattern.multiply_into(&free_values, &right, &mut needed);
-            for k in support_rows {
-                reaction[k] += needed[k] - push[k];
+        if let Some(values) = free_values {
+            let mut vector = push.velocity.clone();
+            vector.resize(q_1.len() + self.multipliers, 0.0);
+            let mut needed = vec![0.0; q_1.len() + self.multipliers];
+            self.pattern.multiply_into(&values, &vector, &mut needed);
+            for k in (0..q_1.len()).filter(|&k| self.fixed[k]) {
+                push.impulse[k] += needed[k] - on_nodes[k];
             }
         }
-        Ok((right, reaction, obstacle_work))
+        Ok(push)
     }
 
-    fn write_constraints(&mut self, active: &[bool], diagonal: &[f64]) {
+    /// Writes rows `G_1` and columns `-columns^T` of the active constraints, and the diagonal of all.
+    fn write_constraints(&mut self, active: &[bool], diagonal: &[f64], columns: fn(&Evaluation) -> &Vec<f64>) {
         for (pair, clear) in self.pairs.iter().flat_map(|pair| [(pair, true), (pair, false)]) {
             let patches = pair.kernel.patches();
             let mut place = 0;
@@ -675,7 +707,7 @@ where
                                     self.values[column_place.at(i, 0)] = 0.0;
                                 } else {
                                     self.values[row_place.at(0, i)] += pair.evaluation.gradient_end[entry];
-                                    self.values[column_place.at(i, 0)] -= pair.evaluation.gradient_bar[entry];
+                                    self.values[column_place.at(i, 0)] -= columns(&pair.evaluation)[entry];
                                 }
                             }
                         }

@@ -16,7 +16,7 @@ use super::report::{FailureReport, TryReport};
 use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, StepStart, System};
 use crate::bodies::{Elements, Space};
-use crate::contact::Correction;
+use crate::contact::{Correction, Outlook, Travel};
 use crate::integrators::Integrator;
 use crate::linear::Watch;
 use crate::math::tolerances;
@@ -62,6 +62,8 @@ where
         let state = State {
             row,
             lambda: vec![0.0; system.multipliers],
+            felt: vec![0.0; system.multipliers],
+            reserve: vec![0.0; system.multipliers],
             active: vec![false; system.multipliers],
             half_force: Arc::new(vec![0.0; positions.len()]),
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
@@ -89,39 +91,29 @@ where
     ///
     /// A step that `may_be_halved` is not tried when its predicted motion is too large.
     fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
-        match self.piece_within(dt, 1.0, may_be_halved) {
-            Err(Failure::BeyondSearch { .. }) => self.piece_within(dt, WIDER_SEARCH, may_be_halved),
-            outcome => outcome,
+        let (mut factor, mut reach) = (1.0, self.options.reach);
+        loop {
+            match self.piece_within(dt, factor, reach, may_be_halved) {
+                Err(Failure::BeyondSearch { .. }) if reach == self.options.reach => reach *= WIDER_SEARCH,
+                Err(Failure::Overlooked { .. }) if factor == 1.0 => factor = WIDER_SEARCH,
+                outcome => return outcome,
+            }
         }
     }
 
-    /// [`Self::piece`] with a multiple of the usual reach of the search for contact.
-    fn piece_within(&mut self, dt: f64, reach: f64, may_be_halved: bool) -> Result<State, Failure> {
+    /// [`Self::piece`] with a multiple of the expected motion, and of the reach of the search for contact.
+    fn piece_within(&mut self, dt: f64, factor: f64, reach: f64, may_be_halved: bool) -> Result<State, Failure> {
         let state = self.state.clone();
         let (integrator, time) = (self.options.integrator, state.row.time);
         let (displacement, prescribed_v_1) = self.system.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
         let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
         predictor::follow_prescribed(&self.system, &state.positions, &displacement, &mut predicted);
-        // Reach of the search: a facet, and what both sides move in this step by the prediction or by their velocities.
-        let travel = |nodes: &[u32]| {
-            nodes.iter().fold(0.0f64, |largest, &node| {
-                let range = node as usize * D..(node as usize + 1) * D;
-                let rigid: f64 = range.clone().map(|k| (predicted[k] - state.positions[k]).powi(2)).sum();
-                let elastic: f64 = range.map(|k| (dt * state.velocities[k]).powi(2)).sum();
-                largest.max(rigid.max(elastic).sqrt())
-            })
-        };
-        let margins: Vec<f64> = self
-            .system
-            .pairs
-            .iter()
-            .map(|pair| {
-                let (secondary, primary) = (pair.kernel.secondary().nodes(), pair.kernel.primary().nodes());
-                reach * (pair.kernel.facet_size() + travel(secondary) + travel(primary))
-            })
-            .collect();
+        // What takes part: nodes may move by the prediction or by their velocities.
+        let rigid: Vec<f64> = predicted.iter().zip(&state.positions).map(|(new, old)| new - old).collect();
+        let elastic: Vec<f64> = state.velocities.iter().map(|v| dt * v).collect();
+        let outlook = Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach };
         self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
-        self.system.begin_step(&state.positions, &margins).map_err(Failure::Linear)?;
+        self.system.begin_step(&outlook).map_err(Failure::Linear)?;
 
         let start = StepStart {
             integrator,
@@ -133,7 +125,7 @@ where
             prescribed_v_1: &prescribed_v_1,
             damping: None,
         };
-        let conditions = self.system.conditions(&start);
+        let conditions = self.system.conditions(&start, &state.felt);
         if may_be_halved && let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
             return Err(Failure::Foreseen(motion));
         }
@@ -149,8 +141,11 @@ where
             interrupted: &|| options.interrupted(),
         };
         let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
-        self.check_reach(&solution, &margins)?;
-        let jump = self.velocity_jump(dt, &solution, &conditions)?;
+        self.check_search(&outlook, &solution)?;
+        if may_be_halved && let Some(motion) = self.system.came_through(&conditions) {
+            return Err(Failure::Foreseen(motion));
+        }
+        let jump = self.velocity_jump(&start, &solution, &conditions)?;
         Ok(self.accept(&start, solution, &conditions, jump))
     }
 
@@ -171,17 +166,20 @@ where
         (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
     }
 
-    /// Bodies must not have moved farther than the candidate pairs reach.
-    pub(super) fn check_reach(&self, solution: &Solution, margins: &[f64]) -> Result<(), Failure> {
-        for (pair, margin) in self.system.pairs.iter().zip(margins).filter(|(pair, _)| pair.kind == PairKind::Surfaces) {
+    /// Bodies must not have moved farther than the candidate pairs reach, nor into something that took no part.
+    pub(super) fn check_search(&self, outlook: &Outlook, solution: &Solution) -> Result<(), Failure> {
+        for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Surfaces) {
             let moved = |nodes: &[u32]| {
                 nodes.iter().fold(0.0f64, |largest, &node| {
                     let range = node as usize * D..(node as usize + 1) * D;
                     largest.max(range.map(|k| (solution.q_1[k] - self.state.positions[k]).powi(2)).sum::<f64>().sqrt())
                 })
             };
-            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes()) > *margin {
+            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes()) > pair.kernel.margin(outlook) {
                 return Err(Failure::BeyondSearch { pair: pair.name.clone() });
+            }
+            if pair.kernel.overlooks(outlook.q, &solution.q_1, tolerances::OVERLOOKED * pair.kernel.facet_size()) {
+                return Err(Failure::Overlooked { pair: pair.name.clone() });
             }
         }
         Ok(())
@@ -201,9 +199,8 @@ where
             prescribed_v_1: &[],
             damping: Some(0.0),
         };
-        let margins: Vec<f64> = self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).collect();
         self.system.move_obstacles(state.row.time, 0.0)?;
-        if let Err(error) = self.system.begin_step(&state.positions, &margins) {
+        if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {
             return Err(self.failed(&Failure::Linear(error), 0.0, 0));
         }
         match self.system.assemble(&start, &state.positions, &state.lambda) {

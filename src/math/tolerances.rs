@@ -18,6 +18,9 @@ pub const FORCE_FLOOR: f64 = 1e-14;
 /// Weighted gap that counts as closed, relative to the square of the shortest secondary facet (Newton's target).
 pub const GAP: f64 = 1e-12;
 
+/// Round-off floor of the weighted gap, relative to the largest coordinate times the facet size: a few units in the last place.
+pub const GAP_FLOOR: f64 = 2e-15;
+
 /// Weighted gap at the start of a step that counts as closed for the `persistency` rule, relative to the square of the shortest secondary
 /// facet: well above Newton's gap tolerance, or nodes would drop out for good; a thousand times below where nodes are held visibly open.
 pub const CLOSED: f64 = 1e-9;
@@ -45,17 +48,32 @@ pub const ALIGNED: f64 = 1e-4;
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
 pub const FACING: f64 = 1e-6;
 
+/// Cosine of the angle between the normals of two facets above which they are no pair: facets that touch face to face have -1, the flank
+/// of a needle of 24 degrees on a flat side -0.2; the gap between facets that are nearly perpendicular is steep and means nothing.
+pub const OPPOSITE: f64 = -0.1;
+
+/// Cosine of the angle between two facets of a surface above which their common node has one normal: up to 45 degrees, an octagon's.
+pub const SMOOTH: f64 = 0.7;
+
 /// Cosine of the angle between the normals of a secondary node and a primary facet above which they look the same way and cannot touch:
 /// facets in contact look opposite ways, -1, and the sharpest corner comes to 0.
 pub const SAME_WAY: f64 = 0.5;
 
-/// Sliding of two surfaces within a step, in secondary facets, beyond which the step is halved beforehand: uniqueness of its solution and
-/// the convergence of Newton's method are lost between two and three.
-pub const SLIDING: f64 = 2.0;
+/// Sliding of two surfaces within a step, in secondary facets, beyond which the step is halved beforehand: where it slides by a facet or
+/// more, a step does not see each facet that passes, and a bearing loses half of its spin to vibrations within two turns although its
+/// energy is exact (at 0.9 it keeps 0.999 of it).
+pub const SLIDING: f64 = 0.9;
 
 /// Approach of an open node beyond the other side within a step of the persistency rule, in secondary facets, beyond which the step is
 /// halved beforehand: it would stay as penetration.
 pub const APPROACH: f64 = 0.1;
+
+/// The same for a converged step: more than is foreseen, since elastic motion is not predicted, and a step that is taken back has cost all
+/// its iterations.
+pub const CAME_THROUGH: f64 = 0.25;
+
+/// Overlap in shortest secondary facets, at the end of a step, of a pair that took no part in it, from which on the step is taken back.
+pub const OVERLOOKED: f64 = 1e-6;
 
 /// Share of a facet that may be missing from one that counts as wholly opposite the other side: round-off of some overlaps.
 pub const WHOLE: f64 = 1e-9;

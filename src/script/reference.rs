@@ -85,6 +85,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("halvings", "how often the step was halved before it was accepted"),
     ("active", "the number of closed contact nodes"),
     ("max_penetration", "the largest penetration at a secondary node [length]"),
+    ("reserve", "the part of the potential energy that closed contacts of the update rule velocity keep until they open [energy]"),
 ];
 
 fn words() -> Vec<Word> {

@@ -77,7 +77,10 @@ fn spun_up(method: ContactMethod, radius: f64) -> LedgerRow {
     builder.model.contacts[0].method = method;
     builder.model.gravity = [0.0, -50.0, 0.0];
     builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.2, peak: 0.1 });
-    let rows = run(&mut builder.simulate(Integrator::EnergyMomentum, 0.0025), 0.5);
+    let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.0025);
+    // The corners of the larger journal overlap the race at first.
+    sim.settle().unwrap_or_else(|error| panic!("{error}"));
+    let rows = run(&mut sim, 0.5);
     let last = &rows[rows.len() - 1];
     let scale = worst(&rows, |row| row.kinetic + row.strain);
     println!(

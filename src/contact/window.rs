@@ -1,0 +1,287 @@
+//! Which of the facet pairs within reach take part in a step: those whose gap, somewhere on their overlap, could close in it.
+//!
+//! A pair with an opening would make up for the overlap of another one in the weighted gap of their node, and a pair that looks through both
+//! bodies from their far sides would count as a deep overlap. So a pair takes part while, on its overlap,
+//!
+//! ```text
+//! least gap <= h/2 + travel      and      largest gap > -1/2 min(|t|, thickness of both bodies)
+//! ```
+//!
+//! with the shortest secondary facet `h`, the pair's own relative motion in the step, and the length `|t|` of its secondary facet; and
+//! while its facets look at each other ([`OPPOSITE`]). All of it is known at the start of the step, and of the pair alone: neither the
+//! reach of the search nor a fast node elsewhere changes what takes part.
+
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+use super::surface::{Sides, Surface};
+use crate::math::tolerances::{FACING, OPPOSITE};
+
+/// Opening beyond the expected approach, in shortest secondary facets, up to which a pair takes part.
+const OPEN: f64 = 0.5;
+
+/// Overlap in secondary facets, or in thicknesses of both bodies together, up to which a pair takes part.
+const DEEP: f64 = 0.5;
+
+/// Reach of the search, beyond the shortest secondary facet, in units of the largest relative motion: an approach along the normal and as
+/// much sliding across it.
+const DIAGONAL: f64 = 1.5;
+
+/// What is known of a step before it is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Outlook<'a> {
+    /// Positions at its start.
+    pub q: &'a [f64],
+    /// How nodes may move.
+    pub travel: Travel<'a>,
+    /// Multiple of the reach with which pairs are searched for; results do not depend on it.
+    pub reach: f64,
+}
+
+/// Motion of nodes relative to each other within a step.
+#[derive(Clone, Copy, Debug)]
+pub enum Travel<'a> {
+    /// Any two nodes by up to this much `[length]`.
+    UpTo(f64),
+    /// As by either of two guesses of all displacements, times a factor.
+    Guessed {
+        /// Displacements `[length]`, component by component.
+        displacements: [&'a [f64]; 2],
+        /// By how much larger the motion may be.
+        factor: f64,
+    },
+}
+
+impl<'a> Outlook<'a> {
+    /// A step from `q` in which nodes move relative to each other by no more than `travel` `[length]`.
+    pub fn within(q: &'a [f64], travel: f64) -> Self {
+        Outlook { q, travel: Travel::UpTo(travel), reach: 1.0 }
+    }
+
+    /// Margin within which a pair of surfaces is searched so that nothing is missed that may take part `[length]`.
+    pub(super) fn margin(&self, sides: &Sides) -> f64 {
+        let travel = match self.travel {
+            Travel::UpTo(travel) => travel,
+            Travel::Guessed { displacements, factor } => {
+                let range = |u: &[f64], axis: usize, surface: &Surface| {
+                    let moved = surface.nodes().iter().map(|&node| u[2 * node as usize + axis]);
+                    moved.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), u| (low.min(u), high.max(u)))
+                };
+                let largest = |u: &[f64]| {
+                    let along = [0, 1].map(|axis| {
+                        let (own, other) = (range(u, axis, &sides.secondary), range(u, axis, &sides.primary));
+                        (own.1 - other.0).max(other.1 - own.0).max(0.0)
+                    });
+                    along[0].hypot(along[1])
+                };
+                factor * displacements.map(largest).into_iter().fold(0.0, f64::max)
+            }
+        };
+        self.reach * (sides.facet_size + DIAGONAL * travel)
+    }
+
+    /// Relative motion of nodes of two facets, or of a node and a facet `[length]`.
+    pub(super) fn travel(&self, own: &[u32], other: &[u32]) -> f64 {
+        match self.travel {
+            Travel::UpTo(travel) => travel,
+            Travel::Guessed { displacements, factor } => {
+                let mut largest = 0.0f64;
+                for u in displacements {
+                    for (&a, &b) in own.iter().flat_map(|a| other.iter().map(move |b| (a, b))) {
+                        let (a, b) = (2 * a as usize, 2 * b as usize);
+                        largest = largest.max((u[a] - u[b]).powi(2) + (u[a + 1] - u[b + 1]).powi(2));
+                    }
+                }
+                factor * largest.sqrt()
+            }
+        }
+    }
+}
+
+/// What decides which pairs of two surfaces take part.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// Thickness of the bodies behind the facets of both sides in the reference positions, as far as their far sides are in the contact
+    /// `[length]`.
+    thickness: [Vec<f64>; 2],
+    facet_size: f64,
+}
+
+/// Least and largest gap of a pair on its overlap, and the overlap that is too deep for it.
+#[derive(Clone, Copy, Debug)]
+struct Gaps {
+    least: f64,
+    largest: f64,
+    deep: f64,
+}
+
+impl Window {
+    /// The window of two surfaces, their bodies measured in the reference positions.
+    pub fn new(sides: &Sides, reference: &[f64]) -> Self {
+        let thickness = [&sides.secondary, &sides.primary].map(|surface| thickness(surface, reference));
+        Window { thickness, facet_size: sides.facet_size }
+    }
+
+    /// Whether a pair (secondary facet, primary facet) takes part in a step.
+    pub fn admits(&self, pair: [u32; 2], sides: &Sides, outlook: &Outlook) -> bool {
+        let travel = outlook.travel(&sides.secondary.facets()[pair[0] as usize], &sides.primary.facets()[pair[1] as usize]);
+        let gaps = self.gaps(pair, sides, outlook.q, travel);
+        gaps.is_some_and(|gaps| gaps.least <= OPEN * self.facet_size + travel && gaps.largest > -gaps.deep)
+    }
+
+    /// Whether a pair that took no part in the step from `q_0` to `q_1`, because it was open, overlaps at its end.
+    pub fn is_overlooked(&self, pair: [u32; 2], sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        let closed = |gaps: Gaps| gaps.least < -tolerance && gaps.largest > -gaps.deep;
+        if !self.gaps(pair, sides, q_1, 0.0).is_some_and(closed) {
+            return false;
+        }
+        let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
+        let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
+        let travel = outlook.travel(&sides.secondary.facets()[pair[0] as usize], &sides.primary.facets()[pair[1] as usize]);
+        self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
+    }
+
+    /// Whether a facet of the primary side may be opposite a secondary node that lies `gap` in front of it, as far as depth decides.
+    pub fn admits_depth(&self, own_facets: &[u32], other: u32, gap: f64) -> bool {
+        let own = own_facets.iter().map(|&facet| self.thickness[0][facet as usize]).fold(f64::INFINITY, f64::min);
+        gap > -DEEP * self.facet_size.min(own + self.thickness[1][other as usize])
+    }
+
+    /// Gaps of a pair where the facets are opposite each other, or would be after sliding by `spare`; nothing where they never are.
+    fn gaps(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], spare: f64) -> Option<Gaps> {
+        let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
+        let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let ([x_1, x_2], [y_1, y_2]) = (sides.secondary.facets()[own as usize].map(at), sides.primary.facets()[other as usize].map(at));
+        let (t, u) = (minus(x_2, x_1), minus(y_2, y_1));
+        let (square, length) = (dot(t, t), t[0].hypot(t[1]));
+        if dot(t, u) > OPPOSITE * length * u[0].hypot(u[1]) {
+            return None;
+        }
+        let seen = |y: [f64; 2]| {
+            let d = minus(y, x_1);
+            (dot(t, d) / square, (t[1] * d[0] - t[0] * d[1]) / length)
+        };
+        let ((s_1, g_1), (s_2, g_2)) = (seen(y_1), seen(y_2));
+        let spare = spare / length;
+        let (a, b) = (s_2.max(-spare), s_1.min(1.0 + spare));
+        if s_1 - s_2 <= FACING || a > b {
+            return None;
+        }
+        let gap = |s: f64| g_2 + (g_1 - g_2) * (s - s_2) / (s_1 - s_2);
+        let (at_a, at_b) = (gap(a), gap(b));
+        let deep = DEEP * length.min(self.thickness[0][own as usize] + self.thickness[1][other as usize]);
+        Some(Gaps { least: at_a.min(at_b), largest: at_a.max(at_b), deep })
+    }
+}
+
+/// Distance from the middle of each facet to the nearest facet of the surface behind it that looks the other way, as far as it is below
+/// the longest facet; infinite beyond.
+fn thickness(surface: &Surface, q: &[f64]) -> Vec<f64> {
+    let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
+    let facets: Vec<[[f64; 2]; 2]> = surface.facets().iter().map(|facet| facet.map(at)).collect();
+    // Only what is thinner than a facet matters.
+    let reach = (0..facets.len()).map(|facet| surface.facet_length(facet, q)).fold(0.0, f64::max);
+    let boxes = facets.iter().map(|&[c, d]| GeomWithData::new(Rectangle::from_corners(c, d), [c, d]));
+    let tree = RTree::bulk_load(boxes.collect());
+    let through = |[a, b]: &[[f64; 2]; 2]| {
+        let (middle, t) = ([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], [b[0] - a[0], b[1] - a[1]]);
+        let length = t[0].hypot(t[1]);
+        let inward = [-t[1] / length, t[0] / length];
+        let end = [middle[0] + reach * inward[0], middle[1] + reach * inward[1]];
+        let distance = |[c, d]: [[f64; 2]; 2]| -> Option<f64> {
+            // middle + r inward = c + k (d - c); the ray leaves a body where a facet's outward normal (u_y, -u_x) has a part along it.
+            let (u, from) = ([d[0] - c[0], d[1] - c[1]], [c[0] - middle[0], c[1] - middle[1]]);
+            let cross = inward[0] * u[1] - inward[1] * u[0];
+            if cross <= FACING * u[0].hypot(u[1]) {
+                return None;
+            }
+            let r = (from[0] * u[1] - from[1] * u[0]) / cross;
+            let k = (from[0] * inward[1] - from[1] * inward[0]) / cross;
+            (r > FACING * length && (-FACING..=1.0 + FACING).contains(&k)).then_some(r)
+        };
+        let found = tree.locate_in_envelope_intersecting(AABB::from_corners(middle, end)).filter_map(|facet| distance(facet.data));
+        found.fold(f64::INFINITY, f64::min)
+    };
+    facets.iter().map(through).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plate of two facets on each face, its lower left corner at `(x, y)`, nodes counter-clockwise from the lower left.
+    fn plate(first: u32, x: f64, y: f64, thick: f64) -> (Vec<[u32; 2]>, Vec<f64>) {
+        let facets = vec![[first, first + 1], [first + 1, first + 2], [first + 3, first + 4], [first + 4, first + 5]];
+        let q = vec![x, y, x + 1.0, y, x + 2.0, y, x + 2.0, y + thick, x + 1.0, y + thick, x, y + thick];
+        (facets, q)
+    }
+
+    fn sides(distance: f64) -> (Sides, Vec<f64>) {
+        let (upper, mut q) = plate(0, 0.0, distance, 0.1);
+        let (lower, below) = plate(6, 0.3, -0.2, 0.2);
+        q.extend(below);
+        (Sides::new(&upper, &lower, &q), q)
+    }
+
+    #[test]
+    fn thickness_is_measured_to_the_far_side() {
+        let (sides, q) = sides(0.05);
+        let window = Window::new(&sides, &q);
+        assert!(window.thickness[0].iter().all(|t| (t - 0.1).abs() < 1e-15));
+        assert!(window.thickness[1].iter().all(|t| (t - 0.2).abs() < 1e-15));
+        let (top, _) = plate(0, 0.0, 0.0, 0.1);
+        let only = Sides::new(&top[2..], &[], &q);
+        assert!(Window::new(&only, &q).thickness[0].iter().all(|t| t.is_infinite()), "the far side is not in the contact");
+    }
+
+    /// The faces that meet take part, from the window's opening on; those that look through both plates never do.
+    #[test]
+    fn faces_that_look_through_the_bodies_take_no_part() {
+        for (distance, travel, meet) in [(0.05, 0.0, true), (-0.02, 0.0, true), (0.49, 0.0, true), (0.51, 0.0, false), (0.9, 0.41, true)] {
+            let (sides, q) = sides(distance);
+            let window = Window::new(&sides, &q);
+            let outlook = Outlook::within(&q, travel);
+            for own in 0..4 {
+                for other in 0..4 {
+                    let opposite = own < 2 && other >= 2 && !(own == 1 && other == 3 && travel == 0.0 && false);
+                    let overlap = match (own, other) {
+                        // Upper facets [0, 1] and [1, 2]; lower ones [1.3, 2.3] and [0.3, 1.3] along x.
+                        (0, 2) => travel > 0.3,
+                        _ => true,
+                    };
+                    let expected = opposite && overlap && meet;
+                    assert_eq!(window.admits([own, other], &sides, &outlook), expected, "{own} {other} at {distance}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_motion_of_other_nodes_does_not_matter() {
+        let (sides, q) = sides(0.6);
+        let window = Window::new(&sides, &q);
+        let mut u = vec![0.0; q.len()];
+        // The whole lower plate and the upper one move together, but for the left end of the upper plate.
+        u.chunks_exact_mut(2).for_each(|u| u[1] = -5.0);
+        let together = [&u[..]; 2];
+        let outlook = Outlook { q: &q, travel: Travel::Guessed { displacements: together, factor: 1.0 }, reach: 1.0 };
+        assert!(!window.admits([1, 3], &sides, &outlook));
+        let mut v = u.clone();
+        v[1] = -5.2;
+        let outlook = Outlook { travel: Travel::Guessed { displacements: [&u, &v], factor: 1.0 }, ..outlook };
+        assert!(!window.admits([1, 3], &sides, &outlook), "its nodes approach nothing");
+        assert!(window.admits([0, 3], &sides, &outlook));
+    }
+
+    #[test]
+    fn a_pair_that_has_closed_unseen_is_overlooked() {
+        let (sides, q_0) = sides(0.6);
+        let window = Window::new(&sides, &q_0);
+        let lowered =
+            |by: f64| -> Vec<f64> { q_0.iter().enumerate().map(|(k, q)| if k < 12 && k % 2 == 1 { q - by } else { *q }).collect() };
+        assert!(window.is_overlooked([0, 3], &sides, &q_0, &lowered(0.65), 1e-12));
+        assert!(!window.is_overlooked([0, 3], &sides, &q_0, &lowered(0.55), 1e-12), "still open");
+        assert!(!window.is_overlooked([2, 1], &sides, &q_0, &lowered(0.65), 1e-12), "looks through both plates");
+    }
+}
