@@ -148,6 +148,7 @@ struct Row {
     runs: usize,
     counts: BTreeMap<Fault, usize>,
     deeper: usize,
+    touched: usize,
     worst: Outcome,
 }
 
@@ -156,6 +157,7 @@ impl Row {
         self.runs += 1;
         outcome.findings.iter().for_each(|finding| *self.counts.entry(finding.fault).or_default() += 1);
         self.deeper += usize::from(outcome.deepest() > 1.5 * DEPTH);
+        self.touched += usize::from(outcome.touching > 0);
         let worst = &mut self.worst;
         worst.steps += outcome.steps;
         worst.pieces += outcome.pieces;
@@ -174,8 +176,9 @@ impl Row {
         let count = |fault| self.counts.get(&fault).copied().unwrap_or(0);
         let worst = &self.worst;
         println!(
-            "{name:28} {:5} {:6} {:4} {:6} {:6} {:8} {:6} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:6.2} {:8.2} {:7.2} {:6.2} {:8}",
+            "{name:28} {:5} {:7} {:6} {:4} {:6} {:6} {:8} {:6} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:6.2} {:8.2} {:7.2} {:6.2} {:8}",
             self.runs,
+            self.touched,
             count(Fault::Failed),
             count(Fault::Slow),
             count(Fault::Gained),
@@ -196,6 +199,11 @@ impl Row {
     }
 }
 
+/// Columns of the table: runs, those in which anything touched, those with each fault, those deeper than one and a half times the
+/// limit; largest values; iterations of an accepted piece, halvings.
+const HEADER: &str = "method, rule; kind            runs touched failed slow gained defect momentum ledger  deep >0.15      gain   \
+                      defect momentum  depth crossing misread  iter. halvings";
+
 /// All scenes with all methods and rules, on all threads; lines in the order of the seeds.
 fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
     let jobs: Vec<(u64, usize)> =
@@ -203,7 +211,7 @@ fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
     let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let next = AtomicUsize::new(0);
     // Outcomes that wait for an earlier one, and how many have been taken in.
-    let table = Mutex::new((BTreeMap::new(), 0, axes.iter().map(|_| Row::default()).collect::<Vec<_>>()));
+    let table = Mutex::new((BTreeMap::new(), 0, axes.iter().map(|_| Row::default()).collect::<Vec<_>>(), BTreeMap::<String, Row>::new()));
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
@@ -213,40 +221,22 @@ fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
                     let scene = arguments.scene(seed, axes[axis]);
                     let outcome = run(&scene, &mut |_| ());
                     let Ok(mut guard) = table.lock() else { break };
-                    let (waiting, taken, rows) = &mut *guard;
-                    waiting.insert(number, (faults(&scene, &outcome), outcome));
-                    while let Some((lines, outcome)) = waiting.remove(taken) {
+                    let (waiting, taken, rows, kinds) = &mut *guard;
+                    waiting.insert(number, (faults(&scene, &outcome), scene.kind, outcome));
+                    while let Some((lines, kind, outcome)) = waiting.remove(taken) {
                         lines.iter().for_each(|line| println!("{line}"));
                         rows[jobs[*taken].1].add(&outcome);
+                        kinds.entry(format!("{kind:?}")).or_default().add(&outcome);
                         *taken += 1;
                     }
                 }
             });
         }
     });
-    println!(
-        "{:28} {:>5} {:>6} {:>4} {:>6} {:>6} {:>8} {:>6} {:>5} {:>5}  {:>8} {:>8} {:>8} {:>6} {:>8} {:>7} {:>6} {:>8}",
-        "method, rule",
-        "runs",
-        "failed",
-        "slow",
-        "gained",
-        "defect",
-        "momentum",
-        "ledger",
-        "deep",
-        ">0.15",
-        "gain",
-        "defect",
-        "momentum",
-        "depth",
-        "crossing",
-        "misread",
-        "iter.",
-        "halvings"
-    );
-    let Ok((_, _, rows)) = table.into_inner() else { return };
+    let Ok((_, _, rows, kinds)) = table.into_inner() else { return };
+    println!("{HEADER}");
     for ((method, rule), row) in axes.iter().zip(rows) {
         row.print(&format!("{}, {}", method.name(), rule.name()));
     }
+    kinds.iter().for_each(|(kind, row)| row.print(kind));
 }
