@@ -3,7 +3,8 @@
 //!
 //! One line for each run with a fault, then a table for each method and rule. A seed gives the same scene with every method and rule.
 //!
-//! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--threads N]`, or for one scene
+//! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads N]`,
+//! or for one scene
 //! `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails in the same way).
 
 use std::collections::BTreeMap;
@@ -35,6 +36,9 @@ struct Arguments {
     /// Contact method: mortar, dual_mortar, averaged_mortar, node_to_segment or all
     #[arg(long, default_value = "all")]
     method: String,
+    /// Only scenes of this kind: collision, nested, box, drum, fall, stack or extreme
+    #[arg(long)]
+    kind: Option<String>,
     /// First seed
     #[arg(long, default_value_t = 0)]
     first: u64,
@@ -206,8 +210,12 @@ const HEADER: &str = "method, rule; kind            runs touched failed slow gai
 
 /// All scenes with all methods and rules, on all threads; lines in the order of the seeds.
 fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
-    let jobs: Vec<(u64, usize)> =
-        (arguments.first..arguments.first + arguments.count).flat_map(|seed| (0..axes.len()).map(move |axis| (seed, axis))).collect();
+    let wanted = |seed: &u64| {
+        let kind = format!("{:?}", Scene::random(*seed).kind);
+        arguments.kind.as_ref().is_none_or(|wanted| kind.eq_ignore_ascii_case(wanted))
+    };
+    let seeds = (arguments.first..arguments.first + arguments.count).filter(wanted);
+    let jobs: Vec<(u64, usize)> = seeds.flat_map(|seed| (0..axes.len()).map(move |axis| (seed, axis))).collect();
     let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let next = AtomicUsize::new(0);
     // Outcomes that wait for an earlier one, and how many have been taken in.

@@ -75,6 +75,11 @@ impl Outline {
         Outline::new(self.segments.iter().map(|segment| segment.map(|point| add(point, offset))).collect())
     }
 
+    /// Length of the shortest segment.
+    pub fn shortest(&self) -> f64 {
+        self.segments.iter().map(|[a, b]| length(subtract(*b, *a))).fold(f64::INFINITY, f64::min)
+    }
+
     /// First points of all segments: of closed loops each corner once.
     pub fn corners(&self) -> impl Iterator<Item = Point> + '_ {
         self.segments.iter().map(|segment| segment[0])

@@ -24,7 +24,7 @@ use conserva::dynamics::{
 };
 use conserva::mesh::{Boundary, Mesh, MeshError, disk, polygon, rectangle, ring};
 
-use self::geometry::{Outline, Point, add, cross, distance, dot, length, scaled, subtract, turned};
+use self::geometry::{Outline, Point, add, cross, distance, dot, length, subtract, turned};
 use crate::common::material;
 
 /// Shape of a body with its mesh, around the origin.
@@ -319,7 +319,7 @@ impl Scene {
     pub fn moved(&self, offset: Point) -> Scene {
         let mut scene = self.clone();
         scene.bodies.iter_mut().for_each(|body| body.center = add(body.center, offset));
-        scene.walls = self.walls.iter().map(|wall| wall.mapped(|x| add(x, offset), |n| scaled(1.0, n))).collect();
+        scene.walls = self.walls.iter().map(|wall| wall.mapped(|x| add(x, offset), |normal| normal)).collect();
         scene
     }
 }

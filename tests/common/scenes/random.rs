@@ -344,8 +344,7 @@ impl Draft {
 
     /// The fastest relative motion takes a random share of the smallest facet per step.
     fn choose_step(&mut self) {
-        let sides = self.outlines.iter().flat_map(|outline| &outline.segments).map(|[a, b]| length(subtract(*b, *a)));
-        let facet = sides.fold(f64::INFINITY, f64::min);
+        let facet = self.outlines.iter().map(Outline::shortest).fold(f64::INFINITY, f64::min);
         let extent = |k: usize| 0.5 * length(subtract(self.outlines[k].bounds[1], self.outlines[k].bounds[0]));
         let bodies = self.scene.bodies.iter().enumerate();
         let mut speeds: Vec<f64> = bodies.map(|(k, body)| length(body.velocity) + body.spin.abs() * extent(k)).collect();

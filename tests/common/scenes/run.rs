@@ -157,7 +157,7 @@ impl Outcome {
         let mut judge = |fault: Fault, largest: fn(&mut Outcome) -> &mut f64, value: f64, limit: f64, text: &str| {
             let known = largest(self);
             *known = if value.is_nan() { value } else { known.max(value) };
-            if !(value <= limit) {
+            if value > limit || value.is_nan() {
                 self.find(fault, step, value, text);
             }
         };
