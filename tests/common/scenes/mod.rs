@@ -1,0 +1,325 @@
+//! Random scenes as plain data, and oracles for them that know nothing of the code.
+//!
+//! A [`Scene`] is what a script would say: shapes, places, constants, velocities, walls. From it come a model of the kernels
+//! ([`Scene::model`]), the same as a script ([`Scene::script`]), its mirror image and the turned one. [`run`](run::run) takes it through
+//! time and looks, after every nominal step, at nothing but positions and velocities: energy, momenta, depth.
+//!
+//! Bodies are numbered in their order; each touches all before it with its whole hull, and every wall.
+
+// Each program uses its part of it.
+#![allow(dead_code)]
+
+pub mod geometry;
+pub mod oracle;
+pub mod random;
+pub mod run;
+pub mod script;
+pub mod shrink;
+
+use std::rc::Rc;
+
+use conserva::contact::Obstacle;
+use conserva::dynamics::{
+    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Model, ObstacleDefinition, UpdateRule,
+};
+use conserva::mesh::{Boundary, Mesh, MeshError, disk, polygon, rectangle, ring};
+
+use self::geometry::{Outline, Point, add, cross, distance, dot, length, subtract, turned};
+use crate::common::material;
+
+/// Shape of a body with its mesh, around the origin.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Width and height, cells along them.
+    Rectangle { size: [f64; 2], cells: [usize; 2] },
+    /// Layers and cells around.
+    Disk { radius: f64, cells: [usize; 2] },
+    /// Inner and outer radius, cells along the radius and around.
+    Ring { radii: [f64; 2], cells: [usize; 2] },
+    /// Corners and length of the cells' edges.
+    Polygon { corners: Vec<Point>, size: f64 },
+}
+
+/// A deformable body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    pub shape: Shape,
+    /// Whether the shape is mirrored at the y axis before it is turned.
+    pub mirrored: bool,
+    /// How far it is turned about the origin before it is moved.
+    pub angle: f64,
+    /// How far it is moved.
+    pub center: Point,
+    /// Name of the material's row.
+    pub law: &'static str,
+    /// Young's modulus, Poisson's ratio, density.
+    pub constants: [f64; 3],
+    pub velocity: Point,
+    pub spin: f64,
+}
+
+/// A rigid obstacle at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wall {
+    /// Bodies are on the side of the normal.
+    Plane { point: Point, normal: Point },
+    /// Bodies are outside.
+    Disk { center: Point, radius: f64 },
+    /// Bodies are inside.
+    Ring { center: Point, radius: f64 },
+    /// The obstacle is on the left; open, with ends that nothing reaches.
+    Polyline { points: Vec<Point> },
+}
+
+/// What a scene is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Bodies fly freely into each other.
+    Collision,
+    /// Bodies in a deformable ring.
+    Nested,
+    /// Bodies between four rigid planes.
+    Box,
+    /// Bodies in a rigid ring.
+    Drum,
+    /// Bodies fall on a plane, a hill or a landscape.
+    Fall,
+    /// Bodies one on another.
+    Stack,
+    /// Very different facets and stiffnesses.
+    Extreme,
+}
+
+/// Everything that a run depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    pub seed: u64,
+    pub kind: Kind,
+    pub bodies: Vec<Body>,
+    pub walls: Vec<Wall>,
+    pub gravity: Point,
+    pub method: ContactMethod,
+    pub rule: UpdateRule,
+    pub dt: f64,
+    pub steps: usize,
+}
+
+impl Body {
+    /// Its mesh at its place.
+    ///
+    /// # Errors
+    /// What the generators refuse.
+    pub fn mesh(&self) -> Result<Mesh, MeshError> {
+        let mut mesh = match &self.shape {
+            Shape::Rectangle { size, cells } => rectangle(*size, *cells, [-0.5 * size[0], -0.5 * size[1]])?,
+            Shape::Disk { radius, cells } => disk(*radius, *cells, [0.0; 2])?,
+            Shape::Ring { radii, cells } => ring(radii[0], radii[1], *cells, [0.0; 2], 0.0)?,
+            Shape::Polygon { corners, size } => polygon(corners, *size, &vec!["side".to_string(); corners.len()])?,
+        };
+        if self.mirrored {
+            mesh.points.iter_mut().for_each(|point| point[0] = -point[0]);
+            mesh.connectivity.chunks_exact_mut(4).for_each(|cell| cell.swap(1, 3));
+        }
+        mesh.boundaries.clear();
+        mesh.rotate(self.angle, [0.0; 3])?.translate([self.center[0], self.center[1], 0.0])
+    }
+
+    /// Its hull at rest.
+    ///
+    /// # Errors
+    /// As for the mesh.
+    pub fn outline(&self) -> Result<Outline, MeshError> {
+        let mesh = self.mesh()?;
+        Ok(Outline::new(hull(&mesh).into_iter().map(|facet| facet.map(|node| plane(mesh.points[node]))).collect()))
+    }
+
+    /// Speed of pressure waves.
+    pub fn wave_speed(&self) -> f64 {
+        let [modulus, ratio, density] = self.constants;
+        (modulus * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio) * density)).sqrt()
+    }
+}
+
+/// The nodes of all facets of the hull, the body on the left.
+pub fn hull(mesh: &Mesh) -> Vec<[usize; 2]> {
+    let ends = |facet| {
+        let mut nodes = mesh.facet_nodes(facet).map(|node| node as usize);
+        [nodes.next().expect("a facet has two nodes"), nodes.next().expect("a facet has two nodes")]
+    };
+    mesh.hull().into_iter().map(ends).collect()
+}
+
+/// The first two coordinates.
+pub fn plane(x: [f64; 3]) -> Point {
+    [x[0], x[1]]
+}
+
+impl Wall {
+    /// Signed distance of a point, negative within.
+    pub fn gap(&self, x: Point) -> f64 {
+        match self {
+            Wall::Plane { point, normal } => dot(*normal, subtract(x, *point)) / length(*normal),
+            Wall::Disk { center, radius } => length(subtract(x, *center)) - radius,
+            Wall::Ring { center, radius } => radius - length(subtract(x, *center)),
+            Wall::Polyline { points } => {
+                // Where the nearest point is a corner, the side is that of the facet whose line is farther away.
+                let mut nearest = (f64::INFINITY, 0.0f64);
+                for pair in points.windows(2) {
+                    let d = distance(x, [pair[0], pair[1]]);
+                    let side = subtract(pair[1], pair[0]);
+                    let height = -cross(side, subtract(x, pair[0])) / length(side);
+                    let same = (d - nearest.0).abs() <= 1e-12 * (1.0 + d);
+                    if (same && height.abs() > nearest.1.abs()) || (!same && d < nearest.0) {
+                        nearest = (d, height);
+                    }
+                }
+                nearest.0.copysign(nearest.1)
+            }
+        }
+    }
+
+    /// Corners that could enter a body.
+    pub fn corners(&self) -> &[Point] {
+        match self {
+            Wall::Polyline { points } => &points[1..points.len() - 1],
+            _ => &[],
+        }
+    }
+
+    /// Distance of a body from it; 0 when they overlap.
+    pub fn clearance(&self, outline: &Outline) -> f64 {
+        let least = outline.corners().map(|x| self.gap(x)).fold(f64::INFINITY, f64::min);
+        let peaks = self.corners().iter().map(|&x| if outline.holds(x) { 0.0 } else { outline.nearest(x).1 });
+        let least = peaks.fold(least, f64::min);
+        let near = match self {
+            // The middle of a straight side is nearer to a disk than its ends are.
+            Wall::Disk { center, radius } => outline.nearest(*center).1 - radius,
+            _ => least,
+        };
+        near.min(least).max(0.0)
+    }
+
+    fn obstacle(&self) -> Obstacle {
+        match self.clone() {
+            Wall::Plane { point, normal } => Obstacle::HalfPlane { point, normal },
+            Wall::Disk { center, radius } => Obstacle::Disk { center, radius },
+            Wall::Ring { center, radius } => Obstacle::Ring { center, radius },
+            Wall::Polyline { points } => Obstacle::Polyline { points },
+        }
+    }
+
+    fn mapped(&self, place: impl Fn(Point) -> Point, direction: impl Fn(Point) -> Point) -> Wall {
+        match self {
+            Wall::Plane { point, normal } => Wall::Plane { point: place(*point), normal: direction(*normal) },
+            Wall::Disk { center, radius } => Wall::Disk { center: place(*center), radius: *radius },
+            Wall::Ring { center, radius } => Wall::Ring { center: place(*center), radius: *radius },
+            Wall::Polyline { points } => Wall::Polyline { points: points.iter().map(|&point| place(point)).collect() },
+        }
+    }
+}
+
+impl Scene {
+    /// The scene with another method and rule.
+    pub fn with(mut self, method: ContactMethod, rule: UpdateRule) -> Scene {
+        (self.method, self.rule) = (method, rule);
+        self
+    }
+
+    /// The mirror image at the y axis.
+    pub fn mirrored(&self) -> Scene {
+        let flip = |[x, y]: Point| [-x, y];
+        let mut scene = self.clone();
+        for body in &mut scene.bodies {
+            body.mirrored = !body.mirrored;
+            (body.angle, body.center, body.velocity, body.spin) = (-body.angle, flip(body.center), flip(body.velocity), -body.spin);
+        }
+        for wall in &mut scene.walls {
+            *wall = wall.mapped(flip, flip);
+            if let Wall::Polyline { points } = wall {
+                points.reverse();
+            }
+        }
+        scene.gravity = flip(scene.gravity);
+        scene
+    }
+
+    /// The scene turned about the origin.
+    pub fn turned(&self, angle: f64) -> Scene {
+        let turn = |x: Point| turned(angle, x);
+        let mut scene = self.clone();
+        for body in &mut scene.bodies {
+            (body.angle, body.center, body.velocity) = (body.angle + angle, turn(body.center), turn(body.velocity));
+        }
+        scene.walls = self.walls.iter().map(|wall| wall.mapped(turn, turn)).collect();
+        scene.gravity = turn(scene.gravity);
+        scene
+    }
+
+    /// The scene without motion and gravity.
+    pub fn at_rest(&self) -> Scene {
+        let mut scene = self.clone();
+        scene.bodies.iter_mut().for_each(|body| (body.velocity, body.spin) = ([0.0; 2], 0.0));
+        scene.gravity = [0.0; 2];
+        scene
+    }
+
+    /// Hulls of all bodies at rest.
+    ///
+    /// # Errors
+    /// What the generators refuse.
+    pub fn outlines(&self) -> Result<Vec<Outline>, MeshError> {
+        self.bodies.iter().map(Body::outline).collect()
+    }
+
+    /// Whether nothing overlaps at the start.
+    pub fn is_free_of_overlap(&self) -> bool {
+        let Ok(outlines) = self.outlines() else { return false };
+        let apart = |k: usize| outlines[..k].iter().all(|other| outlines[k].clearance(other) > 0.0);
+        (0..outlines.len()).all(|k| apart(k) && self.walls.iter().all(|wall| wall.clearance(&outlines[k]) > 0.0))
+    }
+
+    /// The model of the kernels.
+    ///
+    /// # Errors
+    /// What the generators refuse.
+    pub fn model(&self) -> Result<Model, MeshError> {
+        let mut model = Model { name: format!("scene {}", self.seed), ..Model::default() };
+        model.gravity = [self.gravity[0], self.gravity[1], 0.0];
+        let mut hulls = Vec::new();
+        for (k, body) in self.bodies.iter().enumerate() {
+            let mut mesh = body.mesh()?;
+            let boundary = Boundary { name: "hull".into(), facets: mesh.hull() };
+            mesh.boundaries.push(boundary.clone());
+            hulls.push(BodyBoundary { body: k, boundary });
+            let material = material(body.law, body.constants);
+            model.bodies.push(BodyDefinition { name: format!("body {k}"), mesh: Rc::new(mesh), material });
+            let [x, y] = body.velocity;
+            model.initial_velocities.push(InitialVelocity { body: k, linear: [x, y, 0.0], angular: [0.0, 0.0, body.spin] });
+        }
+        for k in 0..hulls.len() {
+            if k > 0 {
+                let pair = ContactDefinition::new(&format!("contact {k}"), hulls[k].clone(), hulls[0].clone());
+                model.contacts.push(ContactDefinition { primary: hulls[..k].to_vec(), method: self.method, update: self.rule, ..pair });
+            }
+            for (number, wall) in self.walls.iter().enumerate() {
+                let name = format!("wall {number} and body {k}");
+                let pair = ObstacleDefinition::new(&name, hulls[k].clone(), wall.obstacle());
+                model.obstacles.push(ObstacleDefinition { update: self.rule, ..pair });
+            }
+        }
+        Ok(model)
+    }
+
+    /// A direction and size of gravity as one number.
+    pub fn gravity_size(&self) -> f64 {
+        length(self.gravity)
+    }
+
+    /// The scene moved as a whole.
+    pub fn moved(&self, offset: Point) -> Scene {
+        let mut scene = self.clone();
+        scene.bodies.iter_mut().for_each(|body| body.center = add(body.center, offset));
+        scene.walls = self.walls.iter().map(|wall| wall.mapped(|x| add(x, offset), |normal| normal)).collect();
+        scene
+    }
+}

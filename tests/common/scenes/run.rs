@@ -1,0 +1,269 @@
+//! A scene taken through time, and what the oracles say about every nominal step.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use conserva::dynamics::{LedgerRow, Options, Simulation, UpdateRule};
+use conserva::integrators::Integrator;
+
+use super::Scene;
+use super::geometry::{length, subtract};
+use super::oracle::{Depth, Oracle, Sums};
+
+/// Energy that may be gained, over the energy scale: two hundred steps of Newton's tolerance of 1e-13, and round-off of positions.
+pub const GAIN: f64 = 1e-10;
+
+/// Defect of the ledger in one step, over the energy scale.
+pub const DEFECT: f64 = 1e-11;
+
+/// Change of the momenta over a whole run, over their scales, where nothing acts from outside.
+pub const MOMENTUM: f64 = 1e-10;
+
+/// Difference between the ledger's energy and ours, over the energy scale: both sum some hundred terms of the same positions.
+pub const DISAGREEMENT: f64 = 1e-12;
+
+/// Depth of a node and of crossing facets, over the coarser facet.
+pub const DEPTH: f64 = 0.1;
+
+/// Iterations of a nominal step, halved ones included, in the mean of a run that is still worth waiting for.
+const ITERATIONS: usize = 60;
+
+/// What can be wrong with a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fault {
+    /// The model was refused, a step failed, or the code panicked.
+    Failed,
+    /// Given up because of its many iterations.
+    Slow,
+    /// Energy has grown: above the least of the steps before, with the `velocity` rule (which keeps some for later) above the most.
+    Gained,
+    /// The ledger does not close.
+    Defect,
+    /// Momentum or angular momentum has changed, though nothing acts from outside.
+    Momentum,
+    /// The ledger's energy is not ours.
+    Ledger,
+    /// A node is too deep, or facets cross too far.
+    Deep,
+}
+
+impl Fault {
+    pub const ALL: [Fault; 7] = [Fault::Failed, Fault::Slow, Fault::Gained, Fault::Defect, Fault::Momentum, Fault::Ledger, Fault::Deep];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Fault::Failed => "FAILED",
+            Fault::Slow => "SLOW",
+            Fault::Gained => "GAINED",
+            Fault::Defect => "DEFECT",
+            Fault::Momentum => "MOMENTUM",
+            Fault::Ledger => "LEDGER",
+            Fault::Deep => "DEEP",
+        }
+    }
+}
+
+/// A fault of a run: where it was first seen, and how bad it became.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    pub fault: Fault,
+    /// The nominal step that showed it first.
+    pub first: usize,
+    /// The one that showed it most.
+    pub worst_step: usize,
+    /// Its largest value.
+    pub worst: f64,
+    /// The error, or the place.
+    pub text: String,
+}
+
+/// A nominal step in numbers; energies over the energy scale.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    pub step: usize,
+    pub time: f64,
+    pub sums: Sums,
+    /// Change of the total energy since the start.
+    pub change: f64,
+    /// What has been gained by now.
+    pub gain: f64,
+    /// Largest defect of the ledger's rows.
+    pub defect: f64,
+    /// Change of both momenta since the start, over their scales.
+    pub momentum: f64,
+    /// Difference between the ledger's energy and ours.
+    pub disagreement: f64,
+    pub depth: Depth,
+    pub crossing: Depth,
+    /// Largest penetration that the ledger reports.
+    pub reported: f64,
+    pub iterations: usize,
+    pub halvings: usize,
+    pub active: usize,
+}
+
+/// A run in numbers.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    pub findings: Vec<Finding>,
+    /// Nominal steps that were taken.
+    pub steps: usize,
+    /// Accepted pieces.
+    pub pieces: usize,
+    pub iterations: usize,
+    pub halvings: usize,
+    /// Steps that ended in contact.
+    pub touching: usize,
+    pub cells: usize,
+    /// Largest values of the run.
+    pub gain: f64,
+    pub defect: f64,
+    pub momentum: f64,
+    pub disagreement: f64,
+    pub depth: f64,
+    pub crossing: f64,
+    /// Largest difference between the reported penetration and the depth from positions, over a facet.
+    pub misread: f64,
+}
+
+impl Outcome {
+    pub fn has(&self, fault: Fault) -> bool {
+        self.findings.iter().any(|finding| finding.fault == fault)
+    }
+
+    /// The depth that counts.
+    pub fn deepest(&self) -> f64 {
+        self.depth.max(self.crossing)
+    }
+
+    fn find(&mut self, fault: Fault, step: usize, value: f64, text: &str) {
+        match self.findings.iter_mut().find(|finding| finding.fault == fault) {
+            Some(finding) if value > finding.worst || value.is_nan() => {
+                (finding.worst, finding.worst_step, finding.text) = (value, step, text.into());
+            }
+            Some(_) => {}
+            None => self.findings.push(Finding { fault, first: step, worst_step: step, worst: value, text: text.into() }),
+        }
+    }
+
+    fn fail(&mut self, step: usize, text: &str) {
+        self.find(Fault::Failed, step, f64::INFINITY, text);
+    }
+
+    /// Takes a step in and judges it.
+    fn add(&mut self, record: &Record) {
+        let step = record.step;
+        self.steps = step;
+        self.touching += usize::from(record.active > 0);
+        let mut judge = |fault: Fault, largest: fn(&mut Outcome) -> &mut f64, value: f64, limit: f64, text: &str| {
+            let known = largest(self);
+            *known = if value.is_nan() { value } else { known.max(value) };
+            if value > limit || value.is_nan() {
+                self.find(fault, step, value, text);
+            }
+        };
+        judge(Fault::Gained, |outcome| &mut outcome.gain, record.gain, GAIN, "");
+        judge(Fault::Defect, |outcome| &mut outcome.defect, record.defect, DEFECT, "");
+        judge(Fault::Momentum, |outcome| &mut outcome.momentum, record.momentum, MOMENTUM, "");
+        judge(Fault::Ledger, |outcome| &mut outcome.disagreement, record.disagreement, DISAGREEMENT, "");
+        judge(Fault::Deep, |outcome| &mut outcome.depth, record.depth.facets, DEPTH, &record.depth.place);
+        judge(Fault::Deep, |outcome| &mut outcome.crossing, record.crossing.facets, DEPTH, &record.crossing.place);
+        let facet = if record.depth.facets > 0.0 { record.depth.length / record.depth.facets } else { f64::INFINITY };
+        self.misread = self.misread.max((record.reported - record.depth.length).abs() / facet);
+    }
+}
+
+/// What energies and momenta of a scene are compared with.
+#[derive(Clone, Copy, Debug)]
+struct Scales {
+    energy: f64,
+    momentum: f64,
+    angular_momentum: f64,
+}
+
+impl Scales {
+    /// Kinetic energy at the start and a fall through the height of the scene, and the momenta of all mass with that energy.
+    fn new(scene: &Scene, oracle: &Oracle, start: &Sums) -> Scales {
+        let (mass, gravity) = (oracle.mass(), scene.gravity_size());
+        let height = if gravity > 0.0 { oracle.extent(scene.gravity.map(|g| g / gravity)) } else { 0.0 };
+        let energy = start.kinetic + mass * gravity * height;
+        // A scene without energy stays as it is; whatever it gains is too much.
+        let energy = if energy > 0.0 { energy } else { f64::MIN_POSITIVE };
+        let momentum = (2.0 * mass * energy).sqrt();
+        Scales { energy, momentum, angular_momentum: momentum * oracle.reach() }
+    }
+}
+
+/// Takes a scene through all its steps, or to its failure; `watch` sees every nominal step. Nothing panics: what does, is a finding.
+pub fn run(scene: &Scene, watch: &mut dyn FnMut(&Record)) -> Outcome {
+    let mut outcome = Outcome::default();
+    if let Err(payload) = catch_unwind(AssertUnwindSafe(|| take(scene, &mut outcome, watch))) {
+        let text = payload.downcast_ref::<String>().map(String::as_str).or_else(|| payload.downcast_ref::<&str>().copied());
+        let step = outcome.steps + 1;
+        outcome.fail(step, &format!("panicked: {}", text.unwrap_or("without a word")));
+    }
+    outcome
+}
+
+/// A simulation of the scene.
+///
+/// # Errors
+/// What the kernels say about the model.
+pub fn simulate(scene: &Scene) -> Result<Simulation, String> {
+    let model = scene.model().map_err(|error| error.to_string())?;
+    Simulation::new(&model, Options::new(Integrator::EnergyMomentum, scene.dt)).map_err(|error| error.to_string())
+}
+
+fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
+    let (mut sim, oracle) = match (simulate(scene), Oracle::new(scene)) {
+        (Ok(sim), Ok(oracle)) => (sim, oracle),
+        (Err(error), _) => return outcome.fail(0, &error),
+        (_, Err(error)) => return outcome.fail(0, &error.to_string()),
+    };
+    outcome.cells = oracle.cells();
+    let state = sim.shared_state();
+    let start = oracle.sums(&state.positions, &state.velocities);
+    let scales = Scales::new(scene, &oracle, &start);
+    let is_alone = scene.walls.is_empty() && scene.gravity_size() == 0.0;
+    let offset = start.total() - sim.row().total();
+    // The energy that must not be exceeded.
+    let mut bound = start.total();
+    for step in 1..=scene.steps {
+        let mut record = Record { step, ..Record::default() };
+        let mut pieces = 0;
+        let taken = sim.step(None, &mut |row: &LedgerRow| {
+            pieces += 1;
+            record.iterations += row.newton_iterations;
+            record.halvings += row.halvings;
+            record.defect = worse(record.defect, row.energy_defect.abs() / scales.energy);
+        });
+        outcome.pieces += pieces;
+        outcome.iterations += record.iterations;
+        outcome.halvings += record.halvings;
+        if let Err(error) = taken {
+            return outcome.fail(step, &error.to_string());
+        }
+        let (state, row) = (sim.shared_state(), sim.row());
+        record.sums = oracle.sums(&state.positions, &state.velocities);
+        let total = record.sums.total();
+        (record.time, record.active, record.reported) = (row.time, row.active, row.max_penetration);
+        record.change = (total - start.total()) / scales.energy;
+        record.gain = (total - bound) / scales.energy;
+        bound = if scene.rule == UpdateRule::Velocity { bound.max(total) } else { bound.min(total) };
+        record.disagreement = (total - row.total() - offset).abs() / scales.energy;
+        if is_alone {
+            let linear = length(subtract(record.sums.momentum, start.momentum)) / scales.momentum;
+            record.momentum = worse(linear, (record.sums.angular_momentum - start.angular_momentum).abs() / scales.angular_momentum);
+        }
+        (record.depth, record.crossing) = (oracle.deepest(&state.positions), oracle.crossing(&state.positions));
+        outcome.add(&record);
+        watch(&record);
+        if sim.statistics().newton_iterations > ITERATIONS * scene.steps {
+            return outcome.find(Fault::Slow, step, sim.statistics().newton_iterations as f64, "iterations so far");
+        }
+    }
+}
+
+/// The larger number, or the one that is none.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}

@@ -1,0 +1,240 @@
+//! Random scenes with oracles that know nothing of the code: energies, momenta and depth from positions and velocities alone.
+//!
+//! A hundred scenes here, thousands by `cargo run --release --example scenes`. Methods and rules go around with the seeds. What fails is
+//! named with its seed: `cargo run --release --example scenes -- --shrink SEED --method M --rule R` makes a small script of it.
+
+mod common;
+#[path = "common/scenes/mod.rs"]
+mod scenes;
+
+use std::process::Command;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use conserva::dynamics::{ContactMethod, UpdateRule};
+
+use scenes::geometry::{Outline, Point, add, length, subtract, turned};
+use scenes::oracle::Oracle;
+use scenes::run::{Fault, Outcome, Record, run, simulate};
+use scenes::{Body, Kind, Scene, Shape, Wall};
+
+/// Number of scenes.
+const COUNT: u64 = 100;
+
+/// Number of scenes that are compared with an image.
+const PAIRS: u64 = 40;
+
+/// The scene of a seed; methods and rules take turns, so that twelve seeds in a row have all pairs.
+fn scene(seed: u64) -> Scene {
+    let (methods, rules) = (ContactMethod::ALL, UpdateRule::ALL);
+    Scene::random(seed).with(methods[(seed % 4) as usize], rules[(seed % 3) as usize])
+}
+
+/// All runs, made once for all tests of this file, on all threads.
+fn runs() -> &'static [(Scene, Outcome)] {
+    static RUNS: OnceLock<Vec<(Scene, Outcome)>> = OnceLock::new();
+    RUNS.get_or_init(|| {
+        let next = AtomicUsize::new(0);
+        let work = || {
+            let seeds = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed) as u64).take_while(|&seed| seed < COUNT);
+            let outcomes = seeds.map(|seed| (scene(seed), run(&scene(seed), &mut |_| ())));
+            outcomes.collect::<Vec<_>>()
+        };
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut runs: Vec<(Scene, Outcome)> = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            workers.into_iter().flat_map(|worker| worker.join().expect("a run does not panic")).collect()
+        });
+        runs.sort_by_key(|(scene, _)| scene.seed);
+        runs
+    })
+}
+
+/// No run has any of these faults.
+fn assert_free_of(faults: &[Fault]) {
+    let describe = |(scene, outcome): &(Scene, Outcome)| {
+        let findings: Vec<String> = outcome.findings.iter().filter(|finding| faults.contains(&finding.fault)).map(describe).collect();
+        let (method, rule) = (scene.method.name(), scene.rule.name());
+        (!findings.is_empty()).then(|| format!("seed {} ({:?}, {method}, {rule}): {}", scene.seed, scene.kind, findings.join("; ")))
+    };
+    fn describe(finding: &scenes::run::Finding) -> String {
+        format!("{} {:.2e} at step {} {}", finding.fault.name(), finding.worst, finding.worst_step, finding.text)
+    }
+    let found: Vec<String> = runs().iter().filter_map(describe).collect();
+    assert!(found.is_empty(), "{} of {COUNT} scenes:\n{}", found.len(), found.join("\n"));
+}
+
+#[test]
+fn every_run_comes_to_its_end() {
+    assert_free_of(&[Fault::Failed, Fault::Slow]);
+}
+
+#[test]
+fn energy_never_grows() {
+    assert_free_of(&[Fault::Gained]);
+}
+
+#[test]
+fn ledger_and_momenta_close() {
+    assert_free_of(&[Fault::Defect, Fault::Momentum]);
+}
+
+#[test]
+fn the_ledger_has_the_energy_that_positions_and_velocities_have() {
+    assert_free_of(&[Fault::Ledger]);
+}
+
+#[test]
+fn nothing_is_deeper_than_a_tenth_of_a_facet() {
+    assert_free_of(&[Fault::Deep]);
+}
+
+/// The scenes are worth something: bodies meet in nearly all of them, and every kind is there.
+#[test]
+fn bodies_meet_and_all_kinds_are_there() {
+    let touching = runs().iter().filter(|(_, outcome)| outcome.touching > 0).count();
+    assert!(touching * 10 >= runs().len() * 9, "{touching}");
+    for kind in [Kind::Collision, Kind::Nested, Kind::Box, Kind::Drum, Kind::Fall, Kind::Stack, Kind::Extreme] {
+        assert!(runs().iter().any(|(scene, _)| scene.kind == kind), "{kind:?}");
+    }
+    assert!((0..COUNT).all(|seed| scene(seed).is_free_of_overlap()));
+}
+
+/// What does not move and is not pulled stays where it is, to round-off of its coordinates (steps move pieces by a rigid motion first, which
+/// rounds): without overlap nothing pushes.
+#[test]
+fn rest_stays_rest() {
+    let stirred = |seed: u64| {
+        let mut sim = simulate(&scene(seed).at_rest()).expect("the scene is sound");
+        let start = sim.shared_state();
+        for _ in 0..3 {
+            if let Err(error) = sim.step(None, &mut |_| ()) {
+                return Some(format!("seed {seed} ({:?}): {error}", scene(seed).kind));
+            }
+        }
+        let away = start.positions.iter().zip(&sim.shared_state().positions).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        (away > 1e-14).then(|| format!("seed {seed} ({:?}): {away:.1e}", scene(seed).kind))
+    };
+    let stirred: Vec<String> = (0..COUNT).filter_map(stirred).collect();
+    assert!(stirred.is_empty(), "{} of {COUNT} scenes:\n{}", stirred.len(), stirred.join("\n"));
+}
+
+/// Positions of all nodes after every step, and the step of the first touch.
+fn journey(scene: &Scene, after: usize) -> (Vec<Vec<Point>>, usize) {
+    let mut sim = simulate(scene).expect("the scene is sound");
+    let (mut places, mut touched) = (Vec::new(), usize::MAX);
+    for step in 1..=scene.steps {
+        if sim.step(None, &mut |_| ()).is_err() || step > touched.saturating_add(after) {
+            break;
+        }
+        touched = touched.min(if sim.row().active > 0 { step } else { usize::MAX });
+        places.push(sim.shared_state().positions.chunks_exact(2).map(|x| [x[0], x[1]]).collect());
+    }
+    (places, touched)
+}
+
+/// A scene and its image take the same way: free flight to round-off, and a few steps of contact to what Newton's tolerance leaves open.
+///
+/// It leaves 1e-13 of the energy, so velocities are known to 3e-7 of the speed, and a step moves less than a facet. Later than that
+/// contact amplifies the last bit: where two nodes come to touch at the same time, round-off says which is first.
+fn assert_same_way(image: impl Fn(&Scene) -> Scene, place: impl Fn(Point) -> Point) {
+    let differs = |seed: u64| {
+        let scene = scene(seed);
+        let ((ours, touched), (theirs, touched_there)) = (journey(&scene, 3), journey(&image(&scene), 3));
+        let apart = |(a, b): (&Vec<Point>, &Vec<Point>)| a.iter().zip(b).map(|(a, b)| length(subtract(place(*a), *b))).fold(0.0, f64::max);
+        let ways: Vec<f64> = ours.iter().zip(&theirs).map(apart).collect();
+        let (free, contact) = ways.split_at(ways.len().min(touched.min(touched_there) - 1));
+        let largest = |ways: &[f64]| ways.iter().copied().fold(0.0, f64::max);
+        let facet = scene.outlines().expect("shapes can be meshed").iter().map(Outline::shortest).fold(f64::INFINITY, f64::min);
+        let differs = largest(free) > 1e-11 || largest(contact) > 1e-6 * facet || touched != touched_there;
+        let line = || {
+            let (first, first_there) = (Step(touched), Step(touched_there));
+            let (free, contact) = (largest(free), largest(contact) / facet);
+            format!("seed {seed} ({:?}): free {free:.0e}, in contact {contact:.0e} facets, touching {first} and {first_there}", scene.kind)
+        };
+        differs.then(line)
+    };
+    let differing: Vec<String> = (0..PAIRS).filter_map(differs).collect();
+    assert!(differing.is_empty(), "{} of {PAIRS} scenes:\n{}", differing.len(), differing.join("\n"));
+}
+
+/// A step, if it came.
+struct Step(usize);
+
+impl std::fmt::Display for Step {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            usize::MAX => f.write_str("never"),
+            step => write!(f, "in step {step}"),
+        }
+    }
+}
+
+#[test]
+fn the_mirror_image_takes_the_mirrored_way() {
+    assert_same_way(Scene::mirrored, |[x, y]| [-x, y]);
+}
+
+#[test]
+fn the_turned_and_moved_scene_takes_the_turned_and_moved_way() {
+    assert_same_way(|scene| scene.turned(0.7).moved([2.0, -1.0]), |x| add(turned(0.7, x), [2.0, -1.0]));
+}
+
+/// What a script of a scene prints is what the kernels computed.
+#[test]
+fn the_script_of_a_scene_does_the_same() {
+    for seed in [11, 20, 38] {
+        let scene = scene(seed);
+        let mut totals = Vec::new();
+        let outcome = run(&scene, &mut |record: &Record| totals.push(record.sums.total()));
+        assert_eq!(outcome.steps, scene.steps, "seed {seed}");
+        let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let path = folder.join(format!("scene_{seed}.rhai"));
+        std::fs::write(&path, scene.script()).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_conserva"));
+        let output = command.arg("run").arg(&path).arg("--quiet").arg("--out").arg(folder.join("scene")).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        let numbers: Vec<f64> = text.split([' ', ',', '\n']).filter_map(|word| word.parse().ok()).collect();
+        let last = totals[totals.len() - 1];
+        let agrees = numbers.len() >= 3 && (numbers[2] - last).abs() < 1e-11 * last.abs().max(numbers[0].abs());
+        assert!(agrees, "seed {seed}: {last} and {text} {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// Depths and crossings of bodies that were put into each other by hand.
+#[test]
+fn depth_is_measured_where_it_is() {
+    let plank = |size: [f64; 2], cells: [usize; 2], center: Point| Body {
+        shape: Shape::Rectangle { size, cells },
+        mirrored: false,
+        angle: 0.0,
+        center,
+        law: "neo_hookean",
+        constants: [1.0, 0.0, 1.0],
+        velocity: [0.0; 2],
+        spin: 0.0,
+    };
+    let measured = |bodies: Vec<Body>, walls: Vec<Wall>| {
+        let scene = Scene { bodies, walls, ..scene(0) };
+        let oracle = Oracle::new(&scene).unwrap();
+        let meshes = scene.bodies.iter().map(|body| body.mesh().unwrap());
+        let positions: Vec<f64> = meshes.flat_map(|mesh| mesh.points).flat_map(|[x, y, _]| [x, y]).collect();
+        (oracle.deepest(&positions), oracle.crossing(&positions))
+    };
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-14;
+    // The lower corners of a block of facets of 0.5 stand 0.1 deep in a plank of one facet of length 4.
+    let [block, table] = [plank([1.0, 1.0], [2, 2], [0.0, 0.4]), plank([4.0, 0.5], [1, 1], [0.0, -0.25])];
+    let (depth, crossing) = measured(vec![block.clone(), table], Vec::new());
+    assert!(near(depth.length, 0.1) && near(depth.facets, 0.1 / 4.0), "{depth:?}");
+    assert!(crossing.facets > 0.0 && crossing.length <= depth.length, "{crossing:?}");
+    // A beam right through a wall has no node in it; its ends are 0.75 from the sides, whose facets are the longest: 2.
+    let [beam, wall] = [plank([2.0, 0.1], [1, 1], [0.0; 2]), plank([0.5, 2.0], [1, 1], [0.0; 2])];
+    let (depth, crossing) = measured(vec![beam, wall], Vec::new());
+    assert!(depth.length == 0.0 && near(crossing.length, 0.75) && near(crossing.facets, 0.375), "{depth:?} {crossing:?}");
+    // A peak of a wall between two nodes, and a plane.
+    let peak = Wall::Polyline { points: vec![[9.0, -9.0], [0.25, 0.0], [-9.0, -9.0]] };
+    let (depth, _) = measured(vec![block.clone()], vec![peak]);
+    assert!(near(depth.length, 0.1) && near(depth.facets, 0.2), "{depth:?}");
+    let (depth, _) = measured(vec![block], vec![Wall::Plane { point: [0.0; 2], normal: [0.0, 2.0] }]);
+    assert!(near(depth.length, 0.1), "{depth:?}");
+}
