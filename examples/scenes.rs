@@ -4,8 +4,7 @@
 //! One line for each run with a fault, then a table for each method and rule. A seed gives the same scene with every method and rule.
 //!
 //! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads N]`,
-//! or for one scene
-//! `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails in the same way).
+//! or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails alike).
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -100,8 +100,8 @@ fn bodies_meet_and_all_kinds_are_there() {
     assert!((0..COUNT).all(|seed| scene(seed).is_free_of_overlap()));
 }
 
-/// What does not move and is not pulled stays where it is, to round-off of its coordinates (steps move pieces by a rigid motion first, which
-/// rounds): without overlap nothing pushes.
+/// What does not move and is not pulled stays where it is, to round-off of its coordinates (steps move pieces by a rigid motion first,
+/// which rounds): without overlap nothing pushes.
 #[test]
 fn rest_stays_rest() {
     let stirred = |seed: u64| {

@@ -24,8 +24,8 @@ pub const DISAGREEMENT: f64 = 1e-12;
 /// Depth of a node and of crossing facets, over the coarser facet.
 pub const DEPTH: f64 = 0.1;
 
-/// Iterations of a nominal step, halved ones included, in the mean of a run that is still worth waiting for.
-const ITERATIONS: usize = 60;
+/// Iterations, those of refused steps included, after which a run is given up: thirty in the mean of two hundred steps.
+const ITERATIONS: usize = 6000;
 
 /// What can be wrong with a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -257,7 +257,7 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
         (record.depth, record.crossing) = (oracle.deepest(&state.positions), oracle.crossing(&state.positions));
         outcome.add(&record);
         watch(&record);
-        if sim.statistics().newton_iterations > ITERATIONS * scene.steps {
+        if sim.statistics().newton_iterations > ITERATIONS {
             return outcome.find(Fault::Slow, step, sim.statistics().newton_iterations as f64, "iterations so far");
         }
     }
