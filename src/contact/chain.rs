@@ -79,6 +79,25 @@ impl Chain {
         Some(if (other.gap > own.gap) == convex { other } else { own })
     }
 
+    /// The distance from the line of a facet.
+    pub fn line(&self, facet: u32, z: &[f64]) -> Measure {
+        Measure { facet, gap: self.gap(facet as usize, z), covered: true }
+    }
+
+    /// A facet and its neighbor at the end that is nearer to the point, where they meet in a concave corner that turns by more than an angle
+    /// of this sine.
+    pub fn pocket(&self, facet: u32, z: &[f64], sine: f64) -> Option<[u32; 2]> {
+        let (t, d) = self.offsets(facet as usize, z);
+        let side = usize::from(t[0] * d[0] + t[1] * d[1] >= 0.5 * (t[0] * t[0] + t[1] * t[1]));
+        let neighbor = self.neighbors[facet as usize][side];
+        if neighbor == NONE {
+            return None;
+        }
+        let u = self.offsets(neighbor as usize, z).0;
+        let turn = (t[0] * u[1] - t[1] * u[0]) / (t[0].hypot(t[1]) * u[0].hypot(u[1]));
+        (if side == 1 { turn < -sine } else { turn > sine }).then_some([facet, neighbor])
+    }
+
     /// Vector along a facet, and from its first node to the point.
     fn offsets(&self, facet: usize, z: &[f64]) -> ([f64; 2], [f64; 2]) {
         let [a, b] = self.facets[facet].map(|node| 2 * node as usize);

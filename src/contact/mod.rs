@@ -84,6 +84,16 @@ pub trait ContactKernel: Send + Sync {
         1
     }
 
+    /// The nodes that own constraints, in the order of the rows: all secondary nodes, but for the corners' constraints.
+    fn row_nodes(&self) -> &[u32] {
+        self.secondary().nodes()
+    }
+
+    /// Number of constraint rows.
+    fn rows(&self) -> usize {
+        self.weights().len()
+    }
+
     /// Weight `w_A` of each constraint row in the reference configuration: half the adjacent facets' measure `[length]` (3D: their share of
     /// the area).
     fn weights(&self) -> &[f64] {

@@ -22,12 +22,23 @@ use crate::math::tolerances::SAME_WAY;
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
+/// Turn of a surface in the reference positions above which a node of it is a corner, in degrees: the nodes of a circle of 36 facets are
+/// none, and their depth in another one's is below a fiftieth of a facet.
+const VERTEX: f64 = 10.0;
+
+/// Turn above which a corner of the other side is concave, in degrees, and how near a vertex must be to it, in shortest facets.
+const POCKET: f64 = 3.0;
+const POCKET_REACH: f64 = 0.25;
+
 /// Node-to-segment contact of two surfaces.
 #[derive(Clone, Debug)]
 pub struct NodeToSegment {
     sides: Sides,
-    /// The secondary nodes as facets of no length, for the search.
+    /// The secondary nodes that have constraints as facets of no length, for the search, and their indices on the secondary side.
     points: Surface,
+    indices: Vec<u32>,
+    /// Rows of each of them.
+    stride: usize,
     candidates: Candidates,
     window: Window,
     /// Per patch: the primary facets in it, ascending, candidates and their neighbors.
@@ -45,7 +56,9 @@ struct Start {
     admitted: Vec<bool>,
     /// Positions of the nodes that take part.
     positions: Vec<f64>,
-    measure: Option<Measure>,
+    measures: [Option<Measure>; 2],
+    /// The facets of the concave corner that the node is in, each with a row of its own in this step.
+    pocket: Option<[u32; 2]>,
 }
 
 /// Storage of one evaluation, used again from patch to patch.
@@ -58,6 +71,7 @@ struct Scratch {
     bar: Vec<f64>,
     hessian: Vec<f64>,
     tangent: Vec<f64>,
+    part: Vec<f64>,
     projection: Projection<2>,
 }
 
@@ -66,6 +80,14 @@ impl Start {
     fn gather_into(&self, nodes: &[u32], q: &[f64], z: &mut Vec<f64>) {
         z.clear();
         z.extend(self.places.iter().map(|&place| 2 * nodes[place as usize] as usize).flat_map(|x| [q[x], q[x + 1]]));
+    }
+
+    /// What measures the gap of each row.
+    fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
+        match self.pocket {
+            Some(facets) => facets.map(|facet| Some(self.chain.line(facet, z))),
+            None => [self.chain.measure(z, &self.admitted), None],
+        }
     }
 
     /// Writes a vector over the nodes that take part as one over all nodes of the patch.
@@ -96,15 +118,44 @@ impl NodeToSegment {
     /// no opposite of it.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
-        let (secondary, primary) = (&sides.secondary, &sides.primary);
-        let points = Surface::new(&secondary.nodes().iter().map(|&node| [node, node]).collect::<Vec<_>>());
-        let mut candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
+        let all = (0..sides.secondary.nodes().len() as u32).collect();
+        let mut contact = Self::of_nodes(sides, all, reference);
+        let (secondary, primary) = (&contact.sides.secondary, &contact.sides.primary);
         if let Some([facets, others]) = secondary.ranks(primary) {
             let lowest = |row: usize| secondary.adjacent_facets(row).iter().map(|&facet| facets[facet as usize]).min().unwrap_or(0);
-            candidates = candidates.once((0..secondary.nodes().len()).map(lowest).collect(), others);
+            let ranks = (0..secondary.nodes().len()).map(lowest).collect();
+            contact.candidates = contact.candidates.once(ranks, others);
         }
+        contact
+    }
+
+    /// Contact of the corners of the secondary surface alone ([`Surface::vertices`], more than [`VERTEX`] degrees), for what the weighted gaps
+    /// of a mortar method do not see; `facet_size` that of the whole contact. `None` where there is no corner.
+    ///
+    /// Each has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose distances are
+    /// two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
+    pub fn of_vertices(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Option<Self> {
+        let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
+        let vertices: Vec<u32> = sides.secondary.vertices(reference, VERTEX).into_iter().map(|index| index as u32).collect();
+        if vertices.is_empty() {
+            return None;
+        }
+        let mut contact = Self::of_nodes(sides, vertices, reference);
+        contact.stride = 2;
+        contact.sides.weights = contact.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
+        Some(contact)
+    }
+
+    /// Contact of the secondary nodes with these indices, one row each.
+    fn of_nodes(mut sides: Sides, indices: Vec<u32>, reference: &[f64]) -> Self {
+        let (secondary, primary) = (&sides.secondary, &sides.primary);
+        let points = Surface::new(&indices.iter().map(|&index| [secondary.nodes()[index as usize]; 2]).collect::<Vec<_>>());
+        let mut excluded = points_within_the_body(secondary, primary, reference);
+        excluded.retain_mut(|pair| indices.binary_search(&pair[0]).map(|point| pair[0] = point as u32).is_ok());
+        let candidates = Candidates::new(SPARE * sides.facet_size).without(excluded);
         let window = Window::new(&sides, reference);
-        NodeToSegment { sides, points, candidates, window, facets: Vec::new(), start: Vec::new() }
+        sides.weights = indices.iter().map(|&index| sides.weights[index as usize]).collect();
+        NodeToSegment { sides, points, indices, stride: 1, candidates, window, facets: Vec::new(), start: Vec::new() }
     }
 
     /// Makes the patches of the present candidates, one for each node that has any.
@@ -113,7 +164,7 @@ impl NodeToSegment {
         self.facets.clear();
         self.start.clear();
         for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
-            let row = pairs[0][0];
+            let point = pairs[0][0];
             let primary = &self.sides.primary;
             let mut facets: Vec<u32> = pairs.iter().map(|pair| pair[1]).collect();
             facets.extend(pairs.iter().flat_map(|pair| primary.neighbors(pair[1] as usize)).flatten());
@@ -122,16 +173,28 @@ impl NodeToSegment {
             let mut nodes: Vec<u32> = facets.iter().flat_map(|&facet| primary.facets()[facet as usize]).collect();
             nodes.sort_unstable();
             nodes.dedup();
-            nodes.insert(0, self.sides.secondary.nodes()[row as usize]);
-            self.sides.patches.push(&nodes, &[row]);
+            nodes.insert(0, self.points.nodes()[point as usize]);
+            let stride = self.stride as u32;
+            let rows: Vec<u32> = (stride * point..stride * (point + 1)).collect();
+            self.sides.patches.push(&nodes, &rows);
             self.facets.push(facets);
         }
     }
 
-    /// Outward normal at a secondary node (mean of its facets, not of unit length) at `q`.
-    fn normal(&self, row: usize, q: &[f64]) -> [f64; 2] {
+    /// The point of patch `p`.
+    fn point(&self, p: usize) -> usize {
+        self.sides.patches.rows(p)[0] as usize / self.stride
+    }
+
+    /// Secondary facets that meet at a point.
+    fn own_facets(&self, point: usize) -> &[u32] {
+        self.sides.secondary.adjacent_facets(self.indices[point] as usize)
+    }
+
+    /// Outward normal at a point (mean of its facets, not of unit length) at `q`.
+    fn normal(&self, point: usize, q: &[f64]) -> [f64; 2] {
         let mut normal = [0.0; 2];
-        for &facet in self.sides.secondary.adjacent_facets(row) {
+        for &facet in self.own_facets(point) {
             let [a, b] = self.sides.secondary.facets()[facet as usize].map(|node| 2 * node as usize);
             let length = self.sides.secondary.facet_length(facet as usize, q);
             normal[0] += (q[b + 1] - q[a + 1]) / length;
@@ -140,22 +203,23 @@ impl NodeToSegment {
         normal
     }
 
-    /// Whether a primary facet can be opposite the node of a row in a step.
-    fn admits(&self, row: usize, facet: u32, normal: [f64; 2], outlook: &Outlook) -> bool {
-        let (node, ends) = (self.sides.secondary.nodes()[row], self.sides.primary.facets()[facet as usize]);
+    /// Whether a primary facet can be opposite a point in a step.
+    fn admits(&self, point: usize, facet: u32, normal: [f64; 2], outlook: &Outlook) -> bool {
+        let (node, ends) = (self.points.nodes()[point], self.sides.primary.facets()[facet as usize]);
         let seen = Seen::new(node, ends, outlook.q);
         let across = normal[0] * seen.along[1] - normal[1] * seen.along[0];
         seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends)
             && across <= SAME_WAY * normal[0].hypot(normal[1])
-            && self.window.admits_depth(self.sides.secondary.adjacent_facets(row), facet, seen.gap)
+            && self.window.admits_depth(self.own_facets(point), facet, seen.gap)
     }
 
     /// What takes part of a patch in a step.
     fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
-        let (row, nodes, primary) = (self.sides.patches.rows(p)[0] as usize, self.sides.patches.nodes(p), &self.sides.primary);
-        let normal = self.normal(row, outlook.q);
-        let is_admitted =
-            |facet: u32| self.candidates.pairs().binary_search(&[row as u32, facet]).is_ok() && self.admits(row, facet, normal, outlook);
+        let (point, nodes, primary) = (self.point(p), self.sides.patches.nodes(p), &self.sides.primary);
+        let normal = self.normal(point, outlook.q);
+        let is_admitted = |facet: u32| {
+            self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, normal, outlook)
+        };
         let admitted: Vec<u32> = self.facets[p].iter().copied().filter(|&facet| is_admitted(facet)).collect();
         let mut facets: Vec<u32> = admitted.iter().flat_map(|&facet| primary.neighbors(facet as usize)).flatten().collect();
         facets.extend(&admitted);
@@ -175,17 +239,28 @@ impl NodeToSegment {
             }));
         }
         let admitted = facets.iter().map(|facet| admitted.binary_search(facet).is_ok()).collect();
-        Start { places, chain: Chain::new(chain), admitted, positions: Vec::new(), measure: None }
+        Start { places, chain: Chain::new(chain), admitted, ..Start::default() }
     }
 
-    /// What measures each patch's gap at `q` in the present step.
-    fn measures(&self, q: &[f64]) -> Vec<Option<Measure>> {
+    /// Tells what measures each row of the present step at `q`: the row, and its measure.
+    fn for_each_measure(&self, q: &[f64], mut tell: impl FnMut(usize, Measure)) {
         let mut z = Vec::new();
-        let mut measure = |(p, start): (usize, &Start)| {
+        for (p, start) in self.start.iter().enumerate() {
             start.gather_into(self.sides.patches.nodes(p), q, &mut z);
-            start.chain.measure(&z, &start.admitted)
-        };
-        self.start.iter().enumerate().map(&mut measure).collect()
+            for (&row, measure) in self.sides.patches.rows(p).iter().zip(start.measures(&z)) {
+                measure.into_iter().for_each(|measure| tell(row as usize, measure));
+            }
+        }
+    }
+
+    /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
+    fn pocket(&self, start: &Start) -> Option<[u32; 2]> {
+        if self.stride == 1 {
+            return None;
+        }
+        let measure = start.chain.measure(&start.positions, &start.admitted)?;
+        let is_near = measure.covered && measure.gap <= POCKET_REACH * self.sides.facet_size;
+        is_near.then(|| start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin()))?
     }
 }
 
@@ -241,15 +316,14 @@ impl ContactKernel for NodeToSegment {
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
         let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
-        self.candidates.pairs().iter().any(|&[row, facet]| {
-            let (row, ends) = (row as usize, self.sides.primary.facets()[facet as usize]);
-            let node = self.sides.secondary.nodes()[row];
+        self.candidates.pairs().iter().any(|&[point, facet]| {
+            let (point, ends) = (point as usize, self.sides.primary.facets()[facet as usize]);
+            let node = self.points.nodes()[point];
             let end = Seen::new(node, ends, q_1);
-            let closed =
-                end.inside && end.gap < -tolerance && self.window.admits_depth(self.sides.secondary.adjacent_facets(row), facet, end.gap);
+            let closed = end.inside && end.gap < -tolerance && self.window.admits_depth(self.own_facets(point), facet, end.gap);
             closed && Seen::new(node, ends, q_0).gap > 0.0 && {
                 // Admitted it would have been, had its motion been known; was it?
-                let p = self.facets.iter().enumerate().position(|(p, _)| self.sides.patches.rows(p)[0] as usize == row);
+                let p = self.facets.iter().enumerate().position(|(p, _)| self.point(p) == point);
                 let was = p.is_some_and(|p| {
                     let start = &self.start[p];
                     let nodes = self.sides.patches.nodes(p);
@@ -260,7 +334,7 @@ impl ContactKernel for NodeToSegment {
                         .zip(&start.admitted)
                         .any(|(local, &admitted)| admitted && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
                 });
-                !was && self.admits(row, facet, self.normal(row, q_0), &outlook)
+                !was && self.admits(point, facet, self.normal(point, q_0), &outlook)
             }
         })
     }
@@ -282,105 +356,119 @@ impl ContactKernel for NodeToSegment {
         self.begin_step(q);
     }
 
+    fn rows_per_node(&self) -> usize {
+        self.stride
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        self.points.nodes()
+    }
+
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
+        let mut gaps = vec![0.0; self.sides.weights.len()];
         for (p, start) in self.start.iter().enumerate() {
-            let row = self.sides.patches.rows(p)[0] as usize;
-            gaps[row] = self.sides.weights[row] * start.measure.map_or(0.0, |measure| measure.gap);
+            for (&row, measure) in self.sides.patches.rows(p).iter().zip(start.measures) {
+                gaps[row as usize] = self.sides.weights[row as usize] * measure.map_or(0.0, |measure| measure.gap);
+            }
         }
         gaps
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        for (p, start) in self.start.iter_mut().enumerate() {
+        let mut starts = std::mem::take(&mut self.start);
+        for (p, start) in starts.iter_mut().enumerate() {
             let mut positions = std::mem::take(&mut start.positions);
             start.gather_into(self.sides.patches.nodes(p), q_0, &mut positions);
-            start.measure = start.chain.measure(&positions, &start.admitted);
             start.positions = positions;
+            start.pocket = self.pocket(start);
+            start.measures = start.measures(&start.positions);
         }
+        self.start = starts;
     }
 
     fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
         let placement = integrator.placement();
-        out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
+        out.prepare(&self.sides.patches, self.sides.weights.len());
         let mut scratch = Scratch::default();
-        let Scratch { end: z_1, middle: z_mid, gradient, gradient_end, bar, hessian, tangent, projection } = &mut scratch;
+        let Scratch { end: z_1, middle: z_mid, gradient, gradient_end, bar, hessian, tangent, part, projection } = &mut scratch;
         for (p, start) in self.start.iter().enumerate() {
             let chain = &start.chain;
             start.gather_into(self.sides.patches.nodes(p), q_1, z_1);
             z_mid.clear();
             z_mid.extend(start.positions.iter().zip(&*z_1).map(|(a, b)| 0.5 * (a + b)));
-            let at_end = chain.measure(z_1, &start.admitted);
-            let at_middle = chain.measure(z_mid, &start.admitted);
-            if start.measure.is_none() && at_middle.is_none() && at_end.is_none() {
+            let (ends, middles) = (start.measures(z_1), start.measures(z_mid));
+            if start.measures[0].is_none() && middles[0].is_none() && ends[0].is_none() {
                 out.clear_patch(&self.sides.patches, p);
                 continue;
             }
             out.live[p] = true;
-            let row = self.sides.patches.rows(p)[0] as usize;
-            let weight = self.sides.weights[row];
-            let (places, square) = (self.sides.patches.gradient_range(p), self.sides.patches.tangent_range(p));
-            for vector in [&mut *gradient, &mut *gradient_end, &mut *bar] {
-                vector.clear();
-                vector.resize(z_1.len(), 0.0);
-            }
-            for matrix in [&mut *hessian, &mut *tangent] {
-                matrix.clear();
-                matrix.resize(z_1.len() * z_1.len(), 0.0);
-            }
-            if let Some(Measure { facet, gap, covered }) = at_end {
-                out.gap[row] = weight * gap;
-                out.coverage[row] = f64::from(u8::from(covered));
-                chain.add_gradient(facet, z_1, weight, gradient_end);
-            }
-            let pressure = lambda[row];
-            if integrator == Integrator::EnergyMomentum {
-                let change = weight * (at_end.map_or(0.0, |m| m.gap) - start.measure.map_or(0.0, |m| m.gap));
-                if let Some(middle) = at_middle {
-                    chain.add_gradient(middle.facet, z_mid, weight, gradient);
+            projection.set(&start.positions, z_1);
+            tangent.clear();
+            tangent.resize(z_1.len() * z_1.len(), 0.0);
+            let (places, square, width) =
+                (self.sides.patches.gradient_range(p), self.sides.patches.tangent_range(p), self.sides.patches.unknowns(p));
+            for (m, &row) in self.sides.patches.rows(p).iter().enumerate() {
+                let row = row as usize;
+                let (at_start, at_middle, at_end) = (start.measures[m], middles[m], ends[m]);
+                let weight = self.sides.weights[row];
+                for vector in [&mut *gradient, &mut *gradient_end, &mut *bar] {
+                    vector.clear();
+                    vector.resize(z_1.len(), 0.0);
                 }
-                projection.set(&start.positions, z_1);
-                projection.gradient_into(gradient, change, bar);
-                if pressure != 0.0 {
+                if let Some(Measure { facet, gap, covered }) = at_end {
+                    out.gap[row] = weight * gap;
+                    out.coverage[row] = f64::from(u8::from(covered));
+                    chain.add_gradient(facet, z_1, weight, gradient_end);
+                }
+                let pressure = lambda[row];
+                if integrator == Integrator::EnergyMomentum {
+                    let change = weight * (at_end.map_or(0.0, |m| m.gap) - at_start.map_or(0.0, |m| m.gap));
                     if let Some(middle) = at_middle {
-                        chain.add_hessian(middle.facet, z_mid, weight, hessian);
+                        chain.add_gradient(middle.facet, z_mid, weight, gradient);
                     }
-                    let function = PatchFunction { gradient_mid: gradient, gradient_end, hessian_mid: hessian, change };
-                    projection.tangent_into(pressure, &function, tangent);
-                }
-            } else {
-                let (at, z) = match placement.test {
-                    Configuration::Middle => (at_middle, &*z_mid),
-                    Configuration::End => (at_end, &*z_1),
-                };
-                if let Some(Measure { facet, .. }) = at {
-                    chain.add_gradient(facet, z, placement.weight * weight, bar);
+                    projection.gradient_into(gradient, change, bar);
                     if pressure != 0.0 {
-                        chain.add_hessian(facet, z, placement.weight * placement.share * weight * pressure, tangent);
+                        for matrix in [&mut *hessian, &mut *part] {
+                            matrix.clear();
+                            matrix.resize(z_1.len() * z_1.len(), 0.0);
+                        }
+                        if let Some(middle) = at_middle {
+                            chain.add_hessian(middle.facet, z_mid, weight, hessian);
+                        }
+                        let function = PatchFunction { gradient_mid: gradient, gradient_end, hessian_mid: hessian, change };
+                        projection.tangent_into(pressure, &function, part);
+                        tangent.iter_mut().zip(&*part).for_each(|(sum, part)| *sum += part);
+                    }
+                } else {
+                    let (at, z) = match placement.test {
+                        Configuration::Middle => (at_middle, &*z_mid),
+                        Configuration::End => (at_end, &*z_1),
+                    };
+                    if let Some(Measure { facet, .. }) = at {
+                        chain.add_gradient(facet, z, placement.weight * weight, bar);
+                        if pressure != 0.0 {
+                            chain.add_hessian(facet, z, placement.weight * placement.share * weight * pressure, tangent);
+                        }
                     }
                 }
+                let places = places.start + m * width..places.start + (m + 1) * width;
+                start.spread_into(gradient_end, &mut out.gradient_end[places.clone()]);
+                start.spread_into(bar, &mut out.gradient_bar[places]);
             }
-            start.spread_into(gradient_end, &mut out.gradient_end[places.clone()]);
-            start.spread_into(bar, &mut out.gradient_bar[places]);
             start.spread_matrix_into(tangent, &mut out.tangent[square]);
         }
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.secondary.nodes().len()];
-        for (p, measure) in self.measures(q).into_iter().enumerate() {
-            let row = self.sides.patches.rows(p)[0] as usize;
-            gaps[row] = self.sides.weights[row] * measure.map_or(0.0, |measure| measure.gap);
-        }
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        self.for_each_measure(q, |row, measure| gaps[row] = self.sides.weights[row] * measure.gap);
         gaps
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut coverage = vec![0.0; self.sides.secondary.nodes().len()];
-        for (p, measure) in self.measures(q).into_iter().enumerate() {
-            coverage[self.sides.patches.rows(p)[0] as usize] = measure.map_or(0.0, |measure| f64::from(u8::from(measure.covered)));
-        }
+        let mut coverage = vec![0.0; self.sides.weights.len()];
+        self.for_each_measure(q, |row, measure| coverage[row] = f64::from(u8::from(measure.covered)));
         coverage
     }
 }
@@ -464,7 +552,12 @@ mod tests {
             // No kink and no end near the configurations at which the functions are evaluated: the same facets for all differences.
             let facet = |q: &[f64], row: usize| {
                 let p = (0..kernel.patches().len()).find(|&p| kernel.patches().rows(p)[0] as usize == row).unwrap();
-                kernel.measures(q)[p].map(|measure| measure.facet)
+                kernel.start[p].measures(&{
+                    let mut z = Vec::new();
+                    kernel.start[p].gather_into(kernel.patches().nodes(p), q, &mut z);
+                    z
+                })[0]
+                .map(|measure| measure.facet)
             };
             let middle = |end: &[f64]| -> Vec<f64> { from.iter().zip(end).map(|(a, b)| 0.5 * (a + b)).collect() };
             let row = kernel.secondary().index(0).unwrap();

@@ -104,6 +104,8 @@ pub struct Window {
     /// Thickness of the bodies behind the facets of both sides in the reference positions, as far as their far sides are in the contact
     /// `[length]`.
     thickness: [Vec<f64>; 2],
+    /// Lengths of the facets there `[length]`.
+    lengths: [Vec<f64>; 2],
     facet_size: f64,
 }
 
@@ -118,8 +120,9 @@ struct Gaps {
 impl Window {
     /// The window of two surfaces, their bodies measured in the reference positions.
     pub fn new(sides: &Sides, reference: &[f64]) -> Self {
-        let thickness = [&sides.secondary, &sides.primary].map(|surface| thickness(surface, reference));
-        Window { thickness, facet_size: sides.facet_size }
+        let both = [&sides.secondary, &sides.primary];
+        let lengths = |surface: &Surface| (0..surface.facets().len()).map(|facet| surface.facet_length(facet, reference)).collect();
+        Window { thickness: both.map(|surface| thickness(surface, reference)), lengths: both.map(lengths), facet_size: sides.facet_size }
     }
 
     /// Whether a pair (secondary facet, primary facet) takes part in a step.
@@ -141,10 +144,12 @@ impl Window {
         self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
     }
 
-    /// Whether a facet of the primary side may be opposite a secondary node that lies `gap` in front of it, as far as depth decides.
+    /// Whether a facet of the primary side may be opposite a secondary node, between these facets, that lies `gap` in front of it, as far as
+    /// depth decides.
     pub fn admits_depth(&self, own_facets: &[u32], other: u32, gap: f64) -> bool {
         let own = own_facets.iter().map(|&facet| self.thickness[0][facet as usize]).fold(f64::INFINITY, f64::min);
-        gap > -DEEP * self.facet_size.min(own + self.thickness[1][other as usize])
+        let length = own_facets.iter().map(|&facet| self.lengths[0][facet as usize]).fold(self.lengths[1][other as usize], f64::max);
+        gap > -DEEP * length.min(own + self.thickness[1][other as usize])
     }
 
     /// Gaps of a pair where the facets are opposite each other, or would be after sliding by `spare`; nothing where they never are.

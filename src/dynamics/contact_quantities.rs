@@ -7,66 +7,131 @@
 use super::fields::ContactFields;
 use super::ledger::ContactTotals;
 use super::pairs::{Pair, PairKind};
-use super::simulation::State;
 use crate::contact::Evaluation;
-use crate::integrators::Integrator;
 use crate::math::tolerances;
 
-/// Forces of a pair, evaluated at one configuration.
-pub(super) struct PairForces {
-    /// On the secondary nodes, from the rows that each of them owns `[force]`.
+/// Forces of a contact, evaluated at one configuration.
+pub(super) struct ContactForces {
+    /// On the secondary nodes, from the rows that each of them owns and from corners `[force]`.
     pub(super) own: Vec<[f64; 3]>,
+    /// Sizes of what corners press on each secondary node `[force]`.
+    pressed: Vec<f64>,
     /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`.
     pub(super) all: Vec<(u32, [f64; 3])>,
 }
 
-/// Forces of a pair with its evaluation at a configuration and its multipliers.
-pub(super) fn pair_forces<const D: usize>(pair: &Pair, evaluation: &Evaluation, lambda: &[f64]) -> PairForces {
-    let (patches, rows_per_node, secondary) = (pair.kernel.patches(), pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
-    let mut own = vec![[0.0; 3]; secondary.len()];
-    let mut all = Vec::new();
-    for p in (0..patches.len()).filter(|&p| evaluation.live[p]) {
-        let (nodes, rows) = (patches.nodes(p), patches.rows(p));
-        let gradients = &evaluation.gradient_end[patches.gradient_range(p)];
-        for (&row, gradient) in rows.iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
-            let factor = lambda[row as usize];
-            if factor == 0.0 {
-                continue;
-            }
-            for (u, &node) in nodes.iter().enumerate() {
-                let mut force = [0.0; 3];
-                (0..D).for_each(|i| force[i] = factor * gradient[u * D + i]);
-                all.push((node, force));
-                if rows.iter().any(|&row| secondary[row as usize / rows_per_node] == node) {
-                    (0..D).for_each(|i| own[row as usize / rows_per_node][i] += force[i]);
+/// A pair with its evaluation at a configuration and its multipliers.
+#[derive(Clone, Copy)]
+pub(super) struct Loaded<'a> {
+    pub(super) pair: &'a Pair,
+    pub(super) evaluation: &'a Evaluation,
+    pub(super) lambda: &'a [f64],
+    pub(super) active: &'a [bool],
+}
+
+impl Loaded<'_> {
+    /// Tells the force of every row on every node of its patches: the node, the row's own node, the force.
+    fn for_each_force<const D: usize>(&self, mut tell: impl FnMut(u32, u32, [f64; 3])) {
+        let Loaded { pair, evaluation, lambda, .. } = self;
+        let (patches, stride, row_nodes) = (pair.kernel.patches(), pair.kernel.rows_per_node(), pair.kernel.row_nodes());
+        for p in (0..patches.len()).filter(|&p| evaluation.live[p]) {
+            let (nodes, rows) = (patches.nodes(p), patches.rows(p));
+            let gradients = &evaluation.gradient_end[patches.gradient_range(p)];
+            for (&row, gradient) in rows.iter().zip(gradients.chunks_exact(patches.unknowns(p))) {
+                let factor = lambda[row as usize];
+                if factor == 0.0 {
+                    continue;
+                }
+                for (u, &node) in nodes.iter().enumerate() {
+                    let mut force = [0.0; 3];
+                    (0..D).for_each(|i| force[i] = factor * gradient[u * D + i]);
+                    // A patch of several nodes' rows: what it presses on one of them is that one's own.
+                    let own = rows.iter().map(|&row| row_nodes[row as usize / stride]).find(|&own| own == node);
+                    tell(node, own.unwrap_or(row_nodes[row as usize / stride]), force);
                 }
             }
         }
     }
-    PairForces { own, all }
 }
 
-/// Sums over a pair at a configuration.
-pub(super) fn totals<const D: usize>(pair: &Pair, evaluation: &Evaluation, lambda: &[f64], active: &[bool], q: &[f64]) -> ContactTotals {
-    let forces = pair_forces::<D>(pair, evaluation, lambda);
-    summed(pair, &forces, &evaluation.coverage, &evaluation.gap, lambda, active, q)
+/// Forces of a contact and of its corners.
+pub(super) fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded]) -> ContactForces {
+    let secondary = contact.pair.kernel.secondary();
+    let with_itself = secondary == contact.pair.kernel.primary();
+    let count = secondary.nodes().len();
+    let mut forces = ContactForces { own: vec![[0.0; 3]; count], pressed: vec![0.0; count], all: Vec::new() };
+    contact.for_each_force::<D>(|node, own, force| {
+        forces.all.push((node, force));
+        if own == node
+            && let Some(index) = secondary.index(node)
+        {
+            (0..D).for_each(|i| forces.own[index][i] += force[i]);
+        }
+    });
+    let mut more = vec![[0.0; 3]; count];
+    for corners in corners {
+        corners.for_each_force::<D>(|node, own, force| {
+            forces.all.push((node, force));
+            // On a surface that touches itself, the corner's side.
+            if (!with_itself || own == node)
+                && let Some(index) = secondary.index(node)
+            {
+                (0..D).for_each(|i| more[index][i] += force[i]);
+            }
+        });
+    }
+    for (index, force) in more.iter().enumerate() {
+        (0..D).for_each(|i| forces.own[index][i] += force[i]);
+        forces.pressed[index] = size(force);
+    }
+    forces
 }
 
-fn summed(pair: &Pair, forces: &PairForces, coverage: &[f64], gap: &[f64], lambda: &[f64], active: &[bool], q: &[f64]) -> ContactTotals {
-    let rows = pair.kernel.rows_per_node();
+/// Sums over a contact at a configuration.
+pub(super) fn totals<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactTotals {
+    let forces = contact_forces::<D>(contact, corners);
+    summed(contact, corners, &forces, q)
+}
+
+/// Pressure at each secondary node: its multiplier, and what corners press on it over its length.
+fn pressures(contact: Loaded, forces: &ContactForces) -> Vec<f64> {
+    let (stride, weights) = (contact.pair.kernel.rows_per_node(), contact.pair.kernel.weights());
+    let of = |(index, rows): (usize, &[f64])| size(rows) + forces.pressed[index] / weights[index * stride];
+    contact.lambda.chunks_exact(stride).enumerate().map(of).collect()
+}
+
+/// Which secondary nodes are in contact.
+fn active_nodes(contact: Loaded, corners: &[Loaded]) -> Vec<bool> {
+    let mut active: Vec<bool> = contact.active.chunks_exact(contact.pair.kernel.rows_per_node()).map(|rows| rows.contains(&true)).collect();
+    for corners in corners {
+        let kernel = &corners.pair.kernel;
+        for (rows, &node) in corners.active.chunks_exact(kernel.rows_per_node()).zip(kernel.row_nodes()) {
+            if rows.contains(&true)
+                && let Some(index) = contact.pair.kernel.secondary().index(node)
+            {
+                active[index] = true;
+            }
+        }
+    }
+    active
+}
+
+fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]) -> ContactTotals {
+    let Loaded { pair, evaluation: Evaluation { gap, coverage, .. }, .. } = contact;
+    let stride = pair.kernel.rows_per_node();
     let mut totals = ContactTotals::default();
     for force in &forces.own {
         (0..3).for_each(|i| totals.force[i] += force[i]);
         totals.normal_force += force[0].hypot(force[1]).hypot(force[2]);
     }
-    let weights = pair.kernel.secondary().weights(q);
+    let (weights, pressures, active) = (pair.kernel.secondary().weights(q), pressures(contact, forces), active_nodes(contact, corners));
     for (node, weight) in weights.iter().enumerate() {
-        let row = node * rows;
-        if active[row..row + rows].contains(&true) {
+        let row = node * stride;
+        if active[node] {
             totals.active += 1;
             totals.area += coverage[row] * weight;
         }
-        totals.pressure = totals.pressure.max(size(&lambda[row..row + rows]));
+        totals.pressure = totals.pressure.max(pressures[node]);
         if pair.kind != PairKind::Tie && coverage[row] > tolerances::SLIVER {
             totals.penetration = totals.penetration.max(-gap[row] / (coverage[row] * pair.kernel.weights()[row]));
         }
@@ -82,15 +147,13 @@ fn size(rows: &[f64]) -> f64 {
     }
 }
 
-/// Everything about a pair in a state.
-pub(super) fn contact_fields<const D: usize>(pair: &Pair, state: &State) -> ContactFields {
-    let (q, rows, secondary) = (&state.positions, pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
-    let (lambda, active) = (&state.lambda[pair.rows.clone()], &state.active[pair.rows.clone()]);
-    let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
-    let mut evaluation = Evaluation::default();
-    pair.kernel.evaluate(Integrator::Trapezoidal, q, lambda, &mut evaluation);
-    let forces = pair_forces::<D>(pair, &evaluation, lambda);
-    let totals = summed(pair, &forces, &coverage, &gaps, lambda, active, q);
+/// Everything about a contact in a state, evaluated at its positions.
+pub(super) fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactFields {
+    let Loaded { pair, evaluation, .. } = contact;
+    let (rows, secondary) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
+    let (gaps, coverage) = (&evaluation.gap, &evaluation.coverage);
+    let forces = contact_forces::<D>(contact, corners);
+    let totals = summed(contact, corners, &forces, q);
     let position = |node: u32| {
         let mut x = [0.0; 3];
         x[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
@@ -99,14 +162,14 @@ pub(super) fn contact_fields<const D: usize>(pair: &Pair, state: &State) -> Cont
     let node_rows = || (0..secondary.len()).map(|node| node * rows..(node + 1) * rows);
     ContactFields {
         positions: secondary.iter().map(|&node| position(node)).collect(),
-        pressure: node_rows().map(|rows| size(&lambda[rows])).collect(),
+        pressure: pressures(contact, &forces),
         gap: node_rows()
             .map(|rows| {
                 let (covered, weight) = (coverage[rows.start], pair.kernel.weights()[rows.start]);
                 if covered > tolerances::SLIVER { size(&gaps[rows]) / (covered * weight) } else { f64::NAN }
             })
             .collect(),
-        active: active.chunks_exact(rows).map(|rows| rows.contains(&true)).collect(),
+        active: active_nodes(contact, corners),
         forces: forces.own,
         force: totals.force,
         normal_force: totals.normal_force,

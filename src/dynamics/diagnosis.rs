@@ -124,9 +124,11 @@ where
             let rows = pair.kernel.rows_per_node();
             let mut indices: Vec<usize> = pair.rows.clone().filter(|&row| cycling(row)).map(|row| (row - pair.rows.start) / rows).collect();
             indices.dedup();
+            let contact = pair.corners.map_or(pair, |corners| &self.system.pairs[corners.of]);
             let named = indices.into_iter().map(|index| {
-                let (body, node) = self.system.owner(pair.kernel.secondary().nodes()[index] as usize);
-                CyclingNode { body: body.into(), node, index }
+                let number = pair.kernel.row_nodes()[index];
+                let (body, node) = self.system.owner(number as usize);
+                CyclingNode { body: body.into(), node, index: contact.kernel.secondary().index(number) }
             });
             named.collect()
         };
@@ -135,7 +137,7 @@ where
         }
         let found = self.system.pairs.iter().map(|pair| (pair, of_pair(pair)));
         let (pair, cycling) = found.max_by_key(|(_, nodes)| nodes.len()).filter(|(_, nodes)| !nodes.is_empty())?;
-        Some(FailureCause::CyclingContact { contact: pair.name.clone(), cycling, nodes: pair.kernel.secondary().nodes().len() })
+        Some(FailureCause::CyclingContact { contact: pair.name.clone(), cycling, nodes: pair.kernel.row_nodes().len() })
     }
 
     fn inverted_cell(&self, body: &str, inverted: &Inverted) -> FailureCause {
@@ -247,11 +249,12 @@ where
         let vertex = *vertex as usize;
         if vertex >= self.nodes() {
             let row = vertex - self.nodes();
-            let node = |pair: &Pair| pair.kernel.secondary().nodes()[(row - pair.rows.start) / pair.kernel.rows_per_node()];
+            let node = |pair: &Pair| pair.kernel.row_nodes()[(row - pair.rows.start) / pair.kernel.rows_per_node()];
             let node = self.pairs.iter().find(|pair| pair.rows.contains(&row)).map(node);
             // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
             let pairs = self.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
-            let names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();
+            let mut names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();
+            names.dedup();
             let contacts = if names.len() == 1 { "contact" } else { "contacts" };
             return format!("the constraints of {contacts} {} depend on one another: singular matrix", names.join(" and "));
         }

@@ -143,7 +143,9 @@ impl UpdateRule {
         match self {
             UpdateRule::Gap => "no penetration at the end of a step; each closing loses energy, which the ledger books as contact work",
             UpdateRule::Persistency => "energy exact through impact and release; penetrates by at most one step's approach",
-            UpdateRule::Velocity => "no penetration and exact energy: what a closing takes is kept in reserve and returned when the contact opens",
+            UpdateRule::Velocity => {
+                "no penetration and exact energy: what a closing takes is kept in reserve and returned when the contact opens"
+            }
         }
     }
 }

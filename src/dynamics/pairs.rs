@@ -20,10 +20,21 @@ pub(super) enum PairKind {
     Tie,
 }
 
+/// What a pair adds to the contact of a pair before it: constraints of the corners that its weighted gaps do not see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corners {
+    /// Index of the pair whose contact it is.
+    pub(super) of: usize,
+    /// Overlap that it leaves alone `[length]`: where surfaces lie flat on each other, the other constraints hold them, and these would
+    /// depend on them.
+    pub(super) slack: f64,
+}
+
 /// A contact pair with its place among the multipliers and in the matrix.
 pub(super) struct Pair {
     pub(super) name: String,
     pub(super) kind: PairKind,
+    pub(super) corners: Option<Corners>,
     /// Translation of the obstacle over time.
     pub(super) motion: [Option<Amplitude>; 2],
     /// Mean velocity of the obstacle in this step.
@@ -106,7 +117,7 @@ impl<const D: usize> System<D> {
         let mut compliance = vec![0.0; self.multipliers];
         for pair in self.pairs.iter().filter(|pair| pair.augmentation > 0.0) {
             for (local, row) in pair.rows.clone().enumerate() {
-                let node = pair.kernel.secondary().nodes()[local] as usize;
+                let node = pair.kernel.row_nodes()[local / pair.kernel.rows_per_node()] as usize;
                 let inertia = start.inertia() * self.nodal_mass[node] / pair.kernel.weights()[local].powi(2);
                 compliance[row] = 1.0 / (pair.augmentation * (pair.c + inertia));
             }
@@ -126,18 +137,19 @@ impl<const D: usize> System<D> {
         let mut shift = vec![0.0; gap_n.len()];
         let end_point = start.integrator == Integrator::Trapezoidal;
         for pair in &self.pairs {
-            let closed = pair.closed();
+            let (closed, weights) = (pair.closed(), pair.kernel.weights());
             for row in pair.rows.clone() {
+                let held = pair.corners.map_or(0.0, |corners| -corners.slack * weights[row - pair.rows.start]);
                 if pair.penalty > 0.0 {
                     if !end_point {
                         shift[row] = (felt[row].min(0.0) - gap_n[row].min(0.0)).max(0.0);
                         gap_n[row] += shift[row];
                     }
                 } else if pair.update == UpdateRule::Persistency {
-                    members[row] = pair.equality || gap_n[row] <= closed;
+                    members[row] = pair.equality || gap_n[row] <= held + closed;
                     targets[row] = gap_n[row];
-                } else if !pair.equality && gap_n[row] < -closed {
-                    targets[row] = gap_n[row];
+                } else if !pair.equality {
+                    targets[row] = if gap_n[row] < held - closed { gap_n[row] } else { held };
                 }
             }
         }
@@ -260,13 +272,14 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         Pair {
             name: name.into(),
             kind,
+            corners: None,
             motion: [None, None],
             obstacle_velocity: [0.0; 2],
             equality: kind == PairKind::Tie,
             update: UpdateRule::Gap,
             penalty: 0.0,
             augmentation: 0.0,
-            rows: 0..kernel.rows_per_node() * kernel.secondary().nodes().len(),
+            rows: 0..kernel.rows(),
             c: model.bodies[body].material.youngs_modulus() / (size * size),
             gap_tolerance: (tolerances::GAP * size * size).max(tolerances::GAP_FLOOR * largest_size(reference) * size),
             kernel,
@@ -315,12 +328,45 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         let kernel = Box::new(Tie::new(&secondary, &facets(&tie.primary), reference, reach));
         pairs.push(fresh(&tie.name, PairKind::Tie, tie.secondary.body, kernel));
     }
+    for (of, on, against) in cornered(model) {
+        let owner = &pairs[of];
+        if owner.equality || owner.penalty > 0.0 {
+            continue;
+        }
+        let size = owner.kernel.facet_size();
+        if let Some(kernel) = NodeToSegment::of_vertices(&facets_of_all(on, &facets), &facets_of_all(against, &facets), reference, size) {
+            let corners = Some(Corners { of, slack: tolerances::CORNER_SLACK * size });
+            let (update, augmentation) = (owner.update, owner.augmentation);
+            let name = owner.name.clone();
+            pairs.push(Pair { corners, update, augmentation, ..fresh(&name, PairKind::Surfaces, on[0].body, Box::new(kernel)) });
+        }
+    }
     let mut first = 0;
     for pair in &mut pairs {
         pair.rows = first..first + pair.rows.end;
         first = pair.rows.end;
     }
     pairs
+}
+
+/// Sides of the contacts between deformable bodies whose corners may enter the other side, each with the index of its contact among the
+/// pairs: all but those whose nodes have constraints of their own.
+fn cornered(model: &Model) -> Vec<(usize, &[BodyBoundary], &[BodyBoundary])> {
+    let mut sides = Vec::new();
+    for (of, contact) in model.contacts.iter().enumerate() {
+        let (secondary, primary) = (std::slice::from_ref(&contact.secondary), &contact.primary[..]);
+        if contact.method != ContactMethod::NodeToSegment {
+            sides.push((of, secondary, primary));
+        }
+        sides.push((of, primary, secondary));
+    }
+    for (of, contact) in model.self_contacts.iter().enumerate() {
+        let surface = std::slice::from_ref(&contact.surface);
+        if contact.method != ContactMethod::NodeToSegment {
+            sides.push((model.contacts.len() + of, surface, surface));
+        }
+    }
+    sides
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! Fields of the bodies and quantities of the contacts at the present state.
 
-use super::contact_quantities::{contact_fields, pair_forces, totals};
+use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
 use super::fields::{BodyFields, ContactFields};
 use super::ledger::{ContactTotals, ProbeValues};
 use super::pairs::{Pair, PairKind};
+use super::system::System;
 use super::time_loop::TimeLoop;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::integrators::Integrator;
-use crate::math::tolerances;
 
 impl<const D: usize> TimeLoop<D>
 where
@@ -24,21 +24,21 @@ where
         }
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
-        for pair in self.system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
-            let (gaps, coverage) = (pair.kernel.gap(q), pair.kernel.coverage(q));
-            let lambda = &self.state.lambda[pair.rows.clone()];
-            let mut evaluation = Evaluation::default();
-            pair.kernel.evaluate(Integrator::Trapezoidal, q, lambda, &mut evaluation);
-            for (node, force) in pair_forces::<D>(pair, &evaluation, lambda).all {
+        let evaluations = self.evaluations(q);
+        for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
+            let (contact, corners) = self.loaded(index, &evaluations);
+            for (node, force) in contact_forces::<D>(contact, &corners).all {
                 (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
             }
+            let fields = contact_fields::<D>(contact, &corners, q);
             for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
-                pressure[node as usize] += lambda[local];
-                if self.state.active[pair.rows.start + local] {
-                    contact_active[node as usize] = 1.0;
+                let node = node as usize;
+                pressure[node] += fields.pressure[local];
+                if fields.active[local] {
+                    contact_active[node] = 1.0;
                 }
-                if coverage[local] > tolerances::SLIVER {
-                    gap[node as usize] = gaps[local] / (coverage[local] * pair.kernel.weights()[local]);
+                if !fields.gap[local].is_nan() {
+                    gap[node] = fields.gap[local];
                 }
             }
         }
@@ -67,14 +67,36 @@ where
     }
 
     pub(super) fn contact_fields(&self, name: &str) -> Option<ContactFields> {
-        let pair = self.system.pairs.iter().find(|pair| pair.name == name)?;
-        Some(contact_fields::<D>(pair, &self.state))
+        let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
+        let evaluations = self.evaluations(&self.state.positions);
+        let (contact, corners) = self.loaded(index, &evaluations);
+        Some(contact_fields::<D>(contact, &corners, &self.state.positions))
     }
 
-    /// Sums over each contact pair with what Newton's method evaluated last, at `q`.
+    /// What all pairs are at a configuration, with the multipliers of the state.
+    fn evaluations(&self, q: &[f64]) -> Vec<Evaluation> {
+        let evaluated = |pair: &Pair| {
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Integrator::Trapezoidal, q, &self.state.lambda[pair.rows.clone()], &mut evaluation);
+            evaluation
+        };
+        self.system.pairs.iter().map(evaluated).collect()
+    }
+
+    /// A contact and its corners with evaluations of all pairs, in the present state.
+    fn loaded<'a>(&'a self, index: usize, evaluations: &'a [Evaluation]) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+        let evaluation = |k: usize| &evaluations[k];
+        loaded(&self.system, index, evaluation, &self.state.lambda, &self.state.active)
+    }
+
+    /// Sums over each contact with what Newton's method evaluated last, at `q`.
     pub(super) fn contact_totals(&self, q: &[f64], lambda: &[f64], active: &[bool]) -> Vec<ContactTotals> {
-        let of = |pair: &Pair| totals::<D>(pair, &pair.evaluation, &lambda[pair.rows.clone()], &active[pair.rows.clone()], q);
-        self.system.pairs.iter().map(of).collect()
+        let of = |(index, _): (usize, &Pair)| {
+            let evaluation = |k: usize| &self.system.pairs[k].evaluation;
+            let (contact, corners) = loaded(&self.system, index, evaluation, lambda, active);
+            totals::<D>(contact, &corners, q)
+        };
+        self.system.contacts().map(of).collect()
     }
 
     /// Displacement and velocity of the watched nodes.
@@ -89,4 +111,20 @@ where
         };
         self.probes.iter().map(values).collect()
     }
+}
+
+/// A contact and its corners with their evaluations and multipliers.
+fn loaded<'a, const D: usize>(
+    system: &'a System<D>,
+    index: usize,
+    evaluation: impl Fn(usize) -> &'a Evaluation,
+    lambda: &'a [f64],
+    active: &'a [bool],
+) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+    let of = |k: usize| {
+        let pair = &system.pairs[k];
+        Loaded { pair, evaluation: evaluation(k), lambda: &lambda[pair.rows.clone()], active: &active[pair.rows.clone()] }
+    };
+    let corners = (0..system.pairs.len()).filter(|&k| system.pairs[k].corners.is_some_and(|corners| corners.of == index));
+    (of(index), corners.map(of).collect())
 }

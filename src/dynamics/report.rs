@@ -71,15 +71,15 @@ pub enum FailureCause {
     },
 }
 
-/// A secondary node whose contact state kept changing.
+/// A node whose contact state kept changing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CyclingNode {
     /// Its body.
     pub body: String,
     /// Its number in the body's mesh.
     pub node: usize,
-    /// Its number among the secondary nodes of the pair.
-    pub index: usize,
+    /// Its number among the secondary nodes of the contact; `None` for a corner of the primary side.
+    pub index: Option<usize>,
 }
 
 /// One try of the step that failed.

@@ -310,8 +310,35 @@ where
 
     /// Number of secondary nodes in contact: active constraints, those of ties left out.
     pub(super) fn touching(&self, active: &[bool]) -> usize {
-        let contacts = self.pairs.iter().filter(|pair| pair.kind != PairKind::Tie);
-        contacts.map(|pair| active[pair.rows.clone()].iter().filter(|&&active| active).count()).sum()
+        self.closed_nodes(active).iter().zip(&self.pairs).filter(|(_, pair)| pair.kind != PairKind::Tie).map(|(closed, _)| closed).sum()
+    }
+
+    /// Number of nodes that active constraints hold, of each contact in the order of the model.
+    pub(super) fn closed_nodes(&self, active: &[bool]) -> Vec<usize> {
+        let held_by = |pair: &Pair| -> Vec<u32> {
+            let stride = pair.kernel.rows_per_node();
+            let rows = active[pair.rows.clone()].chunks_exact(stride).zip(pair.kernel.row_nodes());
+            rows.filter(|(rows, _)| rows.contains(&true)).map(|(_, &node)| node).collect()
+        };
+        let of = |(index, pair): (usize, &Pair)| {
+            let mut nodes = held_by(pair);
+            let corners = self.corners_of(index);
+            corners.for_each(|corners| nodes.extend(held_by(corners)));
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes.len()
+        };
+        self.contacts().map(of).collect()
+    }
+
+    /// The pairs that are contacts of the model, with their indices.
+    pub(super) fn contacts(&self) -> impl Iterator<Item = (usize, &Pair)> {
+        self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none())
+    }
+
+    /// The pairs that belong to a contact besides.
+    pub(super) fn corners_of(&self, index: usize) -> impl Iterator<Item = &Pair> {
+        self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.of == index))
     }
 
     /// Name of the body that owns a node, and the node's number in the body's mesh.
@@ -845,7 +872,7 @@ fn pattern_of<const D: usize>(fixed: &[bool], multipliers: usize, bodies: &[Body
     for pair in pairs {
         // Several rows of one node oppose its motion in different directions.
         let rows: Vec<usize> = pair.rows.clone().collect();
-        for (rows, &node) in rows.chunks_exact(pair.kernel.rows_per_node()).zip(pair.kernel.secondary().nodes()) {
+        for (rows, &node) in rows.chunks_exact(pair.kernel.rows_per_node()).zip(pair.kernel.row_nodes()) {
             if !std::mem::replace(&mut taken[node as usize], true) {
                 anchors.extend(rows.iter().map(|row| ((nodes + row) as u32, node)));
             }

@@ -377,8 +377,7 @@ where
     }
 
     fn closed_nodes(&self) -> Vec<usize> {
-        let count = |rows: std::ops::Range<usize>| self.state.active[rows].iter().filter(|active| **active).count();
-        self.system.pairs.iter().map(|pair| count(pair.rows.clone())).collect()
+        self.system.closed_nodes(&self.state.active)
     }
 
     fn foreseen(&self) -> Option<&LargeMotion> {

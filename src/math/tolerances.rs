@@ -72,6 +72,10 @@ pub const APPROACH: f64 = 0.1;
 /// its iterations.
 pub const CAME_THROUGH: f64 = 0.25;
 
+/// Overlap of a corner, in shortest secondary facets, that its own constraint leaves alone: half of what a sharp corner may go in, and far
+/// more than the gaps that weighted constraints leave where surfaces lie flat on each other.
+pub const CORNER_SLACK: f64 = 0.02;
+
 /// Overlap in shortest secondary facets, at the end of a step, of a pair that took no part in it, from which on the step is taken back.
 pub const OVERLOOKED: f64 = 1e-6;
 

@@ -1195,8 +1195,9 @@ fn contact() -> Vec<Function> {
             see_also: &["contact", "why"],
             body: body(|call| {
                 let map = |node: &CyclingNode| -> Dynamic {
+                    let index = node.index.map_or(Dynamic::UNIT, |index| (index as i64).into());
                     let entries: [(&str, Dynamic); 3] =
-                        [("body", node.body.clone().into()), ("node", (node.node as i64).into()), ("index", (node.index as i64).into())];
+                        [("body", node.body.clone().into()), ("node", (node.node as i64).into()), ("index", index)];
                     entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into()
                 };
                 Ok(call.receiver::<ContactHandle>().cycling.iter().map(map).collect::<Array>().into())
