@@ -66,11 +66,11 @@ pub const SLIDING: f64 = 0.9;
 
 /// Approach of an open node beyond the other side within a step of the persistency rule, in secondary facets, beyond which the step is
 /// halved beforehand: it would stay as penetration.
-pub const APPROACH: f64 = 0.1;
+pub const APPROACH: f64 = 0.08;
 
 /// The same for a converged step: more than is foreseen, since elastic motion is not predicted, and a step that is taken back has cost all
 /// its iterations.
-pub const CAME_THROUGH: f64 = 0.25;
+pub const CAME_THROUGH: f64 = 0.09;
 
 /// Overlap of a corner, in shortest secondary facets, that its own constraint leaves alone: half of what a sharp corner may go in, and far
 /// more than the gaps that weighted constraints leave where surfaces lie flat on each other.

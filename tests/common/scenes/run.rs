@@ -249,7 +249,8 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
         record.change = (total - start.total()) / scales.energy;
         record.gain = (total - bound) / scales.energy;
         bound = if scene.rule == UpdateRule::Velocity { bound.max(total) } else { bound.min(total) };
-        record.disagreement = (total - row.total() - offset).abs() / scales.energy;
+        // What closed contacts keep in reserve is no energy of the bodies.
+        record.disagreement = (total - (row.total() - row.reserve) - offset).abs() / scales.energy;
         if is_alone {
             let linear = length(subtract(record.sums.momentum, start.momentum)) / scales.momentum;
             record.momentum = worse(linear, (record.sums.angular_momentum - start.angular_momentum).abs() / scales.angular_momentum);
