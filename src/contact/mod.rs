@@ -20,6 +20,7 @@ mod mortar;
 mod node_to_segment;
 mod pair;
 mod patches;
+mod peaks;
 mod rigid;
 mod search;
 mod surface;
@@ -31,6 +32,7 @@ pub use checks::{Finding, NamedSurface, check_surfaces};
 pub use mortar::Mortar;
 pub use node_to_segment::NodeToSegment;
 pub use patches::{Evaluation, Patches};
+pub use peaks::RigidCorners;
 pub use rigid::{Obstacle, RigidContact};
 pub use search::{Candidates, PairSearch};
 pub use surface::{Sides, Surface};
@@ -84,7 +86,8 @@ pub trait ContactKernel: Send + Sync {
         1
     }
 
-    /// The nodes that own constraints, in the order of the rows: all secondary nodes, but for the corners' constraints.
+    /// The nodes that own constraints, in the order of the rows: all secondary nodes, but for the corners' constraints; none where these are
+    /// those of an obstacle.
     fn row_nodes(&self) -> &[u32] {
         self.secondary().nodes()
     }

@@ -22,9 +22,9 @@ use crate::math::tolerances::SAME_WAY;
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Turn of a surface in the reference positions above which a node of it is a corner, in degrees: the nodes of a circle of 36 facets are
-/// none, and their depth in another one's is below a fiftieth of a facet.
-const VERTEX: f64 = 10.0;
+/// Turn of a surface above which a node of it is a corner, in degrees: the nodes of a circle of 36 facets are none, and their depth in
+/// another one's is below a fiftieth of a facet.
+const CORNER: f64 = 10.0;
 
 /// Turn above which a corner of the other side is concave, in degrees, and how near a vertex must be to it, in shortest facets.
 const POCKET: f64 = 3.0;
@@ -34,11 +34,10 @@ const POCKET_REACH: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub struct NodeToSegment {
     sides: Sides,
-    /// The secondary nodes that have constraints as facets of no length, for the search, and their indices on the secondary side.
+    /// The secondary nodes as facets of no length, for the search.
     points: Surface,
-    indices: Vec<u32>,
-    /// Rows of each of them.
-    stride: usize,
+    /// Which nodes are corners, where contact is that of corners alone: in the reference positions, and now.
+    corners: Option<[Vec<bool>; 2]>,
     candidates: Candidates,
     window: Window,
     /// Per patch: the primary facets in it, ascending, candidates and their neighbors.
@@ -117,9 +116,7 @@ impl NodeToSegment {
     /// A surface that is on both sides touches itself: a node's own facets, their neighbors, and what lies behind it through the body are
     /// no opposite of it.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
-        let sides = Sides::new(secondary, primary, reference);
-        let all = (0..sides.secondary.nodes().len() as u32).collect();
-        let mut contact = Self::of_nodes(sides, all, reference);
+        let mut contact = Self::between(Sides::new(secondary, primary, reference), reference);
         let (secondary, primary) = (&contact.sides.secondary, &contact.sides.primary);
         if let Some([facets, others]) = secondary.ranks(primary) {
             let lowest = |row: usize| secondary.adjacent_facets(row).iter().map(|&facet| facets[facet as usize]).min().unwrap_or(0);
@@ -129,42 +126,44 @@ impl NodeToSegment {
         contact
     }
 
-    /// Contact of the corners of the secondary surface alone ([`Surface::vertices`], more than [`VERTEX`] degrees), for what the weighted gaps
-    /// of a mortar method do not see; `facet_size` that of the whole contact. `None` where there is no corner.
+    /// Contact of the corners of the secondary surface alone, for what the weighted gaps of a mortar method do not see: its corners in the
+    /// reference positions, and nodes that have become such; `facet_size` that of the whole contact. `None` where there is no corner in the
+    /// reference positions.
     ///
     /// Each has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose distances are
     /// two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
-    pub fn of_vertices(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Option<Self> {
+    pub fn of_corners(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Option<Self> {
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
-        let vertices: Vec<u32> = sides.secondary.vertices(reference, VERTEX).into_iter().map(|index| index as u32).collect();
-        if vertices.is_empty() {
+        let corners = sides.secondary.corners(reference, CORNER);
+        if !corners.contains(&true) {
             return None;
         }
-        let mut contact = Self::of_nodes(sides, vertices, reference);
-        contact.stride = 2;
+        let mut contact = Self::between(sides, reference);
+        contact.corners = Some([corners.clone(), corners]);
         contact.sides.weights = contact.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
         Some(contact)
     }
 
-    /// Contact of the secondary nodes with these indices, one row each.
-    fn of_nodes(mut sides: Sides, indices: Vec<u32>, reference: &[f64]) -> Self {
+    /// Contact of all secondary nodes, one row each.
+    fn between(sides: Sides, reference: &[f64]) -> Self {
         let (secondary, primary) = (&sides.secondary, &sides.primary);
-        let points = Surface::new(&indices.iter().map(|&index| [secondary.nodes()[index as usize]; 2]).collect::<Vec<_>>());
-        let mut excluded = points_within_the_body(secondary, primary, reference);
-        excluded.retain_mut(|pair| indices.binary_search(&pair[0]).map(|point| pair[0] = point as u32).is_ok());
-        let candidates = Candidates::new(SPARE * sides.facet_size).without(excluded);
+        let points = Surface::new(&secondary.nodes().iter().map(|&node| [node; 2]).collect::<Vec<_>>());
+        let candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
         let window = Window::new(&sides, reference);
-        sides.weights = indices.iter().map(|&index| sides.weights[index as usize]).collect();
-        NodeToSegment { sides, points, indices, stride: 1, candidates, window, facets: Vec::new(), start: Vec::new() }
+        NodeToSegment { sides, points, corners: None, candidates, window, facets: Vec::new(), start: Vec::new() }
     }
 
-    /// Makes the patches of the present candidates, one for each node that has any.
+    /// Makes the patches of the present candidates, one for each node that has any and can have a constraint.
     fn list_patches(&mut self) {
         self.sides.patches.clear();
         self.facets.clear();
         self.start.clear();
+        let stride = self.rows_per_node() as u32;
         for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
             let point = pairs[0][0];
+            if self.corners.as_ref().is_some_and(|[_, now]| !now[point as usize]) {
+                continue;
+            }
             let primary = &self.sides.primary;
             let mut facets: Vec<u32> = pairs.iter().map(|pair| pair[1]).collect();
             facets.extend(pairs.iter().flat_map(|pair| primary.neighbors(pair[1] as usize)).flatten());
@@ -174,21 +173,29 @@ impl NodeToSegment {
             nodes.sort_unstable();
             nodes.dedup();
             nodes.insert(0, self.points.nodes()[point as usize]);
-            let stride = self.stride as u32;
             let rows: Vec<u32> = (stride * point..stride * (point + 1)).collect();
             self.sides.patches.push(&nodes, &rows);
             self.facets.push(facets);
         }
     }
 
+    /// Finds which nodes are corners at `q`; returns whether these have changed.
+    fn find_corners(&mut self, q: &[f64]) -> bool {
+        let Some([always, now]) = &mut self.corners else { return false };
+        let found: Vec<bool> = self.sides.secondary.corners(q, CORNER).iter().zip(&*always).map(|(now, always)| now | always).collect();
+        let changed = found != *now;
+        *now = found;
+        changed
+    }
+
     /// The point of patch `p`.
     fn point(&self, p: usize) -> usize {
-        self.sides.patches.rows(p)[0] as usize / self.stride
+        self.sides.patches.rows(p)[0] as usize / self.rows_per_node()
     }
 
     /// Secondary facets that meet at a point.
     fn own_facets(&self, point: usize) -> &[u32] {
-        self.sides.secondary.adjacent_facets(self.indices[point] as usize)
+        self.sides.secondary.adjacent_facets(point)
     }
 
     /// Outward normal at a point (mean of its facets, not of unit length) at `q`.
@@ -255,9 +262,7 @@ impl NodeToSegment {
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
     fn pocket(&self, start: &Start) -> Option<[u32; 2]> {
-        if self.stride == 1 {
-            return None;
-        }
+        self.corners.as_ref()?;
         let measure = start.chain.measure(&start.positions, &start.admitted)?;
         let is_near = measure.covered && measure.gap <= POCKET_REACH * self.sides.facet_size;
         is_near.then(|| start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin()))?
@@ -305,7 +310,8 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.margin(&self.sides));
+        let mut changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.margin(&self.sides));
+        changed |= self.find_corners(outlook.q);
         if changed {
             self.list_patches();
         }
@@ -316,7 +322,8 @@ impl ContactKernel for NodeToSegment {
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
         let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
-        self.candidates.pairs().iter().any(|&[point, facet]| {
+        let has_constraint = |point: u32| self.corners.as_ref().is_none_or(|[_, now]| now[point as usize]);
+        self.candidates.pairs().iter().filter(|pair| has_constraint(pair[0])).any(|&[point, facet]| {
             let (point, ends) = (point as usize, self.sides.primary.facets()[facet as usize]);
             let node = self.points.nodes()[point];
             let end = Seen::new(node, ends, q_1);
@@ -350,6 +357,7 @@ impl ContactKernel for NodeToSegment {
 
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.candidates = candidates.clone();
+        self.find_corners(q);
         self.list_patches();
         let outlook = Outlook::within(q, 0.0);
         self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, &outlook)).collect();
@@ -357,7 +365,7 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn rows_per_node(&self) -> usize {
-        self.stride
+        if self.corners.is_some() { 2 } else { 1 }
     }
 
     fn row_nodes(&self) -> &[u32] {

@@ -111,21 +111,24 @@ impl Surface {
         others.iter().any(|&rank| rank != u32::MAX).then_some([own, others])
     }
 
-    /// Indices of the nodes at which the body has a corner in the positions `q`: where two facets turn outwards by more than `degrees`, and
-    /// the ends of open chains.
-    pub fn vertices(&self, q: &[f64], degrees: f64) -> Vec<usize> {
+    /// For each node whether the body has a corner there at the positions `q`: two facets that turn outwards by more than `degrees`, or the
+    /// end of an open chain.
+    pub fn corners(&self, q: &[f64], degrees: f64) -> Vec<bool> {
         let along = |facet: u32| {
             let [a, b] = self.facets[facet as usize].map(|node| 2 * node as usize);
             [q[b] - q[a], q[b + 1] - q[a + 1]]
         };
-        let is_corner = |index: &usize| {
-            let adjacent = self.adjacent_facets(*index);
-            let find = |end: usize| adjacent.iter().find(|&&facet| self.local_facets[facet as usize][end] as usize == *index);
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let is_corner = |index: usize| {
+            let adjacent = self.adjacent_facets(index);
+            let find = |end: usize| adjacent.iter().find(|&&facet| self.local_facets[facet as usize][end] as usize == index);
             let (Some(&before), Some(&after)) = (find(1), find(0)) else { return true };
             let (t, u) = (along(before), along(after));
-            (t[0] * u[1] - t[1] * u[0]).atan2(t[0] * u[0] + t[1] * u[1]).to_degrees() > degrees
+            // The turn less the angle lies between zero and half a turn.
+            let (cross, dot) = (t[0] * u[1] - t[1] * u[0], t[0] * u[0] + t[1] * u[1]);
+            cross > 0.0 && cosine * cross > sine * dot
         };
-        (0..self.nodes.len()).filter(is_corner).collect()
+        (0..self.nodes.len()).map(is_corner).collect()
     }
 
     /// Whether every node lies between two facets.
@@ -179,8 +182,8 @@ mod tests {
         assert_eq!((surface.index(6), surface.index(7)), (Some(2), None));
         assert!(surface.is_closed());
         assert_eq!(surface.neighbors(0), [Some(3), Some(1)]);
-        assert_eq!(surface.vertices(&q, 80.0), [0, 1, 2, 3]);
-        assert_eq!(surface.vertices(&q, 100.0), []);
+        assert_eq!(surface.corners(&q, 80.0), [true; 4]);
+        assert_eq!(surface.corners(&q, 100.0), [false; 4]);
         assert_eq!(surface.weights(&q), [1.5; 4]);
         assert_eq!(surface.shortest_facet(&q), 1.0);
     }
@@ -190,6 +193,7 @@ mod tests {
         let surface = Surface::new(&[[0, 1], [1, 2]]);
         assert!(!surface.is_closed());
         assert_eq!(surface.weights(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0]), [2.5, 3.0, 0.5]);
-        assert_eq!(surface.vertices(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0], 10.0), [0, 1, 2]);
+        assert_eq!(surface.corners(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0], 30.0), [true, true, true]);
+        assert_eq!(surface.corners(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0], 40.0), [true, false, true]);
     }
 }

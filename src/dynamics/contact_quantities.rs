@@ -30,10 +30,11 @@ pub(super) struct Loaded<'a> {
 }
 
 impl Loaded<'_> {
-    /// Tells the force of every row on every node of its patches: the node, the row's own node, the force.
-    fn for_each_force<const D: usize>(&self, mut tell: impl FnMut(u32, u32, [f64; 3])) {
+    /// Tells the force of every row on every node of its patches: the node, whether it owns a row of the patch, the force.
+    fn for_each_force<const D: usize>(&self, mut tell: impl FnMut(u32, bool, [f64; 3])) {
         let Loaded { pair, evaluation, lambda, .. } = self;
-        let (patches, stride, row_nodes) = (pair.kernel.patches(), pair.kernel.rows_per_node(), pair.kernel.row_nodes());
+        let (patches, stride) = (pair.kernel.patches(), pair.kernel.rows_per_node());
+        let row_node = |row: u32| pair.kernel.row_nodes().get(row as usize / stride).copied();
         for p in (0..patches.len()).filter(|&p| evaluation.live[p]) {
             let (nodes, rows) = (patches.nodes(p), patches.rows(p));
             let gradients = &evaluation.gradient_end[patches.gradient_range(p)];
@@ -45,9 +46,8 @@ impl Loaded<'_> {
                 for (u, &node) in nodes.iter().enumerate() {
                     let mut force = [0.0; 3];
                     (0..D).for_each(|i| force[i] = factor * gradient[u * D + i]);
-                    // A patch of several nodes' rows: what it presses on one of them is that one's own.
-                    let own = rows.iter().map(|&row| row_nodes[row as usize / stride]).find(|&own| own == node);
-                    tell(node, own.unwrap_or(row_nodes[row as usize / stride]), force);
+                    let own = rows.iter().any(|&row| row_node(row) == Some(node));
+                    tell(node, own, force);
                 }
             }
         }
@@ -62,9 +62,7 @@ pub(super) fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded]
     let mut forces = ContactForces { own: vec![[0.0; 3]; count], pressed: vec![0.0; count], all: Vec::new() };
     contact.for_each_force::<D>(|node, own, force| {
         forces.all.push((node, force));
-        if own == node
-            && let Some(index) = secondary.index(node)
-        {
+        if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| forces.own[index][i] += force[i]);
         }
     });
@@ -73,7 +71,7 @@ pub(super) fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded]
         corners.for_each_force::<D>(|node, own, force| {
             forces.all.push((node, force));
             // On a surface that touches itself, the corner's side.
-            if (!with_itself || own == node)
+            if (!with_itself || own)
                 && let Some(index) = secondary.index(node)
             {
                 (0..D).for_each(|i| more[index][i] += force[i]);
@@ -100,20 +98,20 @@ fn pressures(contact: Loaded, forces: &ContactForces) -> Vec<f64> {
     contact.lambda.chunks_exact(stride).enumerate().map(of).collect()
 }
 
-/// Which secondary nodes are in contact.
-fn active_nodes(contact: Loaded, corners: &[Loaded]) -> Vec<bool> {
+/// Which secondary nodes are in contact, and how many corners of the other side are.
+fn active_nodes(contact: Loaded, corners: &[Loaded]) -> (Vec<bool>, usize) {
     let mut active: Vec<bool> = contact.active.chunks_exact(contact.pair.kernel.rows_per_node()).map(|rows| rows.contains(&true)).collect();
+    let mut others = 0;
     for corners in corners {
         let kernel = &corners.pair.kernel;
-        for (rows, &node) in corners.active.chunks_exact(kernel.rows_per_node()).zip(kernel.row_nodes()) {
-            if rows.contains(&true)
-                && let Some(index) = contact.pair.kernel.secondary().index(node)
-            {
-                active[index] = true;
+        for (index, _) in corners.active.chunks_exact(kernel.rows_per_node()).enumerate().filter(|(_, rows)| rows.contains(&true)) {
+            match kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node)) {
+                Some(index) => active[index] = true,
+                None => others += 1,
             }
         }
     }
-    active
+    (active, others)
 }
 
 fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]) -> ContactTotals {
@@ -124,7 +122,9 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
         (0..3).for_each(|i| totals.force[i] += force[i]);
         totals.normal_force += force[0].hypot(force[1]).hypot(force[2]);
     }
-    let (weights, pressures, active) = (pair.kernel.secondary().weights(q), pressures(contact, forces), active_nodes(contact, corners));
+    let (weights, pressures) = (pair.kernel.secondary().weights(q), pressures(contact, forces));
+    let (active, others) = active_nodes(contact, corners);
+    totals.active = others;
     for (node, weight) in weights.iter().enumerate() {
         let row = node * stride;
         if active[node] {
@@ -169,7 +169,7 @@ pub(super) fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded]
                 if covered > tolerances::SLIVER { size(&gaps[rows]) / (covered * weight) } else { f64::NAN }
             })
             .collect(),
-        active: active_nodes(contact, corners),
+        active: active_nodes(contact, corners).0,
         forces: forces.own,
         force: totals.force,
         normal_force: totals.normal_force,

@@ -125,10 +125,11 @@ where
             let mut indices: Vec<usize> = pair.rows.clone().filter(|&row| cycling(row)).map(|row| (row - pair.rows.start) / rows).collect();
             indices.dedup();
             let contact = pair.corners.map_or(pair, |corners| &self.system.pairs[corners.of]);
-            let named = indices.into_iter().map(|index| {
-                let number = pair.kernel.row_nodes()[index];
+            // The corners of an obstacle have no name.
+            let named = indices.into_iter().filter_map(|index| {
+                let number = *pair.kernel.row_nodes().get(index)?;
                 let (body, node) = self.system.owner(number as usize);
-                CyclingNode { body: body.into(), node, index: contact.kernel.secondary().index(number) }
+                Some(CyclingNode { body: body.into(), node, index: contact.kernel.secondary().index(number) })
             });
             named.collect()
         };
@@ -249,8 +250,8 @@ where
         let vertex = *vertex as usize;
         if vertex >= self.nodes() {
             let row = vertex - self.nodes();
-            let node = |pair: &Pair| pair.kernel.row_nodes()[(row - pair.rows.start) / pair.kernel.rows_per_node()];
-            let node = self.pairs.iter().find(|pair| pair.rows.contains(&row)).map(node);
+            let node = |pair: &Pair| pair.kernel.row_nodes().get((row - pair.rows.start) / pair.kernel.rows_per_node()).copied();
+            let node = self.pairs.iter().find(|pair| pair.rows.contains(&row)).and_then(node);
             // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
             let pairs = self.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
             let mut names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();

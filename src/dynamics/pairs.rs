@@ -3,7 +3,7 @@
 use super::amplitude::Amplitude;
 use super::model::{BodyBoundary, ContactMethod, Enforcement, Model, UpdateRule};
 use super::system::{StepStart, System};
-use crate::contact::{AveragedMortar, ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, Surface, Tie};
+use crate::contact::{AveragedMortar, ContactKernel, Evaluation, Mortar, NodeToSegment, RigidContact, RigidCorners, Surface, Tie};
 use crate::integrators::Integrator;
 use crate::linear::Block;
 use crate::math::norms::largest_size;
@@ -117,8 +117,9 @@ impl<const D: usize> System<D> {
         let mut compliance = vec![0.0; self.multipliers];
         for pair in self.pairs.iter().filter(|pair| pair.augmentation > 0.0) {
             for (local, row) in pair.rows.clone().enumerate() {
-                let node = pair.kernel.row_nodes()[local / pair.kernel.rows_per_node()] as usize;
-                let inertia = start.inertia() * self.nodal_mass[node] / pair.kernel.weights()[local].powi(2);
+                let node = pair.kernel.row_nodes().get(local / pair.kernel.rows_per_node());
+                let mass = node.map_or(0.0, |&node| self.nodal_mass[node as usize]);
+                let inertia = start.inertia() * mass / pair.kernel.weights()[local].powi(2);
                 compliance[row] = 1.0 / (pair.augmentation * (pair.c + inertia));
             }
         }
@@ -334,11 +335,24 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
             continue;
         }
         let size = owner.kernel.facet_size();
-        if let Some(kernel) = NodeToSegment::of_vertices(&facets_of_all(on, &facets), &facets_of_all(against, &facets), reference, size) {
+        if let Some(kernel) = NodeToSegment::of_corners(&facets_of_all(on, &facets), &facets_of_all(against, &facets), reference, size) {
             let corners = Some(Corners { of, slack: tolerances::CORNER_SLACK * size });
             let (update, augmentation) = (owner.update, owner.augmentation);
             let name = owner.name.clone();
             pairs.push(Pair { corners, update, augmentation, ..fresh(&name, PairKind::Surfaces, on[0].body, Box::new(kernel)) });
+        }
+    }
+    for (obstacle, of) in model.obstacles.iter().zip(model.contacts.len() + model.self_contacts.len()..) {
+        let owner = &pairs[of];
+        if owner.equality || owner.penalty > 0.0 {
+            continue;
+        }
+        let size = owner.kernel.facet_size();
+        if let Some(kernel) = RigidCorners::new(&facets(&obstacle.secondary), &obstacle.obstacle, reference, size) {
+            let corners = Some(Corners { of, slack: tolerances::CORNER_SLACK * size });
+            let (name, update, augmentation, motion) = (owner.name.clone(), owner.update, owner.augmentation, owner.motion.clone());
+            let pair = fresh(&name, PairKind::Obstacle, obstacle.secondary.body, Box::new(kernel));
+            pairs.push(Pair { corners, update, augmentation, motion, ..pair });
         }
     }
     let mut first = 0;

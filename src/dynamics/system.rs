@@ -317,8 +317,9 @@ where
     pub(super) fn closed_nodes(&self, active: &[bool]) -> Vec<usize> {
         let held_by = |pair: &Pair| -> Vec<u32> {
             let stride = pair.kernel.rows_per_node();
-            let rows = active[pair.rows.clone()].chunks_exact(stride).zip(pair.kernel.row_nodes());
-            rows.filter(|(rows, _)| rows.contains(&true)).map(|(_, &node)| node).collect()
+            let rows = active[pair.rows.clone()].chunks_exact(stride).enumerate().filter(|(_, rows)| rows.contains(&true));
+            // Corners of obstacles are numbered by their rows, from behind.
+            rows.map(|(index, _)| pair.kernel.row_nodes().get(index).copied().unwrap_or(u32::MAX - index as u32)).collect()
         };
         let of = |(index, pair): (usize, &Pair)| {
             let mut nodes = held_by(pair);
