@@ -22,9 +22,12 @@ use crate::math::tolerances::SAME_WAY;
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Turn of a surface above which a node of it is a corner, in degrees: the nodes of a circle of 36 facets are none, and their depth in
-/// another one's is below a fiftieth of a facet.
-const CORNER: f64 = 10.0;
+/// Cosine of the turn of a surface in the reference positions above which it has corners: 10 degrees. The nodes of a circle of 36 facets
+/// are none, and their depth in another one's is below a fiftieth of a facet.
+const CORNER: f64 = 0.9848;
+
+/// Cosine of the turn above which such a surface is bent, 2 degrees: where both sides are flatter, weighted gaps see everything.
+const BENT: f64 = 0.9994;
 
 /// Turn above which a corner of the other side is concave, in degrees, and how near a vertex must be to it, in shortest facets.
 const POCKET: f64 = 3.0;
@@ -36,8 +39,8 @@ pub struct NodeToSegment {
     sides: Sides,
     /// The secondary nodes as facets of no length, for the search.
     points: Surface,
-    /// Which nodes are corners, where contact is that of corners alone: in the reference positions, and now.
-    corners: Option<[Vec<bool>; 2]>,
+    /// Where contact is that of corners alone: which nodes of both sides are bent at the start of the step.
+    bent: Option<[Vec<bool>; 2]>,
     candidates: Candidates,
     window: Window,
     /// Per patch: the primary facets in it, ascending, candidates and their neighbors.
@@ -126,20 +129,19 @@ impl NodeToSegment {
         contact
     }
 
-    /// Contact of the corners of the secondary surface alone, for what the weighted gaps of a mortar method do not see: its corners in the
-    /// reference positions, and nodes that have become such; `facet_size` that of the whole contact. `None` where there is no corner in the
+    /// Contact of the corners of the secondary surface alone, for what the weighted gaps of a mortar method do not see: of nodes at which it
+    /// is bent, or that lie opposite a bend. `facet_size` is that of the whole contact. `None` where neither side has a corner in the
     /// reference positions.
     ///
-    /// Each has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose distances are
-    /// two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
+    /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose distances
+    /// are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
     pub fn of_corners(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Option<Self> {
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
-        let corners = sides.secondary.corners(reference, CORNER);
-        if !corners.contains(&true) {
+        if ![&sides.secondary, &sides.primary].iter().any(|side| side.bends(reference, CORNER).contains(&true)) {
             return None;
         }
         let mut contact = Self::between(sides, reference);
-        contact.corners = Some([corners.clone(), corners]);
+        contact.bent = Some(Default::default());
         contact.sides.weights = contact.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
         Some(contact)
     }
@@ -150,10 +152,10 @@ impl NodeToSegment {
         let points = Surface::new(&secondary.nodes().iter().map(|&node| [node; 2]).collect::<Vec<_>>());
         let candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
         let window = Window::new(&sides, reference);
-        NodeToSegment { sides, points, corners: None, candidates, window, facets: Vec::new(), start: Vec::new() }
+        NodeToSegment { sides, points, bent: None, candidates, window, facets: Vec::new(), start: Vec::new() }
     }
 
-    /// Makes the patches of the present candidates, one for each node that has any and can have a constraint.
+    /// Makes the patches of the present candidates, one for each node that has any.
     fn list_patches(&mut self) {
         self.sides.patches.clear();
         self.facets.clear();
@@ -161,9 +163,6 @@ impl NodeToSegment {
         let stride = self.rows_per_node() as u32;
         for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
             let point = pairs[0][0];
-            if self.corners.as_ref().is_some_and(|[_, now]| !now[point as usize]) {
-                continue;
-            }
             let primary = &self.sides.primary;
             let mut facets: Vec<u32> = pairs.iter().map(|pair| pair[1]).collect();
             facets.extend(pairs.iter().flat_map(|pair| primary.neighbors(pair[1] as usize)).flatten());
@@ -179,13 +178,18 @@ impl NodeToSegment {
         }
     }
 
-    /// Finds which nodes are corners at `q`; returns whether these have changed.
-    fn find_corners(&mut self, q: &[f64]) -> bool {
-        let Some([always, now]) = &mut self.corners else { return false };
-        let found: Vec<bool> = self.sides.secondary.corners(q, CORNER).iter().zip(&*always).map(|(now, always)| now | always).collect();
-        let changed = found != *now;
-        *now = found;
-        changed
+    /// Finds which nodes are bent at `q`, if that matters.
+    fn find_bends(&mut self, q: &[f64]) {
+        if let Some(bent) = &mut self.bent {
+            *bent = [&self.sides.secondary, &self.sides.primary].map(|side| side.bends(q, BENT));
+        }
+    }
+
+    /// Whether a point has a constraint beside these facets in this step.
+    fn has_constraint(&self, point: usize, facets: &[u32]) -> bool {
+        let Some([own, others]) = &self.bent else { return true };
+        let primary = self.sides.primary.local_facets();
+        own[point] || facets.iter().any(|&facet| primary[facet as usize].iter().any(|&node| others[node as usize]))
     }
 
     /// The point of patch `p`.
@@ -227,7 +231,10 @@ impl NodeToSegment {
         let is_admitted = |facet: u32| {
             self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, normal, outlook)
         };
-        let admitted: Vec<u32> = self.facets[p].iter().copied().filter(|&facet| is_admitted(facet)).collect();
+        let mut admitted: Vec<u32> = self.facets[p].iter().copied().filter(|&facet| is_admitted(facet)).collect();
+        if !self.has_constraint(point, &admitted) {
+            admitted.clear();
+        }
         let mut facets: Vec<u32> = admitted.iter().flat_map(|&facet| primary.neighbors(facet as usize)).flatten().collect();
         facets.extend(&admitted);
         facets.sort_unstable();
@@ -262,7 +269,7 @@ impl NodeToSegment {
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
     fn pocket(&self, start: &Start) -> Option<[u32; 2]> {
-        self.corners.as_ref()?;
+        self.bent.as_ref()?;
         let measure = start.chain.measure(&start.positions, &start.admitted)?;
         let is_near = measure.covered && measure.gap <= POCKET_REACH * self.sides.facet_size;
         is_near.then(|| start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin()))?
@@ -310,8 +317,8 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let mut changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.margin(&self.sides));
-        changed |= self.find_corners(outlook.q);
+        let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.margin(&self.sides));
+        self.find_bends(outlook.q);
         if changed {
             self.list_patches();
         }
@@ -322,8 +329,7 @@ impl ContactKernel for NodeToSegment {
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
         let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
-        let has_constraint = |point: u32| self.corners.as_ref().is_none_or(|[_, now]| now[point as usize]);
-        self.candidates.pairs().iter().filter(|pair| has_constraint(pair[0])).any(|&[point, facet]| {
+        self.candidates.pairs().iter().any(|&[point, facet]| {
             let (point, ends) = (point as usize, self.sides.primary.facets()[facet as usize]);
             let node = self.points.nodes()[point];
             let end = Seen::new(node, ends, q_1);
@@ -341,7 +347,7 @@ impl ContactKernel for NodeToSegment {
                         .zip(&start.admitted)
                         .any(|(local, &admitted)| admitted && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
                 });
-                !was && self.admits(point, facet, self.normal(point, q_0), &outlook)
+                !was && self.has_constraint(point, &[facet]) && self.admits(point, facet, self.normal(point, q_0), &outlook)
             }
         })
     }
@@ -357,7 +363,7 @@ impl ContactKernel for NodeToSegment {
 
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.candidates = candidates.clone();
-        self.find_corners(q);
+        self.find_bends(q);
         self.list_patches();
         let outlook = Outlook::within(q, 0.0);
         self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, &outlook)).collect();
@@ -365,7 +371,7 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn rows_per_node(&self) -> usize {
-        if self.corners.is_some() { 2 } else { 1 }
+        if self.bent.is_some() { 2 } else { 1 }
     }
 
     fn row_nodes(&self) -> &[u32] {

@@ -111,24 +111,19 @@ impl Surface {
         others.iter().any(|&rank| rank != u32::MAX).then_some([own, others])
     }
 
-    /// For each node whether the body has a corner there at the positions `q`: two facets that turn outwards by more than `degrees`, or the
-    /// end of an open chain.
-    pub fn corners(&self, q: &[f64], degrees: f64) -> Vec<bool> {
+    /// For each node whether the surface is bent there at the positions `q`: whether two facets turn by more than an angle, outwards or
+    /// inwards, or the chain ends. `cosine` is that of the angle.
+    pub fn bends(&self, q: &[f64], cosine: f64) -> Vec<bool> {
         let along = |facet: u32| {
             let [a, b] = self.facets[facet as usize].map(|node| 2 * node as usize);
             [q[b] - q[a], q[b + 1] - q[a + 1]]
         };
-        let (sine, cosine) = degrees.to_radians().sin_cos();
-        let is_corner = |index: usize| {
-            let adjacent = self.adjacent_facets(index);
-            let find = |end: usize| adjacent.iter().find(|&&facet| self.local_facets[facet as usize][end] as usize == index);
-            let (Some(&before), Some(&after)) = (find(1), find(0)) else { return true };
-            let (t, u) = (along(before), along(after));
-            // The turn less the angle lies between zero and half a turn.
-            let (cross, dot) = (t[0] * u[1] - t[1] * u[0], t[0] * u[0] + t[1] * u[1]);
-            cross > 0.0 && cosine * cross > sine * dot
+        let is_bent = |index: usize| {
+            let &[one, other] = self.adjacent_facets(index) else { return true };
+            let (t, u) = (along(one), along(other));
+            t[0] * u[0] + t[1] * u[1] < cosine * t[0].hypot(t[1]) * u[0].hypot(u[1])
         };
-        (0..self.nodes.len()).map(is_corner).collect()
+        (0..self.nodes.len()).map(is_bent).collect()
     }
 
     /// Whether every node lies between two facets.
@@ -182,8 +177,8 @@ mod tests {
         assert_eq!((surface.index(6), surface.index(7)), (Some(2), None));
         assert!(surface.is_closed());
         assert_eq!(surface.neighbors(0), [Some(3), Some(1)]);
-        assert_eq!(surface.corners(&q, 80.0), [true; 4]);
-        assert_eq!(surface.corners(&q, 100.0), [false; 4]);
+        assert_eq!(surface.bends(&q, 0.1), [true; 4]);
+        assert_eq!(surface.bends(&q, -0.1), [false; 4]);
         assert_eq!(surface.weights(&q), [1.5; 4]);
         assert_eq!(surface.shortest_facet(&q), 1.0);
     }
@@ -193,7 +188,7 @@ mod tests {
         let surface = Surface::new(&[[0, 1], [1, 2]]);
         assert!(!surface.is_closed());
         assert_eq!(surface.weights(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0]), [2.5, 3.0, 0.5]);
-        assert_eq!(surface.corners(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0], 30.0), [true, true, true]);
-        assert_eq!(surface.corners(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0], 40.0), [true, false, true]);
+        assert_eq!(surface.bends(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0], 0.81), [true; 3]);
+        assert_eq!(surface.bends(&[0.0, 0.0, 3.0, 4.0, 3.0, 5.0], 0.79), [true, false, true]);
     }
 }
