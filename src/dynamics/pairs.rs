@@ -87,7 +87,8 @@ impl<const D: usize> System<D> {
         for pair in self.pairs.iter().filter(|pair| pair.augmentation > 0.0) {
             for (local, row) in pair.rows.clone().enumerate() {
                 let node = pair.kernel.secondary().nodes()[local] as usize;
-                let inertia = start.inertia() * self.nodal_mass[node] / pair.kernel.weights()[local].powi(2);
+                let body = self.bodies.iter().position(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
+                let inertia = start.inertia(body) * self.nodal_mass[node] / pair.kernel.weights()[local].powi(2);
                 compliance[row] = 1.0 / (pair.augmentation * (pair.c + inertia));
             }
         }

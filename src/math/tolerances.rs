@@ -15,6 +15,15 @@ pub const NEWTON_FORCE: f64 = 1e-7;
 /// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge too.
 pub const FORCE_FLOOR: f64 = 1e-14;
 
+/// Unbalanced force at rest, relative to the sum of the forces on the same piece, that `settle` accepts: ten times below the promised 1e-10.
+pub const BALANCE: f64 = 1e-11;
+
+/// Round-off floor of the resultant of a piece over that of its nodal forces: internal forces cancel in it, contact forces remain.
+pub const FLOOR_OF_SUMS: f64 = 1e-2;
+
+/// Stiffness of supports against a rigid motion, relative to their largest, below which the motion is free: round-off of node positions.
+pub const HELD: f64 = 1e-10;
+
 /// Weighted gap that counts as closed, relative to the square of the shortest secondary facet (Newton's target).
 pub const GAP: f64 = 1e-12;
 
