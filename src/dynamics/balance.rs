@@ -1,14 +1,15 @@
 //! The balance of forces at rest, judged for every piece of connected nodes by its own forces.
 //!
 //! One idea: a piece that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid motions that
-//! its supports leave it; then every one of its nodes is judged. Both are compared with the loads, reactions and contact forces on that
-//! piece alone, so that a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
+//! its supports leave it, by the sum of the loads, reactions or contact forces on that piece alone; then every one of its nodes, by the
+//! largest of them. So a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the piece's mass center `c` and radius `r`: all its components are lengths.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::model::Model;
+use super::pairs::PairKind;
 use super::system::{Forces, System};
 use crate::bodies::{Elements, Space};
 use crate::math::tolerances;
@@ -86,7 +87,7 @@ impl Balance {
         let mut imbalance = Imbalance { excess: 0.0, is_round_off: true, pieces: Vec::new() };
         for piece in &self.pieces {
             let rigid = RigidMotions::new(system, &piece.nodes, q);
-            let (mut loads, mut reactions, mut contacts) = (0.0, 0.0, 0.0);
+            let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
             let (mut largest, mut reach) = (0.0f64, piece.extent);
             let mut along = DVector::zeros(rigid.count());
             for &node in &piece.nodes {
@@ -94,10 +95,13 @@ impl Balance {
                     let k = node * D + i;
                     let force = 2.0 * (forces.contact[k] - forces.without_contact[k]);
                     reach = reach.max(q[k].abs());
-                    loads += 2.0 * forces.load[k].abs() + system.weight[k].abs();
-                    contacts += 2.0 * forces.contact[k].abs();
+                    let (load, contact) = (2.0 * forces.load[k].abs() + system.weight[k].abs(), 2.0 * forces.contact[k].abs());
+                    loads += load;
+                    contacts += contact;
+                    largest_force = largest_force.max(load).max(contact);
                     if system.fixed[k] {
                         reactions += force.abs();
+                        largest_force = largest_force.max(force.abs());
                     } else {
                         largest = largest.max(force.abs());
                         along += rigid.row(q, node, i) * force;
@@ -107,9 +111,9 @@ impl Balance {
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
             let floor = tolerances::FORCE_FLOOR * piece.modulus * reach * piece.extent.powi(D as i32 - 2);
-            let target = tolerances::BALANCE * scale;
+            let target = tolerances::BALANCE * largest_force;
             // Internal forces cancel in the resultant element by element, whatever the round-off of the positions.
-            let target_of_sums = target.max(tolerances::FLOOR_OF_SUMS * floor);
+            let target_of_sums = (tolerances::BALANCE * scale).max(tolerances::FLOOR_OF_SUMS * floor);
             let excess = (pushes / target_of_sums).max(largest / target.max(f64::MIN_POSITIVE));
             imbalance.excess = imbalance.excess.max(excess);
             imbalance.is_round_off &= pushes <= target_of_sums.max(floor) && largest <= target.max(floor);
@@ -138,7 +142,7 @@ impl Balance {
                     clearances[*b] = clearances[*b].min(0.5 * apart);
                 }
             }
-            if pair.kind == super::pairs::PairKind::Obstacle {
+            if pair.kind == PairKind::Obstacle {
                 // Weighted by the area of the nodes.
                 let distances = pair.kernel.gap(q).into_iter().zip(pair.kernel.weights()).map(|(gap, weight)| gap / weight);
                 for (distance, &node) in distances.zip(pair.kernel.secondary().nodes()) {
@@ -160,10 +164,12 @@ impl Balance {
     }
 
     /// Gives every node the value of its piece.
-    pub(super) fn spread(&self, values: &[f64], of_node: &mut [f64]) {
+    pub(super) fn spread(&self, values: &[f64], nodes: usize) -> Vec<f64> {
+        let mut of_node = vec![0.0; nodes];
         for (piece, value) in self.pieces.iter().zip(values) {
             piece.nodes.iter().for_each(|&node| of_node[node] = *value);
         }
+        of_node
     }
 
     /// Largest displacement of a node of each piece.

@@ -193,7 +193,8 @@ impl FailureReport {
                     Some(Missing::Guidance) => ": what it touches does not hold it there, for contact has no friction",
                     None => "",
                 };
-                format!("after {steps} damped steps the forces on body \"{body}\" do not balance ({unbalanced:.0e} of them is left), and it can still {how}{why}")
+                let part = if *unbalanced < 0.01 { format!("{unbalanced:.0e}") } else { format!("{unbalanced:.2}") };
+                format!("after {steps} damped steps body \"{body}\" can still {how}, and {part} of the forces on it is not balanced{why}")
             }
             FailureCause::InvertedCell { body, cell, determinant, center, dimension } => {
                 let center: Vec<String> = center[..*dimension].iter().map(|x| format!("{x:.4}")).collect();

@@ -1,28 +1,30 @@
 //! `settle`: equilibrium under the loads of the present time, by damped steps without inertia.
 //!
-//! A step solves `K(q_1) + mu M (q_1 - q_0) = 0` with the contact conditions. Each body has its own damping `mu`: as much as its unbalanced
-//! resultant and torque need so that nothing loose moves by more than half a facet, and never less than a trifle of its own stiffness, so that
-//! rigid motions stay regular. As the forces come to balance the damping goes with them, and so does the error that it leaves
-//! (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). The end is judged by `balance.rs`, where damping does
-//! not count as a force. Does not follow a path: which of several equilibria is found is not promised.
+//! A step solves `f(q_1) + mu M (q_1 - q_0) = 0`, the forces at its end and a damping, with the contact conditions. Each body has its own
+//! `mu`: as much as its unbalanced resultant and torque ask for, so that nothing loose moves by more than half a facet, and never less than a
+//! trifle of its own stiffness, so that rigid motions stay regular. As the forces come to balance the damping goes with them, and with it
+//! the error that it leaves (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). `balance.rs` judges when the
+//! end is reached; damping does not count as a force there.
+//!
+//! Does not promise which of several equilibria is found, nor that it is stable; but a step never goes against the unbalanced forces.
 
 use std::sync::Arc;
 
 use super::balance::{Balance, Imbalance};
 use super::error::StepError;
 use super::newton::{self, Failure, Solution, Task};
-use super::pairs::Conditions;
+use super::pairs::{Conditions, Pair};
 use super::predictor;
 use super::report::{FailureCause, Missing};
 use super::simulation::{Clock, SettleReport, State};
 use super::system::{Forces, StepStart};
 use super::time_loop::{TimeLoop, solve};
 use crate::bodies::{Elements, Space};
+use crate::contact::Surface;
 use crate::integrators::Integrator;
-use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// Damped steps that `settle` takes at most.
+/// Damped steps at most: stacks of twenty take seven, a fall from a distance one for each halving of it.
 const MAX_STEPS: usize = 100;
 
 /// Least damping of a body over the stiffness of its slowest elastic motion.
@@ -31,36 +33,66 @@ const LEAST_DAMPING: f64 = 1e-8;
 /// What a loose body may move in a step, in facets: more, and Newton's method does not follow contacts that close on the way.
 const FALL: f64 = 0.5;
 
-/// Growth of the damping after a step that failed, and how often in a row.
+/// What a body may move in a step that has nothing to fall on, in extents of the model, and how far it goes until it is gone for good.
+const FLIGHT: f64 = 10.0;
+const GONE: f64 = 100.0;
+
+/// Growth of the damping after a step that was refused, and its decay after one that was not.
 const MORE_DAMPING: f64 = 100.0;
-const MAX_TRIES: usize = 5;
+const LESS_DAMPING: f64 = 0.1;
+
+/// Growth of the search's reach after bodies moved beyond it.
+const WIDER: f64 = 3.0;
+
+/// Times that a step is tried again.
+const MAX_TRIES: usize = 6;
+
+/// Steps with more damping than the forces ask for that may go by without less imbalance: what buckles may pass, what slides off is given up.
+const MAX_STUCK: usize = 20;
 
 /// Motion in a step, in facets, below which a body is not expected to move in the next one.
 const STANDS: f64 = 1e-3;
 
-/// How often a body may be expected to move farther than in the step before: pairs that take part only while bodies move must not keep them
-/// moving.
-const MAX_WIDENINGS: usize = 20;
+/// Steps in which everything stood after which nothing is expected to move any more: pairs that take part only while bodies move must not
+/// keep them moving.
+const MAX_STOOD: usize = 3;
 
-/// Distance from where it began, in extents of the model, at which a body has left for good.
-const GONE: f64 = 1e3;
-
-/// What the next step is expected to do, from the steps before.
+/// What the steps so far tell of the next one.
 struct Course {
-    /// How much more damping than the forces ask for.
-    excess: f64,
-    /// Failures in a row.
+    steps: usize,
+    /// Times that the present step was tried again.
     tries: usize,
-    /// Largest motion of each piece in the last step.
-    last: Option<Vec<f64>>,
-    widenings: usize,
+    /// How much more damping than the forces ask for, and more reach of the search than expected.
+    excess: f64,
+    reach: f64,
+    /// The last step, and the largest displacement of each piece in it.
+    motion: Vec<f64>,
+    travelled: Option<Vec<f64>>,
+    stood: usize,
+    /// The least imbalance, and how many steps with more damping have not reduced it.
+    least: f64,
+    stuck: usize,
+    /// A state at which only round-off was left, and its imbalance.
+    best: Option<(Arc<State>, f64)>,
+}
+
+/// The present state as `settle` sees it.
+struct Present {
+    positions: Vec<f64>,
+    /// Positions with prescribed motion, and how far that goes.
+    predicted: Vec<f64>,
+    prescribed: f64,
+    forces: Forces,
+    imbalance: Imbalance,
+    /// Whether the contact conditions and the prescribed motions are met.
+    is_closed: bool,
 }
 
 /// A damped step as it is planned.
 struct Plan {
-    /// Damping of each body.
+    /// Of each body.
     damping: Vec<f64>,
-    /// Displacement with which Newton's method starts, of each piece.
+    /// Displacement of each piece with which Newton's method starts.
     shift: Vec<[f64; 3]>,
     /// How far the nodes of each piece are expected to move at most.
     travel: Vec<f64>,
@@ -85,83 +117,17 @@ where
         let iterations_before = self.statistics.newton_iterations;
         let balance = Balance::new(&self.system, &self.model);
         let begun = self.state.positions.clone();
-        let mut course = Course { excess: 1.0, tries: 0, last: None, widenings: 0 };
-        let mut motion = vec![0.0; begun.len()];
-        let mut best: Option<(Arc<State>, f64)> = None;
-        let mut steps = 0;
+        let mut course = Course::new(begun.len());
         loop {
-            let positions = self.state.positions.clone();
-            let time = self.state.row.time;
-            let (displacement, _) = self.system.prescribed_motion(time)?;
-            let mut predicted = positions.clone();
-            predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
-            let moved = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
-
-            // At rest nothing is expected to move.
-            let at_rest = vec![0.0; balance.pieces.len()];
-            let mut margins = self.margins(&balance, &at_rest, moved);
-            self.begin_settling(&positions, &margins)?;
-            let undamped = vec![0.0; self.system.bodies.len()];
-            let forces = self.forces_at_rest(&positions, &undamped)?;
-            let conditions = self.conditions_at_rest(&positions, &undamped);
-            let is_closed = moved == 0.0 && newton::meets(&self.system, &conditions, &self.state.lambda);
-            let imbalance = balance.judge(&self.system, &positions, &forces);
-            if is_closed && imbalance.excess <= 1.0 {
+            let present = self.look(&balance)?;
+            if present.is_closed && (present.imbalance.excess <= 1.0 || self.gains_nothing(&present.imbalance, &mut course.best)) {
                 break;
             }
-            if is_closed && imbalance.is_round_off {
-                // A step that gains nothing is not taken: a state that was settled stays as it is.
-                match best.take().filter(|(_, before)| imbalance.excess > 0.5 * before) {
-                    Some((state, _)) => {
-                        self.system.restore_search(&state.search, &state.positions, time);
-                        self.state = state;
-                        break;
-                    }
-                    None => best = Some((self.state.clone(), imbalance.excess)),
-                }
+            let is_gone = present.positions.iter().zip(&begun).any(|(q, begun)| (q - begun).abs() > GONE * self.system.extent);
+            if is_gone || course.steps == MAX_STEPS || course.stuck == MAX_STUCK {
+                return Err(self.no_equilibrium(&balance, &present.imbalance, &course));
             }
-            let gone = positions.iter().zip(&begun).any(|(q, begun)| (q - begun).abs() > GONE * self.system.extent);
-            if gone || steps == MAX_STEPS {
-                return Err(self.no_equilibrium(&balance, &imbalance, steps, &motion));
-            }
-
-            let plan = self.plan(&balance, &imbalance, &mut course, &positions);
-            if plan.travel.iter().any(|&travel| travel > 0.0) {
-                margins = self.margins(&balance, &plan.travel, moved);
-                self.begin_settling(&positions, &margins)?;
-            }
-            balance.shift(&self.system, &plan.shift, &mut predicted);
-            let outcome = self.damped_step(&positions, &predicted, &plan.damping).and_then(|solution| {
-                self.check_reach(&solution, &margins)?;
-                Ok(solution)
-            });
-            let refused = match outcome {
-                Ok(solution) if !is_closed || imbalance.is_round_off || goes_with(&forces, &solution.q_1, &positions, &self.system.fixed) => {
-                    motion = solution.q_1.iter().zip(&positions).map(|(new, old)| new - old).collect();
-                    course.accepted(balance.motions::<D>(&motion));
-                    steps += 1;
-                    let state = Arc::make_mut(&mut self.state);
-                    (state.positions, state.lambda, state.active) = (solution.q_1, solution.lambda, solution.active);
-                    state.search = self.system.search();
-                    if std::env::var_os("SETTLE").is_some() {
-                        eprintln!("settle {steps}: mu {:.3?} excess {:.1e} motion {:.2e} it {} before {:.2e} closed {is_closed} ro {}", plan.damping, course.excess, largest_size(&motion), solution.iterations, imbalance.excess, imbalance.is_round_off);
-                    }
-                    continue;
-                }
-                Ok(_) => None,
-                Err(Failure::Fatal(error)) => return Err(error),
-                Err(failure) => Some(failure),
-            };
-            if std::env::var_os("SETTLE").is_some() {
-                eprintln!("settle refused: {} excess {:.1e}", refused.as_ref().map_or("against", |f| f.name()), course.excess);
-            }
-            if course.tries == MAX_TRIES {
-                return Err(match refused {
-                    Some(failure) => self.failed(&failure, 0.0, 0),
-                    None => self.no_equilibrium(&balance, &imbalance, steps, &motion),
-                });
-            }
-            (course.tries, course.excess) = (course.tries + 1, MORE_DAMPING * course.excess);
+            self.step_to_rest(&balance, &present, &mut course)?;
         }
         let contacts = self.contact_totals(&self.state.positions, &self.state.lambda, &self.state.active);
         let probes = self.probe_values(&self.state.positions, &self.state.velocities);
@@ -173,43 +139,116 @@ where
         row.active = self.system.touching(active);
         (row.contacts, row.probes) = (contacts, probes);
         Ok(SettleReport {
-            steps,
+            steps: course.steps,
             newton_iterations: self.statistics.newton_iterations - iterations_before,
             strain: row.strain,
             active: row.active,
         })
     }
 
+    /// Judges the present state, with the contact pairs of a state at rest.
+    fn look(&mut self, balance: &Balance) -> Result<Present, StepError> {
+        let positions = self.state.positions.clone();
+        let (displacement, _) = self.system.prescribed_motion(self.state.row.time)?;
+        let mut predicted = positions.clone();
+        predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
+        let prescribed = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
+        let margins = self.margins(balance, &vec![0.0; balance.pieces.len()], prescribed);
+        self.begin_at_rest(&positions, &margins)?;
+        let (zero, undamped) = (vec![0.0; positions.len()], vec![0.0; self.system.bodies.len()]);
+        let start = at_rest(self.state.row.time, &positions, &zero, &undamped);
+        let forces = match self.system.assemble(&start, &positions, &self.state.lambda).map_err(Failure::from) {
+            Ok(forces) => forces,
+            Err(Failure::Fatal(error)) => return Err(error),
+            Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
+        };
+        let is_closed = prescribed == 0.0 && newton::meets(&self.system, &self.conditions_at_rest(&start), &self.state.lambda);
+        let imbalance = balance.judge(&self.system, &positions, &forces);
+        Ok(Present { positions, predicted, prescribed, forces, imbalance, is_closed })
+    }
+
+    /// Whether only round-off is left and a further step did not halve it. That step is taken back, so that a state once settled stays as it
+    /// is.
+    fn gains_nothing(&mut self, imbalance: &Imbalance, best: &mut Option<(Arc<State>, f64)>) -> bool {
+        if !imbalance.is_round_off {
+            return false;
+        }
+        match best.take().filter(|(_, before)| imbalance.excess > 0.5 * before) {
+            Some((state, _)) => {
+                self.system.restore_search(&state.search, &state.positions, state.row.time);
+                self.state = state;
+                true
+            }
+            None => {
+                *best = Some((self.state.clone(), imbalance.excess));
+                false
+            }
+        }
+    }
+
+    /// A damped step, or the experience that more damping or a wider search is needed.
+    fn step_to_rest(&mut self, balance: &Balance, present: &Present, course: &mut Course) -> Result<(), StepError> {
+        let Present { positions, imbalance, .. } = present;
+        let plan = self.plan(balance, imbalance, course, positions);
+        let mut margins = self.margins(balance, &plan.travel, present.prescribed);
+        margins.iter_mut().for_each(|margin| *margin *= course.reach);
+        self.begin_at_rest(positions, &margins)?;
+        let mut predicted = present.predicted.clone();
+        balance.shift(&self.system, &plan.shift, &mut predicted);
+        let outcome = self.damped_step(positions, &predicted, &plan.damping);
+        let refused = match outcome.and_then(|solution| self.check_reach(&solution, &margins).map(|()| solution)) {
+            Err(Failure::Fatal(error)) => return Err(error),
+            Err(failure) => Some(failure),
+            Ok(solution) if present.is_pushed_to(&solution.q_1, &self.system.fixed) => {
+                let motion: Vec<f64> = solution.q_1.iter().zip(positions).map(|(new, old)| new - old).collect();
+                course.accepted(imbalance.excess, balance.motions::<D>(&motion), motion, STANDS * self.shortest_facet());
+                let state = Arc::make_mut(&mut self.state);
+                (state.positions, state.lambda, state.active) = (solution.q_1, solution.lambda, solution.active);
+                state.search = self.system.search();
+                return Ok(());
+            }
+            Ok(_) => None,
+        };
+        if course.tries == MAX_TRIES {
+            return Err(match refused {
+                Some(failure) => self.failed(&failure, 0.0, 0),
+                None => self.no_equilibrium(balance, imbalance, course),
+            });
+        }
+        course.tries += 1;
+        match refused {
+            Some(Failure::BeyondSearch { .. }) => course.reach *= WIDER,
+            _ => course.excess *= MORE_DAMPING,
+        }
+        Ok(())
+    }
+
     /// The damping of the next step, and how far it is expected to move the pieces.
-    fn plan(&self, balance: &Balance, imbalance: &Imbalance, course: &mut Course, q: &[f64]) -> Plan {
+    fn plan(&self, balance: &Balance, imbalance: &Imbalance, course: &Course, q: &[f64]) -> Plan {
         let facet = self.shortest_facet();
-        let fall = if facet.is_finite() { FALL * facet } else { self.system.extent };
+        let turn = if facet.is_finite() { FALL * facet } else { self.system.extent };
         // What is far from all others may fall farther, but not turn farther.
-        let falls: Vec<f64> = balance.clearances(&self.system, q).into_iter().map(|clearance| far(clearance, fall, self.system.extent)).collect();
+        let fall = |clearance: f64| if clearance.is_finite() { clearance.max(turn) } else { FLIGHT * self.system.extent };
+        let falls: Vec<f64> = balance.clearances(&self.system, q).into_iter().map(fall).collect();
         let mut damping = vec![0.0f64; self.system.bodies.len()];
-        for ((piece, pull), &farthest) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls) {
-            let needed = (pull.shift_size() / farthest).max(pull.turn / fall).max(LEAST_DAMPING * piece.frequency_squared);
+        for ((piece, pull), &fall) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls) {
+            let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(LEAST_DAMPING * piece.frequency_squared);
             damping[piece.body] = damping[piece.body].max(course.excess * needed);
         }
-        let (mut shift, mut travel) = (Vec::new(), Vec::new());
-        let mut is_wider = false;
-        for (number, ((piece, pull), &farthest)) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls).enumerate() {
-            let mu = damping[piece.body];
-            let flies = farthest > fall;
-            shift.push(if flies { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
+        let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };
+        for (number, ((piece, pull), &fall)) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls).enumerate() {
+            let (mu, flies) = (plan.damping[piece.body], fall > turn);
+            plan.shift.push(if flies { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
             let loose = (pull.shift_size() + pull.turn) / mu;
-            let expected = match &course.last {
-                Some(last) if !flies => {
-                    let last = if last[number] < STANDS * facet { 0.0 } else { last[number] };
-                    is_wider |= last == 0.0 && loose > fall;
-                    loose.min(2.0 * last)
-                }
+            let expected = match &course.travelled {
+                _ if course.stood >= MAX_STOOD => 0.0,
+                // What is held by contact moves less and less.
+                Some(travelled) if !flies => loose.min(2.0 * travelled[number]),
                 _ => loose,
             };
-            travel.push(if expected < STANDS * facet { 0.0 } else { expected });
+            plan.travel.push(if expected < STANDS * facet { 0.0 } else { expected });
         }
-        let _ = is_wider;
-        Plan { damping, shift, travel }
+        plan
     }
 
     /// Shortest facet of all contacts; infinite without one.
@@ -217,46 +256,33 @@ where
         self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Reach of the search for contact in a damped step: a facet, what both sides are expected to travel, and what is prescribed.
+    /// Reach of the search for contact in a damped step: a facet, what the nodes of both sides are expected to travel, and what is prescribed.
     fn margins(&self, balance: &Balance, travel: &[f64], prescribed: f64) -> Vec<f64> {
-        let mut of_node = vec![0.0; self.system.nodes()];
-        balance.spread(travel, &mut of_node);
-        let largest = |nodes: &[u32]| nodes.iter().fold(0.0f64, |largest, &node| largest.max(of_node[node as usize]));
-        let reach = |pair: &super::pairs::Pair| {
-            let travel = largest(pair.kernel.secondary().nodes()) + largest(pair.kernel.primary().nodes());
+        let of_node = balance.spread(travel, self.system.nodes());
+        let largest = |surface: &Surface| surface.nodes().iter().fold(0.0f64, |largest, &node| largest.max(of_node[node as usize]));
+        let reach = |pair: &Pair| {
+            let travel = largest(pair.kernel.secondary()) + largest(pair.kernel.primary());
             pair.kernel.facet_size() + travel + 2.0 * prescribed
         };
         self.system.pairs.iter().map(reach).collect()
     }
 
-    fn begin_settling(&mut self, q: &[f64], margins: &[f64]) -> Result<(), StepError> {
+    fn begin_at_rest(&mut self, q: &[f64], margins: &[f64]) -> Result<(), StepError> {
         self.system.move_obstacles(self.state.row.time, 0.0)?;
         self.system.begin_step(q, margins).map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))
     }
 
-    /// The forces on the present state.
-    fn forces_at_rest(&mut self, q: &[f64], undamped: &[f64]) -> Result<Forces, StepError> {
-        let zero = vec![0.0; q.len()];
-        let start = at_rest(self.state.row.time, q, &zero, undamped);
-        let forces = self.system.assemble(&start, q, &self.state.lambda);
-        forces.map_err(|error| match error.into() {
-            Failure::Fatal(error) => error,
-            failure => self.failed(&failure, 0.0, 0),
-        })
-    }
-
     /// At rest every rule closes the gaps.
-    fn conditions_at_rest(&self, q: &[f64], damping: &[f64]) -> Conditions {
+    fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
         let count = self.system.multipliers;
-        let zero = vec![0.0; q.len()];
-        let compliance = self.system.compliance(&at_rest(self.state.row.time, q, &zero, damping));
+        let compliance = self.system.compliance(start);
         Conditions { gap_n: vec![0.0; count], targets: vec![0.0; count], members: vec![true; count], compliance, end_point: true }
     }
 
     fn damped_step(&mut self, positions: &[f64], predicted: &[f64], damping: &[f64]) -> Result<Solution, Failure> {
         let zero = vec![0.0; positions.len()];
         let start = at_rest(self.state.row.time, positions, &zero, damping);
-        let conditions = self.conditions_at_rest(positions, damping);
+        let conditions = self.conditions_at_rest(&start);
         let floor = tolerances::FORCE_FLOOR * self.system.modulus * self.system.extent.powi(D as i32);
         let options = &self.options;
         let task = Task {
@@ -273,50 +299,66 @@ where
     }
 
     /// The error where damped steps lead to no equilibrium.
-    fn no_equilibrium(&mut self, balance: &Balance, imbalance: &Imbalance, steps: usize, motion: &[f64]) -> StepError {
-        let (body, how) = self.moving_body(motion);
+    fn no_equilibrium(&mut self, balance: &Balance, imbalance: &Imbalance, course: &Course) -> StepError {
+        let (body, how) = self.moving_body(&course.motion);
         let number = self.system.bodies.iter().position(|other| other.name == body).unwrap_or(0);
-        let of_body = || balance.pieces.iter().zip(&imbalance.pieces).filter(|(piece, _)| piece.body == number).map(|(_, pull)| pull);
-        let unbalanced = of_body().map(|pull| pull.relative).fold(0.0, f64::max);
-        let is_loose = of_body().any(|pull| pull.shift_size() + pull.turn > 0.0);
         let nodes = self.system.bodies[number].nodes.clone();
+        let pulls = || balance.pieces.iter().zip(&imbalance.pieces).filter(|(piece, _)| piece.body == number).map(|(_, pull)| pull);
+        let unbalanced = pulls().map(|pull| pull.relative).fold(0.0, f64::max);
+        let is_loose = pulls().any(|pull| pull.shift_size() + pull.turn > 0.0);
+        let is_side = |surface: &Surface| surface.nodes().iter().any(|&node| nodes.contains(&(node as usize)));
         let touches = self.system.pairs.iter().any(|pair| {
-            let is_of_body = |surface: &crate::contact::Surface| surface.nodes().iter().any(|&node| nodes.contains(&(node as usize)));
-            let sides = is_of_body(pair.kernel.secondary()) || is_of_body(pair.kernel.primary());
-            sides && self.state.active[pair.rows.clone()].contains(&true)
+            (is_side(pair.kernel.secondary()) || is_side(pair.kernel.primary())) && self.state.active[pair.rows.clone()].contains(&true)
         });
-        let missing = match (is_loose, touches) {
-            (false, _) => None,
-            (true, true) => Some(Missing::Guidance),
-            (true, false) => Some(Missing::Support),
-        };
-        let cause = FailureCause::NoEquilibrium { steps, unbalanced, body, how, missing };
+        let missing = is_loose.then_some(if touches { Missing::Guidance } else { Missing::Support });
+        let cause = FailureCause::NoEquilibrium { steps: course.steps, unbalanced, body, how, missing };
         let report = self.evidence(0.0, 0).report_of(cause);
         self.given_up(report)
     }
 }
 
 impl Course {
-    /// A step was taken, in which the pieces moved that far.
-    fn accepted(&mut self, motions: Vec<f64>) {
-        self.last = Some(motions);
-        self.tries = 0;
-        self.excess = (self.excess / MORE_DAMPING).max(1.0);
-        self.widenings += 0;
+    fn new(unknowns: usize) -> Self {
+        Course {
+            steps: 0,
+            tries: 0,
+            excess: 1.0,
+            reach: 1.0,
+            motion: vec![0.0; unknowns],
+            travelled: None,
+            stood: 0,
+            least: f64::INFINITY,
+            stuck: 0,
+            best: None,
+        }
+    }
+
+    /// A step was taken from a state with that imbalance, with that motion and largest displacements of the pieces.
+    fn accepted(&mut self, imbalance: f64, travelled: Vec<f64>, motion: Vec<f64>, stands: f64) {
+        if imbalance < 0.9 * self.least {
+            (self.least, self.stuck) = (imbalance, 0);
+        } else if self.excess > 1.0 {
+            self.stuck += 1;
+        }
+        self.stood += usize::from(travelled.iter().all(|&travelled| travelled < stands));
+        (self.travelled, self.motion) = (Some(travelled), motion);
+        (self.steps, self.tries) = (self.steps + 1, 0);
+        (self.excess, self.reach) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 }
 
-fn far(clearance: f64, fall: f64, extent: f64) -> f64 {
-    if clearance.is_finite() { clearance.max(fall) } else { fall.max(extent) }
+impl Present {
+    /// Whether the unbalanced forces push the way that leads to `q_1`. Newton's method may find equilibria that do not last: it climbs to
+    /// them. Where contacts or prescribed motions are not met yet, and with round-off alone, there is no such way.
+    fn is_pushed_to(&self, q_1: &[f64], fixed: &[bool]) -> bool {
+        let push = |k: usize| self.forces.contact[k] - self.forces.without_contact[k];
+        let work = || (0..q_1.len()).filter(|&k| !fixed[k]).map(|k| push(k) * (q_1[k] - self.positions[k])).sum::<f64>();
+        !self.is_closed || self.imbalance.is_round_off || work() >= 0.0
+    }
 }
 
 /// A step without inertia.
 fn at_rest<'a>(time: f64, q_0: &'a [f64], zero: &'a [f64], damping: &'a [f64]) -> StepStart<'a> {
-    StepStart { integrator: Integrator::Trapezoidal, time, dt: 0.0, q_0, v_0: zero, half_force: zero, prescribed_v_1: &[], damping: Some(damping) }
-}
-
-/// Whether a step goes the way that the unbalanced forces push. One that goes against them climbs to an equilibrium that does not last.
-fn goes_with(forces: &Forces, q_1: &[f64], q_0: &[f64], fixed: &[bool]) -> bool {
-    let push = |k: usize| forces.contact[k] - forces.without_contact[k];
-    (0..q_0.len()).filter(|&k| !fixed[k]).map(|k| push(k) * (q_1[k] - q_0[k])).sum::<f64>() >= 0.0
+    let damping = Some(damping);
+    StepStart { integrator: Integrator::Trapezoidal, time, dt: 0.0, q_0, v_0: zero, half_force: zero, prescribed_v_1: &[], damping }
 }

@@ -15,7 +15,8 @@ pub const NEWTON_FORCE: f64 = 1e-7;
 /// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge too.
 pub const FORCE_FLOOR: f64 = 1e-14;
 
-/// Unbalanced force at rest, relative to the sum of the forces on the same piece, that `settle` accepts: ten times below the promised 1e-10.
+/// Unbalanced force at rest that `settle` accepts, of a piece relative to the sum of the forces on it, of a node relative to the largest of
+/// them: ten times below the promised 1e-10.
 pub const BALANCE: f64 = 1e-11;
 
 /// Round-off floor of the resultant of a piece over that of its nodal forces: internal forces cancel in it, contact forces remain.
