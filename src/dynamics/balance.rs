@@ -6,13 +6,16 @@
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the piece's mass center `c` and radius `r`: all its components are lengths.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use super::model::Model;
 use super::pairs::PairKind;
 use super::system::{Forces, System};
 use crate::bodies::{Elements, Space};
 use crate::math::tolerances;
+
+/// Rigid motions in space; the plane has three of them.
+const MOTIONS: usize = 6;
 
 /// The pieces of a model.
 pub(super) struct Balance {
@@ -53,6 +56,12 @@ impl Pull {
     pub(super) fn shift_size(&self) -> f64 {
         self.shift.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
+
+    /// Whether another piece is pulled away just so.
+    fn is_as(&self, other: &Pull) -> bool {
+        let apart: f64 = self.shift.iter().zip(&other.shift).map(|(a, b)| (a - b).powi(2)).sum();
+        self.shift_size() > 0.0 && apart.sqrt() <= tolerances::ALIKE * self.shift_size()
+    }
 }
 
 impl Balance {
@@ -89,7 +98,7 @@ impl Balance {
             let rigid = RigidMotions::new(system, &piece.nodes, q);
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
             let (mut largest, mut reach) = (0.0f64, piece.extent);
-            let mut along = DVector::zeros(rigid.count());
+            let mut along = SVector::zeros();
             for &node in &piece.nodes {
                 for i in 0..D {
                     let k = node * D + i;
@@ -126,17 +135,23 @@ impl Balance {
     }
 
     /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
-    pub(super) fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64]) -> Vec<f64> {
-        let mut clearances = vec![f64::INFINITY; self.pieces.len()];
+    /// Pieces that are pulled alike do not come nearer to each other: they fall together.
+    pub(super) fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
         let mut piece_of = vec![0; system.nodal_mass.len()];
         for (number, piece) in self.pieces.iter().enumerate() {
             piece.nodes.iter().for_each(|&node| piece_of[node] = number);
         }
+        let mut clearances = vec![f64::INFINITY; self.pieces.len()];
+        let mut together = Vec::new();
         for pair in &system.pairs {
             let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &piece_of, q);
             let primary = boxes::<D>(pair.kernel.primary().nodes(), &piece_of, q);
             for (a, low_a, high_a) in &secondary {
                 for (b, low_b, high_b) in primary.iter().filter(|(b, ..)| b != a) {
+                    if pair.kind == PairKind::Surfaces && pulls[*a].is_as(&pulls[*b]) {
+                        together.push((*a, *b));
+                        continue;
+                    }
                     let apart = (0..D).map(|i| (low_a[i] - high_b[i]).max(low_b[i] - high_a[i]).max(0.0).powi(2)).sum::<f64>().sqrt();
                     clearances[*a] = clearances[*a].min(0.5 * apart);
                     clearances[*b] = clearances[*b].min(0.5 * apart);
@@ -149,6 +164,16 @@ impl Balance {
                     let clearance = &mut clearances[piece_of[node as usize]];
                     *clearance = clearance.min(0.5 * distance.max(0.0));
                 }
+            }
+        }
+        // The least of all that fall together, from neighbor to neighbor.
+        let mut is_done = false;
+        while !is_done {
+            is_done = true;
+            for &(a, b) in &together {
+                let least = clearances[a].min(clearances[b]);
+                is_done &= clearances[a] == least && clearances[b] == least;
+                (clearances[a], clearances[b]) = (least, least);
             }
         }
         clearances
@@ -198,33 +223,31 @@ impl<const D: usize> RigidMotions<D> {
         }
         let far = |node: &usize| (0..D).map(|i| (q[node * D + i] - rigid.center[i]).powi(2)).sum::<f64>();
         rigid.radius = nodes.iter().map(far).fold(0.0, f64::max).sqrt();
-        let count = rigid.count();
-        let (mut held, mut mass) = (DMatrix::zeros(count, count), DMatrix::zeros(count, count));
+        let (mut held, mut mass) = (SMatrix::<f64, MOTIONS, MOTIONS>::zeros(), SMatrix::<f64, MOTIONS, MOTIONS>::zeros());
         for &node in nodes {
             for i in 0..D {
                 let row = rigid.row(q, node, i);
+                let square = row * row.transpose();
                 if system.fixed[node * D + i] {
-                    held += &row * row.transpose();
+                    held += square;
                 }
-                mass += &row * row.transpose() * system.nodal_mass[node];
+                mass += square * system.nodal_mass[node];
             }
         }
         let largest = held.trace();
-        let eigen = held.symmetric_eigen();
+        // Of the plane's three motions alone.
+        let count = D * (D + 1) / 2;
+        let eigen = DMatrix::from(held.view((0, 0), (count, count))).symmetric_eigen();
         let loose: Vec<_> = (0..count).filter(|&m| eigen.eigenvalues[m] <= tolerances::HELD * largest).collect();
         rigid.free = eigen.eigenvectors.select_columns(&loose);
-        rigid.mass = rigid.free.transpose() * mass * &rigid.free;
+        rigid.mass = rigid.free.transpose() * mass.view((0, 0), (count, count)) * &rigid.free;
         rigid
     }
 
-    fn count(&self) -> usize {
-        D * (D + 1) / 2
-    }
-
     /// What each motion moves component `i` of a node.
-    fn row(&self, q: &[f64], node: usize, i: usize) -> DVector<f64> {
+    fn row(&self, q: &[f64], node: usize, i: usize) -> SVector<f64, MOTIONS> {
         let arm: [f64; D] = std::array::from_fn(|j| (q[node * D + j] - self.center[j]) / self.radius);
-        let mut row = DVector::zeros(self.count());
+        let mut row = SVector::zeros();
         row[i] = 1.0;
         if D == 2 {
             row[2] = if i == 0 { -arm[1] } else { arm[0] };
@@ -237,8 +260,8 @@ impl<const D: usize> RigidMotions<D> {
     }
 
     /// Size of forces along the free motions, and the motion that they give in a step of unit damping.
-    fn respond(&self, along: &DVector<f64>) -> (f64, DVector<f64>) {
-        let forces = self.free.transpose() * along;
+    fn respond(&self, along: &SVector<f64, MOTIONS>) -> (f64, DVector<f64>) {
+        let forces = self.free.transpose() * along.rows(0, self.free.nrows());
         let motion = self.mass.clone().cholesky().map_or_else(|| forces.clone(), |mass| mass.solve(&forces));
         (forces.amax(), &self.free * motion)
     }

@@ -189,7 +189,7 @@ impl FailureReport {
             }
             FailureCause::NoEquilibrium { steps, unbalanced, body, how, missing } => {
                 let why = match missing {
-                    Some(Missing::Support) => ": it has no support, and nothing is in its way",
+                    Some(Missing::Support) => ": it touches nothing, and no support holds it there",
                     Some(Missing::Guidance) => ": what it touches does not hold it there, for contact has no friction",
                     None => "",
                 };
@@ -222,11 +222,12 @@ impl FailureReport {
             FailureCause::SingularSystem { .. } => {
                 "hold every body against rigid motion with `fix`, and name each contact pair and each support only once".into()
             }
-            FailureCause::NoEquilibrium { .. } => {
+            FailureCause::NoEquilibrium { missing: Some(Missing::Support), .. } => {
                 "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into()
             }
             FailureCause::LoadTooFast { .. } => format!("apply the load more slowly, such as with `ramp`, or {smaller}"),
             FailureCause::Divergence => format!("{smaller}, or apply the load more slowly"),
+            FailureCause::NoEquilibrium { missing: None, .. } => smaller.into(),
             FailureCause::SlowConvergence | FailureCause::TooFast { .. } | FailureCause::StepLimit { .. } => smaller.into(),
         }
     }

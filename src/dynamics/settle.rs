@@ -1,10 +1,10 @@
 //! `settle`: equilibrium under the loads of the present time, by damped steps without inertia.
 //!
 //! A step solves `f(q_1) + mu M (q_1 - q_0) = 0`, the forces at its end and a damping, with the contact conditions. Each body has its own
-//! `mu`: as much as its unbalanced resultant and torque ask for, so that nothing loose moves by more than half a facet, and never less than a
-//! trifle of its own stiffness, so that rigid motions stay regular. As the forces come to balance the damping goes with them, and with it
-//! the error that it leaves (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). `balance.rs` judges when the
-//! end is reached; damping does not count as a force there.
+//! `mu`: as much as its unbalanced resultant and torque ask for, so that nothing loose moves by more than half a facet, and never less
+//! than a trifle of its own stiffness, so that rigid motions stay regular. As the forces come to balance the damping goes with them, and
+//! with it the error that it leaves (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). `balance.rs` judges
+//! when the end is reached; damping does not count as a force there.
 //!
 //! Does not promise which of several equilibria is found, nor that it is stable; but a step never goes against the unbalanced forces.
 
@@ -35,7 +35,7 @@ const FALL: f64 = 0.5;
 
 /// What a body may move in a step that has nothing to fall on, in extents of the model, and how far it goes until it is gone for good.
 const FLIGHT: f64 = 10.0;
-const GONE: f64 = 100.0;
+const GONE: f64 = 95.0;
 
 /// Growth of the damping after a step that was refused, and its decay after one that was not.
 const MORE_DAMPING: f64 = 100.0;
@@ -47,7 +47,8 @@ const WIDER: f64 = 3.0;
 /// Times that a step is tried again.
 const MAX_TRIES: usize = 6;
 
-/// Steps with more damping than the forces ask for that may go by without less imbalance: what buckles may pass, what slides off is given up.
+/// Steps with more damping than the forces ask for that may go by without less imbalance: what buckles may pass, what slides off is given
+/// up.
 const MAX_STUCK: usize = 20;
 
 /// Motion in a step, in facets, below which a body is not expected to move in the next one.
@@ -120,7 +121,12 @@ where
         let mut course = Course::new(begun.len());
         loop {
             let present = self.look(&balance)?;
-            if present.is_closed && (present.imbalance.excess <= 1.0 || self.gains_nothing(&present.imbalance, &mut course.best)) {
+            if present.is_closed && present.imbalance.excess <= 1.0 {
+                break;
+            }
+            if present.is_closed && self.gains_nothing(&present.imbalance, &mut course.best) {
+                // Forces and pairs are those of the state that was taken back.
+                self.look(&balance)?;
                 break;
             }
             let is_gone = present.positions.iter().zip(&begun).any(|(q, begun)| (q - begun).abs() > GONE * self.system.extent);
@@ -129,6 +135,7 @@ where
             }
             self.step_to_rest(&balance, &present, &mut course)?;
         }
+        Arc::make_mut(&mut self.state).search = self.system.search();
         let contacts = self.contact_totals(&self.state.positions, &self.state.lambda, &self.state.active);
         let probes = self.probe_values(&self.state.positions, &self.state.velocities);
         let State { positions: q, velocities: v, row, active, .. } = Arc::make_mut(&mut self.state);
@@ -167,8 +174,8 @@ where
         Ok(Present { positions, predicted, prescribed, forces, imbalance, is_closed })
     }
 
-    /// Whether only round-off is left and a further step did not halve it. That step is taken back, so that a state once settled stays as it
-    /// is.
+    /// Whether only round-off is left and a further step did not halve it. That step is taken back, so that a state once settled stays as
+    /// it is.
     fn gains_nothing(&mut self, imbalance: &Imbalance, best: &mut Option<(Arc<State>, f64)>) -> bool {
         if !imbalance.is_round_off {
             return false;
@@ -229,7 +236,7 @@ where
         let turn = if facet.is_finite() { FALL * facet } else { self.system.extent };
         // What is far from all others may fall farther, but not turn farther.
         let fall = |clearance: f64| if clearance.is_finite() { clearance.max(turn) } else { FLIGHT * self.system.extent };
-        let falls: Vec<f64> = balance.clearances(&self.system, q).into_iter().map(fall).collect();
+        let falls: Vec<f64> = balance.clearances(&self.system, q, &imbalance.pieces).into_iter().map(fall).collect();
         let mut damping = vec![0.0f64; self.system.bodies.len()];
         for ((piece, pull), &fall) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls) {
             let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(LEAST_DAMPING * piece.frequency_squared);
@@ -256,7 +263,8 @@ where
         self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Reach of the search for contact in a damped step: a facet, what the nodes of both sides are expected to travel, and what is prescribed.
+    /// Reach of the search for contact in a damped step: a facet, what the nodes of both sides are expected to travel, and what is
+    /// prescribed.
     fn margins(&self, balance: &Balance, travel: &[f64], prescribed: f64) -> Vec<f64> {
         let of_node = balance.spread(travel, self.system.nodes());
         let largest = |surface: &Surface| surface.nodes().iter().fold(0.0f64, |largest, &node| largest.max(of_node[node as usize]));

@@ -110,8 +110,8 @@ fn a_body_comes_to_rest_from_any_height() {
         let (mut sim, report) = drop_from(height);
         let force = sim.contact("contact").expect("there is one").force;
         assert!((force[1] / 10.0 - 1.0).abs() < BALANCE && force[0].abs() < 10.0 * BALANCE, "{height}: {force:?}");
-        // The energy is quadratic in what is left of the imbalance; from afar the coordinates carry the round-off of the height, 3e-14, into
-        // strains of 1e-4.
+        // The energy is quadratic in what is left of the imbalance; from afar the coordinates carry the round-off of the height, 3e-14,
+        // into strains of 1e-4.
         assert!((report.strain / touching.strain - 1.0).abs() < BALANCE + 1e-12 * height, "{height}: {:e}", report.strain);
         // Half a facet a step once it is near, half the distance before.
         assert!(report.steps <= 25, "{height}: {} steps", report.steps);
@@ -119,13 +119,13 @@ fn a_body_comes_to_rest_from_any_height() {
     }
 }
 
-/// Blocks of one size on a rigid floor, gaps of 0.01 between them, every block a number of offsets out of line.
-fn stack(count: usize, offset: f64) -> Simulation {
+/// Blocks of one size over a rigid floor, gaps of 0.01 between them, every block a number of offsets out of line.
+fn stack(count: usize, offset: f64, height: f64) -> Simulation {
     let rubber = material("neo_hookean", [1e4, 0.3, 1.0]);
     let mut builder = Builder::default();
     builder.model.gravity = [0.0, -10.0, 0.0];
     for k in 0..count {
-        let corner = [-0.5 + offset * (k % 3) as f64, 0.5 * k as f64 + 0.01 * (k + 1) as f64];
+        let corner = [-0.5 + offset * (k % 3) as f64, height + 0.5 * k as f64 + 0.01 * (k + 1) as f64];
         let mesh = rectangle([1.0, 0.5], [5 + k % 2, 3], corner).expect("the mesh is sound");
         let block = builder.body(&format!("block {k}"), mesh, &rubber);
         let bottom = builder.boundary(block, "bottom");
@@ -142,8 +142,8 @@ fn stack(count: usize, offset: f64) -> Simulation {
 
 #[test]
 fn stacks_come_to_rest() {
-    for count in [10, 20] {
-        let mut sim = stack(count, 0.0);
+    for (count, height) in [(10, 0.0), (20, 0.0), (3, 50.0)] {
+        let mut sim = stack(count, 0.0, height);
         settle(&mut sim);
         for k in 0..count {
             let (force, weight) = (sim.contact(&k.to_string()).expect("there is one").force[1], 5.0 * (count - k) as f64);
@@ -163,14 +163,14 @@ fn stacks_come_to_rest() {
 /// Nothing holds the blocks sideways, and the top of what is pressed out of its middle slopes.
 #[test]
 fn a_frictionless_stack_out_of_line_is_said_to_lack_guidance() {
-    let mut sim = stack(10, 0.02);
+    let mut sim = stack(10, 0.02, 0.0);
     let message = sim.settle().expect_err("there is no stable equilibrium");
     let (cause, cure) = (message.to_string(), message.cure());
     let report = sim.failure().expect("it is kept").explanation();
     assert!(report.contains("contact has no friction") && report.contains("body \"block"), "{report}");
     assert!(cure.contains("guide"), "{cause}: {cure}");
     // The state is that before.
-    assert_eq!(sim.state().positions, stack(10, 0.02).state().positions);
+    assert_eq!(sim.state().positions, stack(10, 0.02, 0.0).state().positions);
 }
 
 /// The same stack, guided.
