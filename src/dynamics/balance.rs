@@ -34,8 +34,9 @@ pub(super) struct Piece {
 
 /// What a state lacks to balance.
 pub(super) struct Imbalance {
-    /// The largest resultant, torque or nodal force, over what is tolerated.
-    pub(super) excess: f64,
+    /// The largest resultant or torque, and the largest nodal force, over what is tolerated.
+    pub(super) of_sums: f64,
+    pub(super) of_nodes: f64,
     /// Whether round-off can explain all of it.
     pub(super) is_round_off: bool,
     pub(super) pieces: Vec<Pull>,
@@ -49,6 +50,13 @@ pub(super) struct Pull {
     pub(super) shift: [f64; 3],
     /// Largest displacement that the turn about its center gives a node in such a step.
     pub(super) turn: f64,
+}
+
+impl Imbalance {
+    /// The largest unbalanced force over what is tolerated.
+    pub(super) fn excess(&self) -> f64 {
+        self.of_sums.max(self.of_nodes)
+    }
 }
 
 impl Pull {
@@ -93,7 +101,7 @@ impl Balance {
     where
         Space<D>: Elements<D>,
     {
-        let mut imbalance = Imbalance { excess: 0.0, is_round_off: true, pieces: Vec::new() };
+        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, pieces: Vec::new() };
         for piece in &self.pieces {
             let rigid = RigidMotions::new(system, &piece.nodes, q);
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
@@ -120,11 +128,9 @@ impl Balance {
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
             let floor = tolerances::FORCE_FLOOR * piece.modulus * reach * piece.extent.powi(D as i32 - 2);
-            let target = tolerances::BALANCE * largest_force;
-            // Internal forces cancel in the resultant element by element, whatever the round-off of the positions.
-            let target_of_sums = (tolerances::BALANCE * scale).max(tolerances::FLOOR_OF_SUMS * floor);
-            let excess = (pushes / target_of_sums).max(largest / target.max(f64::MIN_POSITIVE));
-            imbalance.excess = imbalance.excess.max(excess);
+            let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
+            imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));
+            imbalance.of_nodes = imbalance.of_nodes.max(largest / target.max(f64::MIN_POSITIVE));
             imbalance.is_round_off &= pushes <= target_of_sums.max(floor) && largest <= target.max(floor);
             let relative = if scale > 0.0 { pushes.max(largest) / scale } else { 0.0 };
             let mut shift = [0.0; 3];

@@ -51,6 +51,9 @@ const MAX_TRIES: usize = 6;
 /// up.
 const MAX_STUCK: usize = 20;
 
+/// Imbalance over what is tolerated, 1e-8 of the forces, that no direction is read from: it is the end of an approach that went well.
+const TRIFLE: f64 = 1e3;
+
 /// Motion in a step, in facets, below which a body is not expected to move in the next one.
 const STANDS: f64 = 1e-3;
 
@@ -73,8 +76,8 @@ struct Course {
     /// The least imbalance, and how many steps with more damping have not reduced it.
     least: f64,
     stuck: usize,
-    /// A state at which only round-off was left, and its imbalance.
-    best: Option<(Arc<State>, f64)>,
+    /// A state at which only round-off was left, and its imbalance: of sums, of nodes.
+    best: Option<(Arc<State>, [f64; 2])>,
 }
 
 /// The present state as `settle` sees it.
@@ -121,7 +124,7 @@ where
         let mut course = Course::new(begun.len());
         loop {
             let present = self.look(&balance)?;
-            if present.is_closed && present.imbalance.excess <= 1.0 {
+            if present.is_closed && present.imbalance.excess() <= 1.0 {
                 break;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut course.best) {
@@ -174,20 +177,22 @@ where
         Ok(Present { positions, predicted, prescribed, forces, imbalance, is_closed })
     }
 
-    /// Whether only round-off is left and a further step did not halve it. That step is taken back, so that a state once settled stays as
-    /// it is.
-    fn gains_nothing(&mut self, imbalance: &Imbalance, best: &mut Option<(Arc<State>, f64)>) -> bool {
+    /// Whether only round-off is left and a further step halved the imbalance neither of sums nor of nodes. That step is taken back, so
+    /// that a state once settled stays as it is. Internal forces cancel in sums, so round-off of positions limits nodes alone.
+    fn gains_nothing(&mut self, imbalance: &Imbalance, best: &mut Option<(Arc<State>, [f64; 2])>) -> bool {
         if !imbalance.is_round_off {
             return false;
         }
-        match best.take().filter(|(_, before)| imbalance.excess > 0.5 * before) {
+        let now = [imbalance.of_sums, imbalance.of_nodes];
+        let is_less = |before: &[f64; 2]| (0..2).any(|k| before[k] > 1.0 && now[k] <= 0.5 * before[k]);
+        match best.take().filter(|(_, before)| !is_less(before)) {
             Some((state, _)) => {
                 self.system.restore_search(&state.search, &state.positions, state.row.time);
                 self.state = state;
                 true
             }
             None => {
-                *best = Some((self.state.clone(), imbalance.excess));
+                *best = Some((self.state.clone(), now));
                 false
             }
         }
@@ -208,7 +213,7 @@ where
             Err(failure) => Some(failure),
             Ok(solution) if present.is_pushed_to(&solution.q_1, &self.system.fixed) => {
                 let motion: Vec<f64> = solution.q_1.iter().zip(positions).map(|(new, old)| new - old).collect();
-                course.accepted(imbalance.excess, balance.motions::<D>(&motion), motion, STANDS * self.shortest_facet());
+                course.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, STANDS * self.shortest_facet());
                 let state = Arc::make_mut(&mut self.state);
                 (state.positions, state.lambda, state.active) = (solution.q_1, solution.lambda, solution.active);
                 state.search = self.system.search();
@@ -357,11 +362,11 @@ impl Course {
 
 impl Present {
     /// Whether the unbalanced forces push the way that leads to `q_1`. Newton's method may find equilibria that do not last: it climbs to
-    /// them. Where contacts or prescribed motions are not met yet, and with round-off alone, there is no such way.
+    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, there is no such way.
     fn is_pushed_to(&self, q_1: &[f64], fixed: &[bool]) -> bool {
         let push = |k: usize| self.forces.contact[k] - self.forces.without_contact[k];
         let work = || (0..q_1.len()).filter(|&k| !fixed[k]).map(|k| push(k) * (q_1[k] - self.positions[k])).sum::<f64>();
-        !self.is_closed || self.imbalance.is_round_off || work() >= 0.0
+        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= 0.0
     }
 }
 

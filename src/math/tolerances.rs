@@ -19,9 +19,6 @@ pub const FORCE_FLOOR: f64 = 1e-14;
 /// them: ten times below the promised 1e-10.
 pub const BALANCE: f64 = 1e-11;
 
-/// Round-off floor of the resultant of a piece over that of its nodal forces: internal forces cancel in it, contact forces remain.
-pub const FLOOR_OF_SUMS: f64 = 1e-2;
-
 /// Difference of the accelerations of two bodies, relative to them, below which they fall together: round-off of sums over many nodes.
 pub const ALIKE: f64 = 1e-9;
 

@@ -199,6 +199,23 @@ fn guidance_brings_a_stack_out_of_line_to_rest() {
     expect_settled(&mut sim);
 }
 
+/// Steel in meters: round-off of the positions is 1e-7 of the weight at a node, but not in the sum of the forces on the block.
+#[test]
+fn round_off_at_nodes_does_not_hide_the_weight() {
+    let steel = material("neo_hookean", [2.1e11, 0.3, 7800.0]);
+    let mut builder = Builder::default();
+    let base = builder.body("base", rectangle([0.3, 0.1], [15, 5], [-0.15, -0.1]).expect("the mesh is sound"), &steel);
+    let block = builder.body("block", rectangle([0.1, 0.1], [6, 6], [-0.05, 0.001]).expect("the mesh is sound"), &steel);
+    builder.fix(base, "bottom", [true; 3]);
+    builder.model.gravity = [0.0, -9.81, 0.0];
+    builder.contact((block, "bottom"), (base, "top"));
+    let mut sim = builder.simulate(Integrator::EnergyMomentum, 1e-5);
+    settle(&mut sim);
+    let force = sim.contact("contact").expect("there is one").force[1];
+    assert!((force / (0.01 * 7800.0 * 9.81) - 1.0).abs() < BALANCE, "{force}");
+    expect_settled(&mut sim);
+}
+
 /// A press fit has no load, only contact forces.
 #[test]
 fn a_press_fit_stays_settled() {
