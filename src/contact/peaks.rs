@@ -82,6 +82,10 @@ impl ContactKernel for RigidCorners {
         let q = self.positions(outlook.q, 0);
         let changed = match outlook.travel {
             Travel::UpTo(_) => self.inner.update_candidates(&Outlook { q: &q, ..*outlook }),
+            Travel::Each { sizes, besides } => {
+                let sizes: Vec<f64> = sizes.iter().copied().chain(self.points.iter().map(|_| 0.0)).collect();
+                self.inner.update_candidates(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
+            }
             Travel::Guessed { displacements, factor } => {
                 let [from, _, to] = self.translations;
                 let [a, b] = displacements.map(|u| self.extended(u, |_| [to[0] - from[0], to[1] - from[1]]));

@@ -43,6 +43,13 @@ pub struct Outlook<'a> {
 pub enum Travel<'a> {
     /// Any two nodes by up to this much `[length]`.
     UpTo(f64),
+    /// Each node by so much in any direction.
+    Each {
+        /// Of every node `[length]`.
+        sizes: &'a [f64],
+        /// Of any two nodes besides `[length]`.
+        besides: f64,
+    },
     /// As by either of two guesses of all displacements, times a factor.
     Guessed {
         /// Displacements `[length]`, component by component.
@@ -62,6 +69,7 @@ impl<'a> Outlook<'a> {
     pub(super) fn margin(&self, sides: &Sides) -> f64 {
         let travel = match self.travel {
             Travel::UpTo(travel) => travel,
+            Travel::Each { sizes, besides } => largest(sizes, sides.secondary.nodes()) + largest(sizes, sides.primary.nodes()) + besides,
             Travel::Guessed { displacements, factor } => {
                 let range = |u: &[f64], axis: usize, surface: &Surface| {
                     let moved = surface.nodes().iter().map(|&node| u[2 * node as usize + axis]);
@@ -84,6 +92,7 @@ impl<'a> Outlook<'a> {
     pub(super) fn travel(&self, own: &[u32], other: &[u32]) -> f64 {
         match self.travel {
             Travel::UpTo(travel) => travel,
+            Travel::Each { sizes, besides } => largest(sizes, own) + largest(sizes, other) + besides,
             Travel::Guessed { displacements, factor } => {
                 let mut largest = 0.0f64;
                 for u in displacements {
@@ -96,6 +105,11 @@ impl<'a> Outlook<'a> {
             }
         }
     }
+}
+
+/// Largest of some nodes' values.
+fn largest(sizes: &[f64], nodes: &[u32]) -> f64 {
+    nodes.iter().fold(0.0, |largest, &node| largest.max(sizes[node as usize]))
 }
 
 /// What decides which pairs of two surfaces take part.

@@ -20,7 +20,7 @@ const FAST_LOAD: f64 = 0.5;
 const GROWTH: f64 = 1e3;
 /// Resultant over the sum of forces that counts as balanced: far above round-off.
 const BALANCE: f64 = 1e-6;
-/// Largest part of a motion that may differ from a rigid one that it is called.
+/// Largest part of a motion of a singular system that may differ from the rigid one that it is called.
 const RIGID: f64 = 1e-5;
 
 /// What is left of a step that failed.
@@ -266,7 +266,7 @@ where
         }
         let motion = self.near_null_vector();
         let Some(moved) = motion.get(nodes.start * D..nodes.end * D) else { return error.to_string() };
-        match rigid_motion_of::<D>(&positions[nodes.start * D..nodes.end * D], moved) {
+        match rigid_motion_of::<D>(&positions[nodes.start * D..nodes.end * D], moved, RIGID) {
             Some(rigid) => format!("body \"{body}\" can {rigid} without resistance: singular matrix"),
             None => {
                 let along = direction(&motion[vertex * D..(vertex + 1) * D]);
@@ -284,8 +284,9 @@ fn direction(vector: &[f64]) -> String {
     format!("({})", components.join(", "))
 }
 
-/// What a motion of some nodes is, where it is rigid: `move along (1.00, 0.00)` or, in the plane, `turn about (0.50, 0.25)`.
-pub(super) fn rigid_motion_of<const D: usize>(positions: &[f64], motion: &[f64]) -> Option<String> {
+/// What a motion of some nodes is, where all but a part `within` is rigid: `move along (1.00, 0.00)` or, in the plane,
+/// `turn about (0.50, 0.25)`.
+pub(super) fn rigid_motion_of<const D: usize>(positions: &[f64], motion: &[f64], within: f64) -> Option<String> {
     let count = (motion.len() / D) as f64;
     let mut mean = ([0.0; D], [0.0; D]);
     for (x, u) in positions.chunks_exact(D).zip(motion.chunks_exact(D)) {
@@ -318,10 +319,10 @@ pub(super) fn rigid_motion_of<const D: usize>(positions: &[f64], motion: &[f64])
             turned = turned.max(spin.abs());
         }
     }
-    if size == 0.0 || rest > RIGID * size {
+    if size == 0.0 || rest > within * size {
         return None;
     }
-    if turned <= RIGID * size {
+    if turned <= within * size {
         return Some(format!("move along {}", direction(&shift)));
     }
     let pole = [center[0] - shift[1] / turn, center[1] + shift[0] / turn];
@@ -337,13 +338,13 @@ mod tests {
     #[test]
     fn rigid_motions_are_named() {
         let shifted: Vec<f64> = SQUARE.chunks(2).flat_map(|_| [0.0, -3.0]).collect();
-        assert_eq!(rigid_motion_of::<2>(&SQUARE, &shifted).unwrap(), "move along (0.00, -1.00)");
+        assert_eq!(rigid_motion_of::<2>(&SQUARE, &shifted, RIGID).unwrap(), "move along (0.00, -1.00)");
         let about =
             |pole: [f64; 2]| -> Vec<f64> { SQUARE.chunks(2).flat_map(|x| [-0.1 * (x[1] - pole[1]), 0.1 * (x[0] - pole[0])]).collect() };
-        assert_eq!(rigid_motion_of::<2>(&SQUARE, &about([2.0, 0.0])).unwrap(), "turn about (2.0000, 0.0000)");
-        assert_eq!(rigid_motion_of::<2>(&SQUARE, &about([-1.0, 5.0])).unwrap(), "turn about (-1.0000, 5.0000)");
+        assert_eq!(rigid_motion_of::<2>(&SQUARE, &about([2.0, 0.0]), RIGID).unwrap(), "turn about (2.0000, 0.0000)");
+        assert_eq!(rigid_motion_of::<2>(&SQUARE, &about([-1.0, 5.0]), RIGID).unwrap(), "turn about (-1.0000, 5.0000)");
         // stretched: not rigid
         let stretched: Vec<f64> = SQUARE.chunks(2).flat_map(|x| [0.1 * x[0], 0.0]).collect();
-        assert_eq!(rigid_motion_of::<2>(&SQUARE, &stretched), None);
+        assert_eq!(rigid_motion_of::<2>(&SQUARE, &stretched, RIGID), None);
     }
 }

@@ -2,6 +2,7 @@
 
 mod accept;
 mod amplitude;
+mod balance;
 mod contact_quantities;
 mod diagnosis;
 mod error;
@@ -31,5 +32,5 @@ pub use model::{
     ObstacleDefinition, Prescription, SelfContactDefinition, Support, TieDefinition, UpdateRule,
 };
 pub use pairs::LargeMotion;
-pub use report::{CyclingNode, FailureCause, FailureReport, IterationReport, TryReport};
+pub use report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};

@@ -128,6 +128,8 @@ pub(super) struct Task<'a> {
     pub(super) conditions: &'a Conditions,
     pub(super) energy: f64,
     pub(super) tolerance: f64,
+    /// Iterations before it may be done: a step that starts at its own solution moves no energy, whatever its residual.
+    pub(super) at_least: usize,
     pub(super) interrupted: &'a dyn Fn() -> bool,
 }
 
@@ -175,7 +177,7 @@ where
         record.energy = moved / small;
         // Round-off: the energy no longer falls although everything else has converged.
         let stalled = (moved <= 100.0 * small || record.residual <= record.floor) && moved > 0.5 * last_energy;
-        if converged_force && record.violation <= 1.0 && (moved <= small || stalled) {
+        if iteration >= task.at_least && converged_force && record.violation <= 1.0 && (moved <= small || stalled) {
             // With a penalty every covered node is in the system: in contact are those that press.
             let mut active = starting_set(system, conditions, &lambda, &contacts.dropped);
             active.iter_mut().zip(&lambda).for_each(|(active, lambda)| *active &= *lambda != 0.0);
@@ -307,21 +309,35 @@ where
     let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt * kick * (2.0 * task.energy / system.total_mass).sqrt();
     // Positions carry round-off in proportion to their size; stiffness and inertia turn it into force.
     let reach = largest_size(q_1).max(system.extent);
-    let stiffness = system.modulus * system.extent.powi(D as i32 - 2) + task.start.inertia() * system.largest_nodal_mass;
+    let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
+    let stiffness = system.modulus * system.extent.powi(D as i32 - 2) + inertia * system.largest_nodal_mass;
     record.floor = tolerances::FORCE_FLOOR * stiffness * reach;
     record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
-    let mut contact_work = 0.0;
+    let contact_work;
+    (record.violation, record.worst_row, contact_work) = worst_violation(system, task.conditions, lambda, dropped);
+    (record, momentum.max(work.abs() + contact_work.abs()))
+}
+
+/// The largest violation of the contact conditions over what is tolerated, its constraint, and the energy of all violations.
+fn worst_violation<const D: usize>(system: &System<D>, conditions: &Conditions, lambda: &[f64], dropped: &[bool]) -> (f64, usize, f64) {
+    let (mut worst, mut worst_row, mut work) = (0.0, 0, 0.0);
     for pair in &system.pairs {
         for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
-            let (natural, energy) = violation(pair, task.conditions, row, lambda[row]);
+            let (natural, energy) = violation(pair, conditions, row, lambda[row]);
             let violation = natural.abs() / pair.gap_tolerance;
-            if violation > record.violation {
-                (record.violation, record.worst_row) = (violation, row);
+            if violation > worst {
+                (worst, worst_row) = (violation, row);
             }
-            contact_work += energy;
+            work += energy;
         }
     }
-    (record, momentum.max(work.abs() + contact_work.abs()))
+    (worst, worst_row, work)
+}
+
+/// Whether the iterate of the last assembly meets the contact conditions.
+pub(super) fn meets<const D: usize>(system: &System<D>, conditions: &Conditions, lambda: &[f64]) -> bool {
+    let (mut dropped, mut kept) = (vec![false; lambda.len()], lambda.to_vec());
+    !drop_slivers(system, &mut dropped, &mut kept) && worst_violation(system, conditions, lambda, &dropped).0 <= 1.0
 }
 
 /// The set that an iteration begins with: pressed nodes and nodes that overlap.

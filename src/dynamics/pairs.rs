@@ -117,13 +117,24 @@ impl<const D: usize> System<D> {
         let mut compliance = vec![0.0; self.multipliers];
         for pair in self.pairs.iter().filter(|pair| pair.augmentation > 0.0) {
             for (local, row) in pair.rows.clone().enumerate() {
-                let node = pair.kernel.row_nodes().get(local / pair.kernel.rows_per_node());
-                let mass = node.map_or(0.0, |&node| self.nodal_mass[node as usize]);
-                let inertia = start.inertia() * mass / pair.kernel.weights()[local].powi(2);
+                let node = pair.kernel.row_nodes().get(local / pair.kernel.rows_per_node()).map(|&node| node as usize);
+                let inertia = node.map_or(0.0, |node| {
+                    let body = self.bodies.iter().position(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
+                    start.inertia(body) * self.nodal_mass[node] / pair.kernel.weights()[local].powi(2)
+                });
                 compliance[row] = 1.0 / (pair.augmentation * (pair.c + inertia));
             }
         }
         compliance
+    }
+
+    /// Weighted gaps of closed constraints: zero, but for corners.
+    pub(super) fn closed_gaps(&self) -> Vec<f64> {
+        let of = |pair: &Pair| -> Vec<f64> {
+            let slack = pair.corners.map_or(0.0, |corners| corners.slack);
+            pair.kernel.weights().iter().map(|weight| -slack * weight).collect()
+        };
+        self.pairs.iter().flat_map(of).collect()
     }
 
     /// The contact conditions of the step that has begun, by the pairs' update rules; `felt` are the weighted gaps that penalty potentials
@@ -133,14 +144,15 @@ impl<const D: usize> System<D> {
     /// nothing apart, its work `lambda (target - Phi_n)` is never positive.
     pub(super) fn conditions(&self, start: &StepStart, felt: &[f64]) -> Conditions {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
+        let held = self.closed_gaps();
         let mut targets = vec![0.0; gap_n.len()];
         let mut members = vec![true; gap_n.len()];
         let mut shift = vec![0.0; gap_n.len()];
         let end_point = start.integrator == Integrator::Trapezoidal;
         for pair in &self.pairs {
-            let (closed, weights) = (pair.closed(), pair.kernel.weights());
+            let closed = pair.closed();
             for row in pair.rows.clone() {
-                let held = pair.corners.map_or(0.0, |corners| -corners.slack * weights[row - pair.rows.start]);
+                let held = held[row];
                 if pair.penalty > 0.0 {
                     if !end_point {
                         shift[row] = (felt[row].min(0.0) - gap_n[row].min(0.0)).max(0.0);

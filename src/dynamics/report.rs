@@ -35,12 +35,14 @@ pub enum FailureCause {
     NoEquilibrium {
         /// Damped steps taken.
         steps: usize,
-        /// Energy that the damping took away in the last one.
-        dissipated: f64,
+        /// Unbalanced force on the body over the forces on it.
+        unbalanced: f64,
         /// The body that moves most.
         body: String,
         /// How it moves, such as `move along (1.00, 0.00)`.
         how: String,
+        /// What it lacks, where that is known.
+        missing: Option<Missing>,
     },
     /// The residual fell too slowly or not at all.
     SlowConvergence,
@@ -69,6 +71,16 @@ pub enum FailureCause {
         /// Name of the contact pair.
         contact: String,
     },
+}
+
+/// What a body lacks to be at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Missing {
+    /// It touches nothing.
+    Support,
+    /// It touches something that does not hold it: contact has no friction.
+    Guidance,
 }
 
 /// A node whose contact state kept changing.
@@ -146,6 +158,8 @@ impl FailureReport {
     pub fn explanation(&self) -> String {
         let cause = self.cause_text();
         match &self.unheld {
+            // Which body lacks what is said already.
+            _ if matches!(self.cause, FailureCause::NoEquilibrium { .. }) => cause,
             Some(body) => format!("{cause}; body \"{body}\" has no support, and the loads on it do not balance"),
             None => cause,
         }
@@ -173,8 +187,14 @@ impl FailureReport {
                 let size = if *cells < 100.0 { format!("{cells:.1}") } else { format!("{cells:.0e}") };
                 format!("{load} alone moves node {node} of body \"{body}\" by {size} cells in the step; {}", outcome.cause_text())
             }
-            FailureCause::NoEquilibrium { steps, dissipated, body, how } => {
-                format!("after {steps} damped steps body \"{body}\" can still {how} (dissipated energy {dissipated:.1e} in the last one)")
+            FailureCause::NoEquilibrium { steps, unbalanced, body, how, missing } => {
+                let why = match missing {
+                    Some(Missing::Support) => ": it touches nothing, and no support holds it there",
+                    Some(Missing::Guidance) => ": what it touches does not hold it there, for contact has no friction",
+                    None => "",
+                };
+                let part = if *unbalanced < 0.01 { format!("{unbalanced:.0e}") } else { format!("{unbalanced:.2}") };
+                format!("after {steps} damped steps body \"{body}\" can still {how}, and {part} of the forces on it is not balanced{why}")
             }
             FailureCause::InvertedCell { body, cell, determinant, center, dimension } => {
                 let center: Vec<String> = center[..*dimension].iter().map(|x| format!("{x:.4}")).collect();
@@ -193,17 +213,21 @@ impl FailureReport {
     /// How to mend it; `smaller` says how a smaller step is asked for.
     pub(super) fn cure(&self, smaller: &str) -> String {
         match &self.cause {
+            FailureCause::NoEquilibrium { missing: Some(Missing::Guidance), .. } => {
+                "guide the body with `fix`, such as `fix(body.boundary(\"left\"), \"x\")`, or let contacts hold it from all sides".into()
+            }
             _ if self.unheld.is_some() => "hold every body with `fix` or by contact against the loads on it before `settle`".into(),
             FailureCause::CyclingContact { .. } => format!("{smaller}; surfaces should slide by less than two facets per step"),
             FailureCause::InvertedCell { .. } => format!("{smaller}, a finer mesh there, or a smaller load"),
             FailureCause::SingularSystem { .. } => {
                 "hold every body against rigid motion with `fix`, and name each contact pair and each support only once".into()
             }
-            FailureCause::NoEquilibrium { .. } => {
+            FailureCause::NoEquilibrium { missing: Some(Missing::Support), .. } => {
                 "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into()
             }
             FailureCause::LoadTooFast { .. } => format!("apply the load more slowly, such as with `ramp`, or {smaller}"),
             FailureCause::Divergence => format!("{smaller}, or apply the load more slowly"),
+            FailureCause::NoEquilibrium { missing: None, .. } => smaller.into(),
             FailureCause::SlowConvergence | FailureCause::TooFast { .. } | FailureCause::StepLimit { .. } => smaller.into(),
         }
     }

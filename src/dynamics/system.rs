@@ -46,14 +46,14 @@ pub(super) struct StepStart<'a> {
     pub(super) half_force: &'a [f64],
     /// Velocities at the end of the step of the prescribed unknowns, in their order.
     pub(super) prescribed_v_1: &'a [f64],
-    /// `Some(mu)`: no inertia but a damping `mu/2 M (q_1 - q_0)`; velocities are not used.
-    pub(super) damping: Option<f64>,
+    /// `Some(mu)`: no inertia but a damping `mu/2 M (q_1 - q_0)` with a factor for each body; velocities are not used.
+    pub(super) damping: Option<&'a [f64]>,
 }
 
 impl StepStart<'_> {
-    /// Factor of the mass in the tangent.
-    pub(super) fn inertia(&self) -> f64 {
-        self.damping.map_or(2.0 / (self.dt * self.dt), |mu| 0.5 * mu)
+    /// Factor of a body's mass in the tangent.
+    pub(super) fn inertia(&self, body: usize) -> f64 {
+        self.damping.map_or(2.0 / (self.dt * self.dt), |mu| 0.5 * mu[body])
     }
 }
 
@@ -140,7 +140,8 @@ pub(super) struct System<const D: usize> {
 /// A tangent that was not assembled with its forces, because the step before was done when it had as many.
 struct DeferredTangent {
     integrator: Integrator,
-    inertia: f64,
+    /// Of each body.
+    inertia: Vec<f64>,
     q_0: Vec<f64>,
     q_1: Vec<f64>,
 }
@@ -484,7 +485,7 @@ where
         let unknowns = q_1.len();
         let placement = start.integrator.placement();
         let clock = Instant::now();
-        let inertia = start.inertia();
+        let inertia: Vec<f64> = (0..self.bodies.len()).map(|body| start.inertia(body)).collect();
         self.assemblies += 1;
         self.assemblies_of_step[0] += 1;
         let has_pressure = self.loads.iter().any(|load| matches!(load.kind, LoadKind::Pressure(_)));
@@ -492,8 +493,8 @@ where
         self.deferred = None;
         let Scratch { mut internal, mut motion } = std::mem::take(&mut self.scratch);
         internal.resize(unknowns, 0.0);
-        let step = Step { integrator: start.integrator, inertia, q_0: start.q_0, q_1 };
-        for body in &self.bodies {
+        for (body, &inertia) in self.bodies.iter().zip(&inertia) {
+            let step = Step { integrator: start.integrator, inertia, q_0: start.q_0, q_1 };
             body.elements
                 .assemble(&step, &mut internal, (!is_probably_last).then_some(&mut self.values[..]), &self.workers)
                 .map_err(|inverted| AssemblyError::Inverted { body: body.name.clone(), inverted })?;
@@ -526,13 +527,15 @@ where
         let mut residual = vec![0.0; unknowns];
         self.mass.multiply_into::<D>(&motion, &mut residual);
         let (mut scale, mut internal_work) = (0.0f64, 0.0);
-        for k in 0..unknowns {
-            let inertial = inertia * residual[k];
-            load[k] *= placement.weight;
-            internal_work += internal[k] * (q_1[k] - start.q_0[k]);
-            let external = load[k] + placement.weight * self.weight[k];
-            scale = scale.max(inertial.abs().max(internal[k].abs()).max(external.abs()));
-            residual[k] = inertial + internal[k] - external + start.half_force[k];
+        for (body, inertia) in self.bodies.iter().zip(&inertia) {
+            for k in body.nodes.start * D..body.nodes.end * D {
+                let inertial = inertia * residual[k];
+                load[k] *= placement.weight;
+                internal_work += internal[k] * (q_1[k] - start.q_0[k]);
+                let external = load[k] + placement.weight * self.weight[k];
+                scale = scale.max(inertial.abs().max(internal[k].abs()).max(external.abs()));
+                residual[k] = inertial + internal[k] - external + start.half_force[k];
+            }
         }
         self.scratch = Scratch { internal, motion };
         self.times.assembly += clock.elapsed();
@@ -602,9 +605,9 @@ where
     fn assemble_deferred_tangent(&mut self) {
         let Some(DeferredTangent { integrator, inertia, q_0, q_1 }) = self.deferred.take() else { return };
         let clock = Instant::now();
-        let step = Step { integrator, inertia, q_0: &q_0, q_1: &q_1 };
         self.scratch.internal.resize(q_1.len(), 0.0);
-        for body in &self.bodies {
+        for (body, inertia) in self.bodies.iter().zip(inertia) {
+            let step = Step { integrator, inertia, q_0: &q_0, q_1: &q_1 };
             // No cell was inside out when the forces were assembled.
             let _ = body.elements.assemble(&step, &mut self.scratch.internal, Some(&mut self.values), &self.workers);
         }

@@ -138,6 +138,7 @@ where
             conditions: &conditions,
             energy,
             tolerance: options.tolerance,
+            at_least: 0,
             interrupted: &|| options.interrupted(),
         };
         let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
@@ -188,7 +189,7 @@ where
     /// Half of the static forces at the current state: where the trapezoidal rule starts from.
     fn start_trapezoidal(&mut self) -> Result<(), StepError> {
         let state = self.state.clone();
-        let zero = vec![0.0; state.positions.len()];
+        let (zero, undamped) = (vec![0.0; state.positions.len()], vec![0.0; self.system.bodies.len()]);
         let start = StepStart {
             integrator: Integrator::Trapezoidal,
             time: state.row.time,
@@ -197,7 +198,7 @@ where
             v_0: &zero,
             half_force: &zero,
             prescribed_v_1: &[],
-            damping: Some(0.0),
+            damping: Some(&undamped),
         };
         self.system.move_obstacles(state.row.time, 0.0)?;
         if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {

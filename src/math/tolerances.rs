@@ -15,6 +15,16 @@ pub const NEWTON_FORCE: f64 = 1e-7;
 /// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge too.
 pub const FORCE_FLOOR: f64 = 1e-14;
 
+/// Unbalanced force at rest that `settle` accepts, of a piece relative to the sum of the forces on it, of a node relative to the largest of
+/// them: ten times below the promised 1e-10.
+pub const BALANCE: f64 = 1e-11;
+
+/// Difference of the accelerations of two bodies, relative to them, below which they fall together: round-off of sums over many nodes.
+pub const ALIKE: f64 = 1e-9;
+
+/// Stiffness of supports against a rigid motion, relative to their largest, below which the motion is free: round-off of node positions.
+pub const HELD: f64 = 1e-10;
+
 /// Weighted gap that counts as closed, relative to the square of the shortest secondary facet (Newton's target).
 pub const GAP: f64 = 1e-12;
 

@@ -643,11 +643,12 @@ impl SimulationHandle {
 
     /// Whether the iterations of the last failure went astray, while supports and loads seem to be in order.
     fn is_lost(&self) -> bool {
-        use FailureCause::{CyclingContact, Divergence, InvertedCell, SlowConvergence};
+        use FailureCause::{CyclingContact, Divergence, InvertedCell, NoEquilibrium, SlowConvergence};
         let simulation = self.0.simulation.try_borrow();
         simulation.is_ok_and(|simulation| {
             let cause = simulation.failure().map(|report| &report.cause);
-            matches!(cause, Some(CyclingContact { .. } | Divergence | InvertedCell { .. } | SlowConvergence))
+            let cycles = matches!(cause, Some(CyclingContact { .. } | NoEquilibrium { missing: None, .. }));
+            cycles || matches!(cause, Some(Divergence | InvertedCell { .. } | SlowConvergence))
         })
     }
 

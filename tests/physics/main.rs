@@ -13,6 +13,7 @@ mod crushed_hose;
 mod free_fall;
 mod node_to_segment;
 mod ring_on_ring;
+mod settle;
 mod tied_bodies;
 mod torque_on_ring;
 mod tumbling_block;
