@@ -7,7 +7,9 @@
 //! the closest point is, and where it jumps between facets that look at the same side.
 //!
 //! Beyond the end of a chain there is nothing to touch: the gap is that of the end facet's continuation where that is open, else zero, and
-//! not covered.
+//! not covered. A point just opposite the end, up to round-off, is.
+
+use crate::math::tolerances::CHAIN_END;
 
 /// Positions and connections of the facets, as a function of the point's patch: nodes `(x, y_1, y_2, ...)`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -70,7 +72,10 @@ impl Chain {
         let side = usize::from(s >= 1.0);
         let neighbor = self.neighbors[index][side];
         if neighbor == NONE {
-            return (own.gap > 0.0).then_some(Measure { covered: false, ..own });
+            let (t, d) = self.offsets(index, z);
+            let beyond = (t[0] * d[0] + t[1] * d[1]) / (t[0] * t[0] + t[1] * t[1]) - s;
+            let covered = beyond.abs() <= CHAIN_END;
+            return (covered || own.gap > 0.0).then_some(Measure { covered, ..own });
         }
         let other = Measure { facet: neighbor, gap: self.gap(neighbor as usize, z), covered: true };
         let (own_t, other_t) = (self.offsets(index, z).0, self.offsets(neighbor as usize, z).0);

@@ -17,7 +17,7 @@
 use super::model::UpdateRule;
 use super::newton::{Failure, Solution};
 use super::pairs::Conditions;
-use super::system::{Push, StepStart, half_product};
+use super::system::{Push, StepStart, System, half_product};
 use super::time_loop::TimeLoop;
 use crate::bodies::{Elements, Space};
 use crate::linear::LinearError;
@@ -94,10 +94,10 @@ where
             reserve: Vec::new(),
         };
         // A push with the work of supports that move; nothing where constraints depend on one another: then nobody's velocity changes.
-        let completed = |push: Result<Push, LinearError>| match push {
+        let completed = |system: &System<D>, push: Result<Push, LinearError>| match push {
             Ok(mut push) => {
                 push.work += moving.iter().map(|&(k, v)| v * push.impulse[k]).sum::<f64>();
-                Ok(Some(push))
+                Ok(system.is_balanced(&push, &solution.q_1).then_some(push))
             }
             Err(LinearError::Interrupted) => Err(Failure::Linear(LinearError::Interrupted).or_interrupt(state.row.time)),
             Err(_) => Ok(None),
@@ -109,7 +109,8 @@ where
         if is_closing {
             let rates = self.system.rates(&v);
             let target: Vec<f64> = (0..rows).map(|row| if ours[row] { -rates[row] } else { 0.0 }).collect();
-            if let Some(push) = completed(self.system.push(&solution.q_1, 0.0, &vec![0.0; rows], &hold, &target))? {
+            let push = self.system.push(&solution.q_1, 0.0, &vec![0.0; rows], &hold, &target);
+            if let Some(push) = completed(&self.system, push)? {
                 let (a, b) = slopes(&self.system.nodal_momenta(&push.velocity), &v, &push);
                 // Shared by the work of the impulses.
                 let share = |row: usize| if hold[row] && ours[row] { (push.lambda[row] * rates[row]).abs() } else { 0.0 };
@@ -134,7 +135,8 @@ where
         let parting: f64 = if energy > 0.0 { pushes.iter().zip(self.system.rates(&v)).map(|(push, rate)| push * rate).sum() } else { 0.0 };
         if parting > 0.0 {
             let none = vec![0.0; rows];
-            if let Some(push) = completed(self.system.push(&solution.q_1, 0.25 * dt * dt, &pushes, &hold, &none))? {
+            let push = self.system.push(&solution.q_1, 0.25 * dt * dt, &pushes, &hold, &none);
+            if let Some(push) = completed(&self.system, push)? {
                 let (a, b) = slopes(&self.system.nodal_momenta(&push.velocity), &v, &push);
                 if a > 0.0 && b > 0.0 {
                     let s = 2.0 * energy / (b + (b * b + 4.0 * a * energy).sqrt());

@@ -322,8 +322,13 @@ where
 fn worst_violation<const D: usize>(system: &System<D>, conditions: &Conditions, lambda: &[f64], dropped: &[bool]) -> (f64, usize, f64) {
     let (mut worst, mut worst_row, mut work) = (0.0, 0, 0.0);
     for pair in &system.pairs {
-        for row in pair.rows.clone().filter(|&row| !dropped[row] && has_row(pair, row - pair.rows.start)) {
-            let (natural, energy) = violation(pair, conditions, row, lambda[row]);
+        for row in pair.rows.clone().filter(|&row| !dropped[row]) {
+            // A node that has come to lie opposite nothing must not keep its multiplier: the force would have no function.
+            let (natural, energy) = if has_row(pair, row - pair.rows.start) {
+                violation(pair, conditions, row, lambda[row])
+            } else {
+                (lambda[row] / pair.c, lambda[row] * conditions.gap_n[row])
+            };
             let violation = natural.abs() / pair.gap_tolerance;
             if violation > worst {
                 (worst, worst_row) = (violation, row);

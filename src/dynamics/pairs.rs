@@ -349,7 +349,7 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         let size = owner.kernel.facet_size();
         if let Some(kernel) = NodeToSegment::of_corners(&facets_of_all(on, &facets), &facets_of_all(against, &facets), reference, size) {
             let corners = Some(Corners { of, slack: tolerances::CORNER_SLACK * size });
-            let (update, augmentation) = (owner.update, owner.augmentation);
+            let (update, augmentation) = (owner.update, corner_augmentation(owner));
             let name = owner.name.clone();
             pairs.push(Pair { corners, update, augmentation, ..fresh(&name, PairKind::Surfaces, on[0].body, Box::new(kernel)) });
         }
@@ -362,7 +362,7 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         let size = owner.kernel.facet_size();
         if let Some(kernel) = RigidCorners::new(&facets(&obstacle.secondary), &obstacle.obstacle, reference, size) {
             let corners = Some(Corners { of, slack: tolerances::CORNER_SLACK * size });
-            let (name, update, augmentation, motion) = (owner.name.clone(), owner.update, owner.augmentation, owner.motion.clone());
+            let (name, update, augmentation, motion) = (owner.name.clone(), owner.update, corner_augmentation(owner), owner.motion.clone());
             let pair = fresh(&name, PairKind::Obstacle, obstacle.secondary.body, Box::new(kernel));
             pairs.push(Pair { corners, update, augmentation, motion, ..pair });
         }
@@ -373,6 +373,11 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         first = pair.rows.end;
     }
     pairs
+}
+
+/// Augmentation of the constraints of a contact's corners.
+fn corner_augmentation(owner: &Pair) -> f64 {
+    if owner.augmentation > 0.0 { owner.augmentation } else { tolerances::CORNER_AUGMENTATION }
 }
 
 /// Sides of the contacts between deformable bodies whose corners may enter the other side, each with the index of its contact among the

@@ -25,6 +25,7 @@ use crate::contact::{Candidates, Correction, Evaluation, Outlook};
 use crate::integrators::{Configuration, Integrator};
 use crate::linear::{Block, EliminationOrder, Factorization, LinearError, NodeMatrix, Pattern, Watch, Work};
 use crate::math::norms::largest_size;
+use crate::math::tolerances;
 use crate::math::workers::Workers;
 
 /// A body in the numbering of the model.
@@ -716,6 +717,25 @@ where
             }
         }
         Ok(push)
+    }
+
+    /// Whether the momenta of a push are the impulses from outside, as far as round-off lets them: where constraints all but depend on one
+    /// another, the solution is accurate in its residual and in nothing else.
+    pub(super) fn is_balanced(&self, push: &Push, q_1: &[f64]) -> bool {
+        let momenta = self.nodal_momenta(&push.velocity);
+        let sizes = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
+        let (size, reach) = (sizes(&momenta), largest_size(q_1).max(self.extent));
+        let off: Vec<f64> = momenta.iter().zip(&push.impulse).map(|(momentum, impulse)| momentum - impulse).collect();
+        let far = |sum: [f64; 3], limit: f64| sum.iter().any(|x| x.abs() > limit);
+        !far(resultant::<D>(&off), tolerances::PUSH * size) && !far(moment::<D>(q_1, &off), tolerances::PUSH * size * reach)
+    }
+
+    /// What contacts see at `q` before there is a step: gaps are known from the start.
+    pub(super) fn survey(&mut self, q: &[f64]) {
+        for pair in &mut self.pairs {
+            self.stale |= pair.kernel.update_candidates(&Outlook::within(q, 0.0));
+            pair.kernel.begin_step(q);
+        }
     }
 
     /// Writes rows `G_1` and columns `-columns^T` of the active constraints, and the diagonal of all.

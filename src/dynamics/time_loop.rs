@@ -54,6 +54,10 @@ where
         let velocities = initial_velocities(&system, model);
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);
+        if D == 2 {
+            let reference = system.reference.clone();
+            system.survey(&reference);
+        }
         let mut row = LedgerRow::default();
         let positions = system.reference.clone();
         row.kinetic = system.kinetic_energy(&velocities);

@@ -55,6 +55,10 @@ pub const PROJECTED_INCREMENT: f64 = 1e-7;
 /// and elastic waves before an impact leave of bodies with the same mesh.
 pub const ALIGNED: f64 = 1e-4;
 
+/// Share of a facet by which a node may lie beyond the end of a chain and still be opposite it: nodes of bodies that end flush with each
+/// other, after their own deformation.
+pub const CHAIN_END: f64 = 1e-6;
+
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
 pub const FACING: f64 = 1e-6;
 
@@ -85,6 +89,13 @@ pub const CAME_THROUGH: f64 = 0.09;
 /// Overlap of a corner, in shortest secondary facets, that its own constraint leaves alone: half of what a sharp corner may go in, and far
 /// more than the gaps that weighted constraints leave where surfaces lie flat on each other.
 pub const CORNER_SLACK: f64 = 0.02;
+
+/// Augmentation of a corner's constraints, where the contact has none: where bodies overlap at the start, they depend on the constraints of
+/// the surfaces. So large that Newton's method does not notice it.
+pub const CORNER_AUGMENTATION: f64 = 1e6;
+
+/// Momentum that a push of the `velocity` rule may have, over the sum of its nodal momenta: the promise of 1e-11 a step.
+pub const PUSH: f64 = 1e-12;
 
 /// Overlap in shortest secondary facets, at the end of a step, of a pair that took no part in it, from which on the step is taken back.
 pub const OVERLOOKED: f64 = 1e-6;
