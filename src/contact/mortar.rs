@@ -13,7 +13,7 @@ use super::search::PairSearch;
 use super::surface::Sides;
 use super::{ContactKernel, Correction};
 use crate::integrators::{Configuration, Integrator, discrete_gradient};
-use crate::math::tolerances::{INVARIANT_INCREMENT, WHOLE};
+use crate::math::tolerances::{INVARIANT_INCREMENT, REMAINDER, WHOLE};
 
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets: fewer new matrix patterns against more
 /// stored zeros.
@@ -317,9 +317,15 @@ impl ContactKernel for Mortar {
             } else if conserving {
                 let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
                 let middle_gradient = gradient(&start.shape, &middle);
-                let threshold = INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(&end_pi, &end_pi);
                 let square = dot(&d, &d);
                 let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
+                // In a small step only kinks have a remainder that is more than round-off.
+                let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(&end_pi, &end_pi);
+                let is_round_off = |k: usize| {
+                    let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
+                    remainder[k].abs() <= REMAINDER * (end_value[k].abs() + start.value[k].abs() + sizes)
+                };
+                let threshold = if is_doubtful && is_round_off(0) && is_round_off(1) { f64::INFINITY } else { 0.0 };
                 bar = middle_gradient;
                 if square > threshold {
                     for k in 0..2 {

@@ -20,7 +20,7 @@ use super::chain::Chain;
 use super::patches::Evaluation;
 use super::surface::Sides;
 use crate::integrators::Integrator;
-use crate::math::tolerances::PROJECTED_INCREMENT;
+use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
 /// Shape of a rigid obstacle at its undisplaced place.
 #[derive(Clone, Debug, PartialEq)]
@@ -188,8 +188,10 @@ impl Shape {
                 let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
                 let square = d[0] * d[0] + d[1] * d[1];
                 let mut gradient = StepGradient { bar: middle.normal, tangent: [[0.0; 2]; 2] };
-                if square > (PROJECTED_INCREMENT * size).powi(2) {
-                    let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
+                let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
+                // In a small step only a corner has a remainder that is more than round-off.
+                let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
+                if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
                     let e = remainder / square;
                     for i in 0..2 {
                         gradient.bar[i] += e * d[i];

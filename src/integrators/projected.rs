@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::math::tolerances::PROJECTED_INCREMENT;
+use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
 /// The projected increment of one patch over a step, and what its derivative needs.
 ///
@@ -28,8 +28,10 @@ pub struct Projection<const D: usize> {
     projected: Vec<Vector3<f64>>,
     spin: Vector3<f64>,
     inverse_inertia: Matrix3<f64>,
-    /// `1 / p.p`, zero where the correction is dropped.
+    /// `1 / p.p`, zero in a rigid motion.
     inverse_square: f64,
+    /// Extent of the patch, where the increment is so small that a correction may be round-off.
+    doubtful: Option<f64>,
 }
 
 /// A function of the patch at the configurations of the step, as the tangent needs it.
@@ -84,18 +86,23 @@ impl<const D: usize> Projection<D> {
         self.projected.clear();
         self.projected.extend(self.centered.iter().zip(&self.arms).map(|(d, r)| d - self.spin.cross(r)));
         let square: f64 = self.projected.iter().map(Vector3::norm_squared).sum();
-        self.inverse_square = if square > PROJECTED_INCREMENT * PROJECTED_INCREMENT * size { 1.0 / square } else { 0.0 };
+        self.inverse_square = if square > 0.0 { 1.0 / square } else { 0.0 };
+        self.doubtful = (square <= PROJECTED_INCREMENT * PROJECTED_INCREMENT * size).then(|| size.sqrt());
     }
 
-    /// Quotient `e` of a function with that gradient at `q_mid` and that change over the step.
-    fn quotient(&self, gradient_mid: &[f64], change: f64) -> f64 {
+    /// Quotient `e` of a function with that gradient at `q_mid` and that change over the step; nothing where the numerator is round-off.
+    /// In a small step a smooth function has no other one, a kink does.
+    fn quotient(&self, gradient_mid: &[f64], change: f64) -> Option<f64> {
         let linear: f64 = gradient_mid.iter().zip(&self.motion).map(|(g, d)| g * d).sum();
-        (change - linear) * self.inverse_square
+        let remainder = change - linear;
+        let slope = || gradient_mid.iter().map(|g| g.abs()).sum::<f64>();
+        let is_round_off = self.doubtful.is_some_and(|size| remainder.abs() <= REMAINDER * size * slope());
+        (!is_round_off).then_some(remainder * self.inverse_square)
     }
 
     /// Discrete gradient of a function with that gradient at `q_mid` and that change `f(q_1) - f(q_0)`.
     pub fn gradient_into(&self, gradient_mid: &[f64], change: f64, out: &mut [f64]) {
-        let e = self.quotient(gradient_mid, change);
+        let e = self.quotient(gradient_mid, change).unwrap_or(0.0);
         for (node, p) in self.projected.iter().enumerate() {
             for i in 0..D {
                 out[node * D + i] = gradient_mid[node * D + i] + e * p[i];
@@ -109,12 +116,9 @@ impl<const D: usize> Projection<D> {
         for (value, h) in out.iter_mut().zip(f.hessian_mid) {
             *value = 0.5 * weight * h;
         }
-        if self.inverse_square == 0.0 {
-            return;
-        }
+        let Some(e) = self.quotient(f.gradient_mid, f.change).filter(|_| self.inverse_square > 0.0) else { return };
         let count = self.arms.len();
         let share = 1.0 / count as f64;
-        let e = self.quotient(f.gradient_mid, f.change);
         for node in 0..count {
             let (r, d, p) = (self.arms[node], self.centered[node], self.projected[node]);
             for i in 0..D {

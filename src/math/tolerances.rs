@@ -43,13 +43,17 @@ pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
 /// round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
 
-/// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient is under
+/// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient may be under
 /// round-off.
 pub const INVARIANT_INCREMENT: f64 = 1e-5;
 
 /// Increment of a patch without its rigid part, relative to the patch, below which the correction of the projected discrete gradient is
 /// dropped: its numerator is round-off (1e-16) there, which would give a force of 1e-9 of the contact force, as much as Newton notices.
 pub const PROJECTED_INCREMENT: f64 = 1e-7;
+
+/// Remainder of a discrete gradient, relative to its terms, that is round-off. Where the increment is so small that a smooth function's
+/// remainder would be, too, only a larger one is divided by it: that of a kink.
+pub const REMAINDER: f64 = 4e-15;
 
 /// Distance of a primary from a secondary node, in secondary facets, within which they count as aligned: a thousand times what round-off
 /// and elastic waves before an impact leave of bodies with the same mesh.
