@@ -29,6 +29,10 @@ const CORNER: f64 = 0.9848;
 /// Cosine of the turn above which such a surface is bent, 2 degrees: where both sides are flatter, weighted gaps see everything.
 const BENT: f64 = 0.9994;
 
+/// Depth in shortest facets beyond which a node has no constraint of a corner: where bodies overlap at the start, those of the surfaces hold
+/// them, and these would depend on them.
+const SUNK: f64 = 0.15;
+
 /// Turn above which a corner of the other side is concave, in degrees, and how near a vertex must be to it, in shortest facets.
 const POCKET: f64 = 3.0;
 const POCKET_REACH: f64 = 0.25;
@@ -222,6 +226,7 @@ impl NodeToSegment {
         seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends)
             && across <= SAME_WAY * normal[0].hypot(normal[1])
             && self.window.admits_depth(self.own_facets(point), facet, seen.gap)
+            && (self.bent.is_none() || seen.gap > -SUNK * self.sides.facet_size)
     }
 
     /// What takes part of a patch in a step.
