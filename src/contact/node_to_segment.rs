@@ -47,7 +47,7 @@ pub struct NodeToSegment {
     bent: Option<[Vec<bool>; 2]>,
     candidates: Candidates,
     window: Window,
-    /// Per patch: the primary facets in it, ascending, candidates and their neighbors.
+    /// Per patch: the primary facets in it, ascending: candidates, their neighbors and theirs.
     facets: Vec<Vec<u32>>,
     start: Vec<Start>,
 }
@@ -55,11 +55,12 @@ pub struct NodeToSegment {
 /// What a patch keeps of the start of the step.
 #[derive(Clone, Debug, Default)]
 struct Start {
-    /// Places in the patch of the nodes that take part: the secondary node, and those of the admitted facets and their neighbors.
+    /// Places in the patch of the nodes that take part: the secondary node, and those of the admitted facets, their neighbors and theirs.
     places: Vec<u32>,
-    /// These facets, in indices of `places`, and which of them are admitted.
+    /// These facets, in indices of `places`, and which of them may be the closest: not the last ones, which are there for their corners. A
+    /// neighbor looks another way, perhaps, but round a sharp corner it is what the node has in front of it.
     chain: Chain,
-    admitted: Vec<bool>,
+    closest: Vec<bool>,
     /// Positions of the nodes that take part.
     positions: Vec<f64>,
     measures: [Option<Measure>; 2],
@@ -92,7 +93,7 @@ impl Start {
     fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
         match self.pocket {
             Some(facets) => facets.map(|facet| Some(self.chain.line(facet, z))),
-            None => [self.chain.measure(z, &self.admitted), None],
+            None => [self.chain.measure(z, &self.closest), None],
         }
     }
 
@@ -168,10 +169,7 @@ impl NodeToSegment {
         for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
             let point = pairs[0][0];
             let primary = &self.sides.primary;
-            let mut facets: Vec<u32> = pairs.iter().map(|pair| pair[1]).collect();
-            facets.extend(pairs.iter().flat_map(|pair| primary.neighbors(pair[1] as usize)).flatten());
-            facets.sort_unstable();
-            facets.dedup();
+            let facets = with_neighbors(primary, &with_neighbors(primary, &pairs.iter().map(|pair| pair[1]).collect::<Vec<_>>()));
             let mut nodes: Vec<u32> = facets.iter().flat_map(|&facet| primary.facets()[facet as usize]).collect();
             nodes.sort_unstable();
             nodes.dedup();
@@ -240,10 +238,9 @@ impl NodeToSegment {
         if !self.has_constraint(point, &admitted) {
             admitted.clear();
         }
-        let mut facets: Vec<u32> = admitted.iter().flat_map(|&facet| primary.neighbors(facet as usize)).flatten().collect();
-        facets.extend(&admitted);
-        facets.sort_unstable();
-        facets.dedup();
+        let mut closest = with_neighbors(primary, &admitted);
+        let facets = with_neighbors(primary, &closest);
+        closest.retain(|&facet| self.candidates.may_list([point as u32, facet]));
         let mut places = vec![0];
         let mut chain = Vec::with_capacity(facets.len());
         for &facet in &facets {
@@ -257,8 +254,8 @@ impl NodeToSegment {
                 }) as u32
             }));
         }
-        let admitted = facets.iter().map(|facet| admitted.binary_search(facet).is_ok()).collect();
-        Start { places, chain: Chain::new(chain), admitted, ..Start::default() }
+        let closest = facets.iter().map(|facet| closest.binary_search(facet).is_ok()).collect();
+        Start { places, chain: Chain::new(chain), closest, ..Start::default() }
     }
 
     /// Tells what measures each row of the present step at `q`: the row, and its measure.
@@ -275,10 +272,19 @@ impl NodeToSegment {
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
     fn pocket(&self, start: &Start) -> Option<[u32; 2]> {
         self.bent.as_ref()?;
-        let measure = start.chain.measure(&start.positions, &start.admitted)?;
+        let measure = start.chain.measure(&start.positions, &start.closest)?;
         let is_near = measure.covered && measure.gap <= POCKET_REACH * self.sides.facet_size;
         is_near.then(|| start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin()))?
     }
+}
+
+/// Some facets of a surface and their neighbors, ascending.
+fn with_neighbors(surface: &Surface, facets: &[u32]) -> Vec<u32> {
+    let mut all: Vec<u32> = facets.iter().flat_map(|&facet| surface.neighbors(facet as usize)).flatten().collect();
+    all.extend(facets);
+    all.sort_unstable();
+    all.dedup();
+    all
 }
 
 /// A facet as seen from a node.
@@ -349,8 +355,8 @@ impl ContactKernel for NodeToSegment {
                         .chain
                         .facets()
                         .iter()
-                        .zip(&start.admitted)
-                        .any(|(local, &admitted)| admitted && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
+                        .zip(&start.closest)
+                        .any(|(local, &closest)| closest && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
                 });
                 !was && self.has_constraint(point, &[facet]) && self.admits(point, facet, self.normal(point, q_0), &outlook)
             }

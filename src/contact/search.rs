@@ -84,6 +84,11 @@ impl Candidates {
         pairs
     }
 
+    /// Whether a pair can be a contact at all.
+    pub fn may_list(&self, pair: [u32; 2]) -> bool {
+        self.excluded.binary_search(&pair).is_err()
+    }
+
     /// The pairs (secondary facet, primary facet), ascending.
     pub fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs
