@@ -14,6 +14,7 @@ mod chain;
 mod checks;
 #[cfg(test)]
 mod contract;
+mod depth;
 #[cfg(test)]
 mod fixtures;
 mod mortar;
@@ -194,6 +195,11 @@ pub trait ContactKernel: Send + Sync {
     /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar:
     /// weighted gap `[length^2]`).
     fn gap(&self, q: &[f64]) -> Vec<f64>;
+
+    /// Largest depth of a node of either side in the other body at `q` `[length]`, point by point, among what takes part; 0 where none is.
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.search().map_or(0.0, |search| search.deepest(self.sides(), q))
+    }
 
     /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.
     fn coverage(&self, q: &[f64]) -> Vec<f64>;

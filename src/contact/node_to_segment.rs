@@ -12,6 +12,7 @@
 
 use super::ContactKernel;
 use super::chain::{Chain, Measure};
+use super::depth::Seen;
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
 use super::surface::{Sides, Surface};
@@ -223,7 +224,7 @@ impl NodeToSegment {
         let across = normal[0] * seen.along[1] - normal[1] * seen.along[0];
         seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends)
             && across <= SAME_WAY * normal[0].hypot(normal[1])
-            && self.window.admits_depth(self.own_facets(point), facet, seen.gap)
+            && self.window.admits_depth(0, self.own_facets(point), facet, seen.gap)
             && (self.bent.is_none() || seen.gap > -SUNK * self.sides.facet_size)
     }
 
@@ -287,30 +288,6 @@ fn with_neighbors(surface: &Surface, facets: &[u32]) -> Vec<u32> {
     all
 }
 
-/// A facet as seen from a node.
-struct Seen {
-    /// Distance to its closest point, and to its line `[length]`.
-    distance: f64,
-    gap: f64,
-    /// Whether the closest point is no end.
-    inside: bool,
-    /// Unit vector along it.
-    along: [f64; 2],
-}
-
-impl Seen {
-    fn new(node: u32, facet: [u32; 2], q: &[f64]) -> Self {
-        let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
-        let (x, [a, b]) = (at(node), facet.map(at));
-        let (t, d) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
-        let length = t[0].hypot(t[1]);
-        let along = t.map(|t| t / length);
-        let s = along[0] * d[0] + along[1] * d[1];
-        let (gap, beyond) = (along[1] * d[0] - along[0] * d[1], s - s.clamp(0.0, length));
-        Seen { distance: gap.hypot(beyond), gap, inside: beyond == 0.0, along }
-    }
-}
-
 /// Pairs (point, primary facet) that can never be a contact, ascending: those of the point's facets.
 fn points_within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
@@ -344,7 +321,7 @@ impl ContactKernel for NodeToSegment {
             let (point, ends) = (point as usize, self.sides.primary.facets()[facet as usize]);
             let node = self.points.nodes()[point];
             let end = Seen::new(node, ends, q_1);
-            let closed = end.inside && end.gap < -tolerance && self.window.admits_depth(self.own_facets(point), facet, end.gap);
+            let closed = end.end.is_none() && end.gap < -tolerance && self.window.admits_depth(0, self.own_facets(point), facet, end.gap);
             closed && Seen::new(node, ends, q_0).gap > 0.0 && {
                 // Admitted it would have been, had its motion been known; was it?
                 let p = self.facets.iter().enumerate().position(|(p, _)| self.point(p) == point);
@@ -489,6 +466,12 @@ impl ContactKernel for NodeToSegment {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         self.for_each_measure(q, |row, measure| gaps[row] = self.sides.weights[row] * measure.gap);
         gaps
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        let mut deepest = 0.0f64;
+        self.for_each_measure(q, |_, measure| deepest = deepest.max(if measure.covered { -measure.gap } else { 0.0 }));
+        deepest
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {

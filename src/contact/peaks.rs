@@ -179,6 +179,10 @@ impl ContactKernel for RigidCorners {
         self.inner.gap(&self.positions(q, 2))
     }
 
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.inner.deepest(&self.positions(q, 2))
+    }
+
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         self.inner.coverage(&self.positions(q, 2))
     }

@@ -325,6 +325,14 @@ impl ContactKernel for RigidContact {
         self.gaps(self.translations[2], |row| self.position(row, q, [0.0; 2]))
     }
 
+    fn deepest(&self, q: &[f64]) -> f64 {
+        let depth = |row: usize| {
+            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
+            distance.filter(|distance| distance.covered).map_or(0.0, |distance| -distance.gap)
+        };
+        (0..self.sides.weights.len()).map(depth).fold(0.0, f64::max)
+    }
+
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let covered = |row: usize| {
             let distance = self.shape.distance(self.position(row, q, self.translations[2]));

@@ -131,7 +131,7 @@ pub struct PairSearch {
     pub candidates: Candidates,
     /// Those that take part in this step.
     pub near: Vec<bool>,
-    window: Window,
+    pub(super) window: Window,
 }
 
 impl PairSearch {

@@ -158,12 +158,13 @@ impl Window {
         self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
     }
 
-    /// Whether a facet of the primary side may be opposite a secondary node, between these facets, that lies `gap` in front of it, as far as
-    /// depth decides.
-    pub fn admits_depth(&self, own_facets: &[u32], other: u32, gap: f64) -> bool {
-        let own = own_facets.iter().map(|&facet| self.thickness[0][facet as usize]).fold(f64::INFINITY, f64::min);
-        let length = own_facets.iter().map(|&facet| self.lengths[0][facet as usize]).fold(self.lengths[1][other as usize], f64::max);
-        gap > -DEEP * length.min(own + self.thickness[1][other as usize])
+    /// Whether a facet of the other side may be opposite a node of a side (0: secondary), between these facets, that lies `gap` in front of
+    /// it, as far as depth decides.
+    pub fn admits_depth(&self, side: usize, own_facets: &[u32], other: u32, gap: f64) -> bool {
+        let (thickness, lengths, other) = (&self.thickness[side], &self.lengths[side], other as usize);
+        let own = own_facets.iter().map(|&facet| thickness[facet as usize]).fold(f64::INFINITY, f64::min);
+        let length = own_facets.iter().map(|&facet| lengths[facet as usize]).fold(self.lengths[1 - side][other], f64::max);
+        gap > -DEEP * length.min(own + self.thickness[1 - side][other])
     }
 
     /// Gaps of a pair where the facets are opposite each other, or would be after sliding by `spare`; nothing where they never are.

@@ -5,13 +5,12 @@ use std::sync::Arc;
 use super::impact::Jump;
 use super::ledger::LedgerRow;
 use super::newton::Solution;
-use super::pairs::{Conditions, PairKind};
+use super::pairs::Conditions;
 use super::simulation::State;
 use super::system::{Forces, StepStart, add_force, add_moment, half_product, moment, resultant};
 use super::time_loop::TimeLoop;
 use crate::bodies::{Elements, Space};
 use crate::integrators::Integrator;
-use crate::math::tolerances;
 
 impl<const D: usize> TimeLoop<D>
 where
@@ -127,18 +126,12 @@ where
         (0..3).for_each(|i| impulse[i] += slip_moment[i]);
         row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, turning, impulse);
 
-        for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
-            for (node, (gap, covered)) in pair.evaluation.gap.iter().zip(&pair.evaluation.coverage).enumerate() {
-                if *covered > tolerances::SLIVER {
-                    row.max_penetration = row.max_penetration.max(-gap / (covered * pair.kernel.weights()[node]));
-                }
-            }
-        }
         let pressing: Vec<f64> = match &jump {
             Some(jump) => lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect(),
             None => lambda.clone(),
         };
         row.contacts = self.contact_totals(&q_1, &pressing, &active);
+        row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
         row.probes = self.probe_values(&q_1, &v_1);
         let acted = obstacle_work != 0.0 || load.iter().any(|f| *f != 0.0);
         State {

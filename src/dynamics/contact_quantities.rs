@@ -115,9 +115,12 @@ fn active_nodes(contact: Loaded, corners: &[Loaded]) -> (Vec<bool>, usize) {
 }
 
 fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]) -> ContactTotals {
-    let Loaded { pair, evaluation: Evaluation { gap, coverage, .. }, .. } = contact;
+    let Loaded { pair, evaluation: Evaluation { coverage, .. }, .. } = contact;
     let stride = pair.kernel.rows_per_node();
     let mut totals = ContactTotals::default();
+    if pair.kind != PairKind::Tie {
+        totals.penetration = corners.iter().map(|corners| corners.pair.kernel.deepest(q)).fold(pair.kernel.deepest(q), f64::max);
+    }
     for force in &forces.own {
         (0..3).for_each(|i| totals.force[i] += force[i]);
         totals.normal_force += force[0].hypot(force[1]).hypot(force[2]);
@@ -132,9 +135,6 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
             totals.area += coverage[row] * weight;
         }
         totals.pressure = totals.pressure.max(pressures[node]);
-        if pair.kind != PairKind::Tie && coverage[row] > tolerances::SLIVER {
-            totals.penetration = totals.penetration.max(-gap[row] / (coverage[row] * pair.kernel.weights()[row]));
-        }
     }
     totals
 }

@@ -37,7 +37,7 @@ pub struct LedgerRow {
     pub halvings: usize,
     /// Number of active contact nodes.
     pub active: usize,
-    /// Largest penetration at a secondary node `[length]`, 0 when none.
+    /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
     pub max_penetration: f64,
     /// One for each contact pair, in the order of the model; none before the first step.
     pub contacts: Vec<ContactTotals>,
@@ -58,7 +58,7 @@ pub struct ContactTotals {
     pub area: f64,
     /// Largest pressure at a secondary node `[stress]`.
     pub pressure: f64,
-    /// Largest penetration at a secondary node `[length]`, 0 when none.
+    /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
     pub penetration: f64,
 }
 

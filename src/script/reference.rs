@@ -84,7 +84,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("newton_iterations", "the Newton iterations of the step"),
     ("halvings", "how often the step was halved before it was accepted"),
     ("active", "the number of closed contact nodes"),
-    ("max_penetration", "the largest penetration at a secondary node [length]"),
+    ("max_penetration", "the largest depth of a node of either side in the other body, point by point [length]"),
     ("reserve", "the part of the potential energy that closed contacts of the update rule velocity keep until they open [energy]"),
 ];
 

@@ -1,0 +1,71 @@
+//! How deep nodes of either side are in the other body, point by point: what weighted gaps, which are means, do not tell.
+
+use super::search::PairSearch;
+use super::surface::{Sides, Surface};
+
+/// A facet as seen from a node.
+pub(super) struct Seen {
+    /// Distance to its closest point, and to its line `[length]`.
+    pub(super) distance: f64,
+    pub(super) gap: f64,
+    /// Unit vector along it.
+    pub(super) along: [f64; 2],
+    /// The end that is the closest point, if one is.
+    pub(super) end: Option<usize>,
+}
+
+impl Seen {
+    /// A facet as seen from a node at the positions `q`.
+    pub(super) fn new(node: u32, facet: [u32; 2], q: &[f64]) -> Self {
+        let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
+        let (x, [a, b]) = (at(node), facet.map(at));
+        let (t, d) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+        let length = t[0].hypot(t[1]);
+        let along = t.map(|t| t / length);
+        let s = along[0] * d[0] + along[1] * d[1];
+        let (gap, beyond) = (along[1] * d[0] - along[0] * d[1], s - s.clamp(0.0, length));
+        let end = (beyond != 0.0).then_some(usize::from(beyond > 0.0));
+        Seen { distance: gap.hypot(beyond), gap, along, end }
+    }
+
+    /// Gap of the node to the surface near this facet: at a corner to the intersection or the union of both half planes; nothing beyond
+    /// the end of a chain.
+    fn gap_to(&self, node: u32, surface: &Surface, facet: usize, q: &[f64]) -> Option<f64> {
+        let Some(end) = self.end else { return Some(self.gap) };
+        let neighbor = surface.neighbors(facet)[end]? as usize;
+        let other = Seen::new(node, surface.facets()[neighbor], q);
+        let turn = self.along[0] * other.along[1] - self.along[1] * other.along[0];
+        let is_convex = if end == 1 { turn > 0.0 } else { turn < 0.0 };
+        Some(if is_convex { self.gap.max(other.gap) } else { self.gap.min(other.gap) })
+    }
+}
+
+impl PairSearch {
+    /// Largest depth at `q` of a node of either side in the other body, among the pairs that take part `[length]`.
+    pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
+        let surfaces = [&sides.secondary, &sides.primary];
+        let mut deepest = 0.0f64;
+        for own in 0..2 {
+            let (surface, other) = (surfaces[own], surfaces[1 - own]);
+            let mut closest: Vec<Option<(u32, Seen)>> = std::iter::repeat_with(|| None).take(surface.nodes().len()).collect();
+            for (pair, _) in self.candidates.pairs().iter().zip(&self.near).filter(|(_, near)| **near) {
+                let (own_facet, facet) = (pair[own] as usize, pair[1 - own]);
+                for &index in &surface.local_facets()[own_facet] {
+                    let seen = Seen::new(surface.nodes()[index as usize], other.facets()[facet as usize], q);
+                    let known = &mut closest[index as usize];
+                    if known.as_ref().is_none_or(|(_, known)| seen.distance < known.distance) {
+                        *known = Some((facet, seen));
+                    }
+                }
+            }
+            for (index, found) in closest.into_iter().enumerate() {
+                let Some((facet, seen)) = found.filter(|(_, seen)| -seen.gap > deepest) else { continue };
+                let gap = seen.gap_to(surface.nodes()[index], other, facet as usize, q).unwrap_or(0.0);
+                if self.window.admits_depth(own, surface.adjacent_facets(index), facet, gap) {
+                    deepest = deepest.max(-gap);
+                }
+            }
+        }
+        deepest
+    }
+}
