@@ -179,10 +179,11 @@ impl Row {
         let count = |fault| self.counts.get(&fault).copied().unwrap_or(0);
         let worst = &self.worst;
         println!(
-            "{name:28} {:5} {:7} {:6} {:4} {:6} {:6} {:8} {:6} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:6.2} {:8.2} {:7.2} {:6.2} {:8}",
+            "{name:28} {:5} {:7} {:6} {:7} {:4} {:6} {:6} {:8} {:6} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:6.2} {:8.2} {:7.2} {:6.2} {:8}",
             self.runs,
             self.touched,
             count(Fault::Failed),
+            count(Fault::Crushed),
             count(Fault::Slow),
             count(Fault::Gained),
             count(Fault::Defect),
@@ -204,7 +205,7 @@ impl Row {
 
 /// Columns of the table: runs, those in which anything touched, those with each fault, those deeper than one and a half times the
 /// limit; largest values; iterations of an accepted piece, halvings.
-const HEADER: &str = "method, rule; kind            runs touched failed slow gained defect momentum ledger  deep >0.15      gain   \
+const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained defect momentum ledger  deep >0.15      gain   \
                       defect momentum  depth crossing misread  iter. halvings";
 
 /// All scenes with all methods and rules, on all threads; lines in the order of the seeds.

@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use conserva::dynamics::{LedgerRow, Options, Simulation, UpdateRule};
+use conserva::dynamics::{FailureCause, LedgerRow, Options, Simulation, UpdateRule};
 use conserva::integrators::Integrator;
 
 use super::Scene;
@@ -32,6 +32,9 @@ const ITERATIONS: usize = 6000;
 pub enum Fault {
     /// The model was refused, a step failed, or the code panicked.
     Failed,
+    /// A cell of a Saint Venant-Kirchhoff body turned inside out: under strong compression that law has no more resistance, and the scene
+    /// no solution. Not a fault of contact.
+    Crushed,
     /// Given up because of its many iterations.
     Slow,
     /// Energy has grown: above the least of the steps before, with the `velocity` rule (which keeps some for later) above the most.
@@ -47,11 +50,13 @@ pub enum Fault {
 }
 
 impl Fault {
-    pub const ALL: [Fault; 7] = [Fault::Failed, Fault::Slow, Fault::Gained, Fault::Defect, Fault::Momentum, Fault::Ledger, Fault::Deep];
+    pub const ALL: [Fault; 8] =
+        [Fault::Failed, Fault::Crushed, Fault::Slow, Fault::Gained, Fault::Defect, Fault::Momentum, Fault::Ledger, Fault::Deep];
 
     pub fn name(self) -> &'static str {
         match self {
             Fault::Failed => "FAILED",
+            Fault::Crushed => "CRUSHED",
             Fault::Slow => "SLOW",
             Fault::Gained => "GAINED",
             Fault::Defect => "DEFECT",
@@ -240,7 +245,8 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
         outcome.iterations += record.iterations;
         outcome.halvings += record.halvings;
         if let Err(error) = taken {
-            return outcome.fail(step, &error.to_string());
+            let fault = if is_crushed(scene, &sim) { Fault::Crushed } else { Fault::Failed };
+            return outcome.find(fault, step, f64::INFINITY, &error.to_string());
         }
         let (state, row) = (sim.shared_state(), sim.row());
         record.sums = oracle.sums(&state.positions, &state.velocities);
@@ -262,6 +268,12 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
             return outcome.find(Fault::Slow, step, sim.statistics().newton_iterations as f64, "iterations so far");
         }
     }
+}
+
+/// Whether the last step failed because a cell turned inside out whose law lets it.
+fn is_crushed(scene: &Scene, sim: &Simulation) -> bool {
+    let Some(FailureCause::InvertedCell { body, .. }) = sim.failure().map(|report| &report.cause) else { return false };
+    scene.bodies.iter().enumerate().any(|(k, other)| *body == format!("body {k}") && other.law == "saint_venant_kirchhoff")
 }
 
 /// The larger number, or the one that is none.
