@@ -9,6 +9,9 @@ use super::ledger::LedgerRow;
 use super::pairs::{LargeMotion, MotionKind};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, DEPTH, FORCE_FLOOR, GIVEN, HALVED, LOST, SLIDING};
 
+/// Relative difference below which two values are as good as equal: the first of them is told, whatever round-off says.
+const EQUAL: f64 = 1e-6;
+
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunFindingKind {
@@ -154,9 +157,10 @@ pub(super) fn run_findings(rows: &[LedgerRow], halvings: &[Halving], measures: &
     let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max);
     // Round-off of positions moves forces by this much of the stiffness, and they work on displacements of the size that the energy has.
     let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt();
+    // The first one of those that are equal to round-off.
     let largest = |value: &dyn Fn(&LedgerRow) -> f64| {
         let values = rows.iter().map(|row| (value(row), row));
-        values.fold((0.0, last), |largest, next| if next.0 > largest.0 { next } else { largest })
+        values.fold((0.0, last), |largest, next| if next.0 > largest.0 * (1.0 + EQUAL) { next } else { largest })
     };
     let only = match measures.contacts[..] {
         [(name, _)] => Some(name.to_string()),

@@ -467,7 +467,8 @@ impl SimulationHandle {
     fn warn_of(&self, host: &Host, finding: &RunFinding) {
         let RunFinding { contact, explanation, step, time, .. } = finding;
         let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
-        let cause = format!("{explanation} (t = {}, step {step})", brief(*time));
+        let which = if host.simulations.borrow().len() > 1 { format!("simulation \"{}\", ", self.0.name) } else { String::new() };
+        let cause = format!("{explanation} ({which}t = {}, step {step})", brief(*time));
         host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.cure()));
     }
 
