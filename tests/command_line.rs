@@ -305,6 +305,35 @@ fn check_takes_no_step_and_finds_what_is_wrong() {
 }
 
 #[test]
+fn sliding_is_foreseen_by_check_and_found_by_run() {
+    let script = std::fs::read_to_string("tests/errors/cases/contact_slides_fast.rhai").unwrap();
+    let home = folder("sliding", &script);
+    let title = "warning: steps are halved beforehand: fast sliding in contact \"faces\"";
+    let checked = run(&home, &["check", "main.rhai"]);
+    assert_eq!(checked.status.code(), Some(0));
+    assert_eq!(stderr(&checked).matches(title).count(), 1, "{}", stderr(&checked));
+    let ran = run(&home, &["run", "main.rhai", "--quiet"]);
+    assert_eq!(stderr(&ran).matches(title).count(), 1, "told when it begins, not again at the end: {}", stderr(&ran));
+    let summary: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(home.join("out/main/summary.json")).unwrap()).unwrap();
+    assert!(summary["halvings_by_cause"]["sliding"].as_u64() >= Some(4), "{summary}");
+    let found = &summary["findings"][0];
+    assert_eq!((found["kind"].as_str(), found["contact"].as_str(), found["limit"].as_f64()), (Some("sliding"), Some("faces"), Some(0.9)));
+    assert!((found["value"].as_f64().unwrap() - 1.6).abs() < 1e-3, "0.2 in a step over facets of 0.125: {found}");
+    // A wheel that rolls does not slide, although the rest of it is fast.
+    let wheel = "let m = model(\"wheel\");\n\
+        let rubber = neo_hookean(#{ youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 });\n\
+        let rim = m.add_body(\"rim\", ring(#{ inner_radius: 0.2, outer_radius: 0.5, cells: [3, 40], center: [0.0, 0.5] }), rubber);\n\
+        m.initial_velocity(rim, #{ linear: [param(\"speed\", 10.0), 0.0], angular: -20.0 });\n\
+        let floor = rigid_plane(#{ point: [0.0, 0.0], normal: [0.0, 1.0] });\n\
+        m.add_contact(\"floor\", #{ secondary: rim.boundary(\"outer\"), primary: floor });\n\
+        let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.01 });\n";
+    let home = folder("wheel", wheel);
+    assert_eq!(stderr(&run(&home, &["check", "main.rhai"])), "");
+    let slips = run(&home, &["check", "main.rhai", "--set", "speed=0.0"]);
+    assert!(stderr(&slips).contains("fast sliding in contact \"floor\""), "{}", stderr(&slips));
+}
+
+#[test]
 fn a_script_reads_only_what_it_may() {
     let home = folder("sandbox", "let mesh = read_mesh(param(\"mesh\", \"\")); print(mesh.cells);");
     let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors/cases/meshes/square.msh");

@@ -117,11 +117,12 @@ impl ContactMethod {
 /// The condition that an active contact node fulfils over a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum UpdateRule {
-    /// The gap is zero at the end of the step.
+    /// The gap is zero at the end of the step, or what it was at the start where that was an overlap.
     Gap,
     /// A node that is closed at the start of the step does not approach further (Laursen and Chawla, IJNME 40, 1997).
     Persistency,
-    /// As `Gap`, then a smoothed velocity jump that returns the lost energy (after Laursen and Love, IJNME 53, 2002).
+    /// As `Gap`; closings are plastic impacts whose energy a smoothed velocity jump returns at the opening (after Laursen and Love, IJNME
+    /// 53, 2002, who return it at once).
     Velocity,
 }
 
@@ -141,10 +142,16 @@ impl UpdateRule {
     /// One sentence for the reference.
     pub fn summary(self) -> &'static str {
         match self {
-            UpdateRule::Gap => "no penetration at the end of a step; each closing loses energy, which the ledger books as contact work",
-            UpdateRule::Persistency => "energy exact through impact and release; penetrates by at most one step's approach",
+            UpdateRule::Gap => {
+                "closed at the end of a step; each closing loses energy, which the ledger books as contact work (never positive: an overlap \
+                 at the start is kept, not driven apart)"
+            }
+            UpdateRule::Persistency => {
+                "a gap that is closed stays as it is: energy exact through impact and release, penetrates by at most a tenth of a facet"
+            }
             UpdateRule::Velocity => {
-                "no penetration and exact energy: what a closing takes is kept in reserve and returned when the contact opens"
+                "closed as with `gap`, and exact energy: what a closing takes is kept in reserve (column `reserve`, part of `potential`) \
+                 and becomes motion again when the contact opens"
             }
         }
     }

@@ -71,13 +71,35 @@ impl Pair {
     }
 }
 
-/// Why a step was halved before it was tried.
+/// What motion in a step is too large.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionKind {
+    /// Surfaces in contact would slide beyond [`tolerances::SLIDING`].
+    Sliding,
+    /// Bodies would approach each other beyond [`tolerances::APPROACH`] under the persistency rule.
+    Approach,
+    /// They have done so in a converged step, beyond [`tolerances::CAME_THROUGH`].
+    CameThrough,
+}
+
+impl MotionKind {
+    /// Its stable name.
+    pub fn name(self) -> &'static str {
+        match self {
+            MotionKind::Sliding => "sliding",
+            MotionKind::Approach => "approach",
+            MotionKind::CameThrough => "came_through",
+        }
+    }
+}
+
+/// A motion for which a step is halved although Newton's method did not fail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LargeMotion {
     /// Name of the contact.
     pub contact: String,
-    /// Whether bodies approach each other under the persistency rule; otherwise they slide.
-    pub approach: bool,
+    /// What it is.
+    pub kind: MotionKind,
     /// How far within the step, in secondary facets.
     pub facets: f64,
 }
@@ -178,12 +200,12 @@ impl<const D: usize> System<D> {
             let size = pair.kernel.facet_size();
             let facets = self.sliding(pair, q_0, predicted, active) / size;
             if facets > tolerances::SLIDING {
-                return Some(LargeMotion { contact: pair.name.clone(), approach: false, facets });
+                return Some(LargeMotion { contact: pair.name.clone(), kind: MotionKind::Sliding, facets });
             }
             if pair.may_penetrate() {
                 let facets = through(pair, conditions, &pair.kernel.gap(predicted), &pair.kernel.coverage(predicted));
                 if facets > tolerances::APPROACH {
-                    return Some(LargeMotion { contact: pair.name.clone(), approach: true, facets });
+                    return Some(LargeMotion { contact: pair.name.clone(), kind: MotionKind::Approach, facets });
                 }
             }
         }
@@ -195,7 +217,7 @@ impl<const D: usize> System<D> {
     pub(super) fn came_through(&self, conditions: &Conditions) -> Option<LargeMotion> {
         self.pairs.iter().filter(|pair| pair.may_penetrate()).find_map(|pair| {
             let facets = through(pair, conditions, &pair.evaluation.gap, &pair.evaluation.coverage);
-            (facets > tolerances::CAME_THROUGH).then(|| LargeMotion { contact: pair.name.clone(), approach: true, facets })
+            (facets > tolerances::CAME_THROUGH).then(|| LargeMotion { contact: pair.name.clone(), kind: MotionKind::CameThrough, facets })
         })
     }
 
@@ -236,6 +258,56 @@ impl<const D: usize> System<D> {
         }
         largest
     }
+}
+
+impl<const D: usize> System<D> {
+    /// Contacts whose sides, where they are less than a facet apart, move along each other so fast that steps of that size would be halved.
+    pub(super) fn sliding_by_velocity(&self, q: &[f64], v: &[f64], dt: f64) -> Vec<LargeMotion> {
+        let contacts = self.pairs.iter().filter(|pair| D == 2 && pair.corners.is_none() && pair.kind != PairKind::Tie);
+        let motion = |pair: &Pair| {
+            let travel = if pair.kind == PairKind::Obstacle { travel_at_obstacle(pair, q, v, dt) } else { travel_along(pair, q, v, dt) };
+            let facets = travel / pair.kernel.facet_size();
+            (facets > tolerances::SLIDING).then(|| LargeMotion { contact: pair.name.clone(), kind: MotionKind::Sliding, facets })
+        };
+        contacts.filter_map(motion).collect()
+    }
+}
+
+/// Largest motion of a secondary facet in the plane along the primary facet nearest to it, of those that face each other within a facet.
+fn travel_along(pair: &Pair, q: &[f64], v: &[f64], dt: f64) -> f64 {
+    let at = |x: &[f64], node: u32| [0, 1].map(|i| x[2 * node as usize + i]);
+    let mean = |x: &[f64], [a, b]: [u32; 2]| std::array::from_fn(|i| 0.5 * (at(x, a)[i] + at(x, b)[i]));
+    let apart = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let mut largest = 0.0f64;
+    for &facet in pair.kernel.secondary().facets() {
+        let from = |other: [u32; 2]| apart(mean(q, facet), mean(q, other));
+        let distance = |other: [u32; 2]| dot(from(other), from(other));
+        let nearest = pair.kernel.primary().facets().iter().copied().min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        let Some(other) = nearest else { continue };
+        let [own, along] = [facet, other].map(|[a, b]| apart(at(q, b), at(q, a)));
+        let length = along[0].hypot(along[1]);
+        let gap = dot(from(other), [along[1], -along[0]]) / length;
+        if dot(own, along) < 0.0 && gap.abs() < pair.kernel.facet_size() {
+            largest = largest.max(dt * dot(apart(mean(v, facet), mean(v, other)), along).abs() / length);
+        }
+    }
+    largest
+}
+
+/// Largest motion of the nodes that are within a facet of an obstacle, without what changes their distance.
+fn travel_at_obstacle(pair: &Pair, q: &[f64], v: &[f64], dt: f64) -> f64 {
+    let moved: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + dt * v).collect();
+    let (coverage, weights) = (pair.kernel.coverage(q), pair.kernel.weights());
+    let [before, after] = [q, &moved].map(|q| pair.kernel.gap(q));
+    let nodes = pair.kernel.secondary().nodes().iter().enumerate();
+    let near = nodes.filter(|&(row, _)| coverage[row] > tolerances::SLIVER && before[row].abs() < weights[row] * pair.kernel.facet_size());
+    let travel = |(row, &node): (usize, &u32)| {
+        let size = dt * v[2 * node as usize].hypot(v[2 * node as usize + 1]);
+        let normal = (after[row] - before[row]) / weights[row];
+        (size * size - normal * normal).max(0.0).sqrt()
+    };
+    near.map(travel).fold(0.0, f64::max)
 }
 
 /// Largest depth at which nodes of a pair that were open at the start of the step are behind the other side, in secondary facets.

@@ -6,10 +6,11 @@ use std::time::Duration;
 
 use super::error::{ModelError, StepError};
 use super::fields::{BodyFields, ContactFields};
+use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::model::Model;
-use super::pairs::LargeMotion;
 use super::report::FailureReport;
+use super::run_findings::{Measures, RunFinding, run_findings};
 use super::system::SearchHistory;
 use super::time_loop::TimeLoop;
 use crate::integrators::Integrator;
@@ -80,7 +81,7 @@ pub struct Statistics {
     pub steps: usize,
     /// Newton iterations, those of refused steps included.
     pub newton_iterations: usize,
-    /// Halvings.
+    /// Halvings of steps that were tried; [`Simulation::halvings`] counts all, by their causes.
     pub halvings: usize,
     /// Numeric factorisations.
     pub factorizations: usize,
@@ -171,8 +172,9 @@ pub(super) trait Steps {
     fn closed_nodes(&self) -> Vec<usize>;
     fn failure(&self) -> Option<&FailureReport>;
     fn failed_fields(&self) -> Option<Vec<BodyFields>>;
-    fn foreseen(&self) -> Option<&LargeMotion>;
-
+    fn halvings(&self) -> &[Halving];
+    fn measures(&self) -> Measures<'_>;
+    fn findings_at_start(&self) -> Vec<RunFinding>;
     fn statistics(&self) -> Statistics;
 }
 
@@ -310,9 +312,19 @@ impl Simulation {
         self.steps.statistics()
     }
 
-    /// The first step that was halved before it was tried, because bodies would have slid or approached too far in it.
-    pub fn halved_beforehand(&self) -> Option<&LargeMotion> {
-        self.steps.foreseen()
+    /// Why steps were halved since the simulation was made, those included that were not even tried.
+    pub fn halvings(&self) -> &[Halving] {
+        self.steps.halvings()
+    }
+
+    /// What is remarkable about a run of this simulation with these rows of its ledger.
+    pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
+        run_findings(rows, self.halvings(), &self.steps.measures())
+    }
+
+    /// What the velocities say of the steps to come: contacts whose sides slide so fast that steps would be halved.
+    pub fn findings_at_start(&self) -> Vec<RunFinding> {
+        self.steps.findings_at_start()
     }
 
     /// End of the last step in which a load acted, 0 when none did so far `[time]`.

@@ -7,12 +7,14 @@ use std::sync::Arc;
 use super::error::{ModelError, StepError};
 use super::failed::tried;
 use super::fields::{BodyFields, ContactFields};
+use super::halvings::{Halving, Halvings};
 use super::ledger::LedgerRow;
 use super::model::Model;
 use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
-use super::pairs::{LargeMotion, PairKind};
+use super::pairs::PairKind;
 use super::predictor::{self, rigid_motion};
 use super::report::{FailureReport, TryReport};
+use super::run_findings::{Measures, RunFinding};
 use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, StepStart, System};
 use crate::bodies::{Elements, Space};
@@ -40,8 +42,8 @@ pub(super) struct TimeLoop<const D: usize> {
     pub(super) tries: Vec<TryReport>,
     /// The last step that failed for good, and the iterate at which it was given up.
     pub(super) failure: Option<(FailureReport, Vec<f64>)>,
-    /// The first step that was halved before it was tried.
-    foreseen: Option<LargeMotion>,
+    /// Why steps were halved.
+    halvings: Halvings,
 }
 
 impl<const D: usize> TimeLoop<D>
@@ -87,7 +89,7 @@ where
             trace: Trace::default(),
             tries: Vec::new(),
             failure: None,
-            foreseen: None,
+            halvings: Halvings::default(),
         })
     }
 
@@ -385,8 +387,24 @@ where
         self.system.closed_nodes(&self.state.active)
     }
 
-    fn foreseen(&self) -> Option<&LargeMotion> {
-        self.foreseen.as_ref()
+    fn halvings(&self) -> &[Halving] {
+        &self.halvings.0
+    }
+
+    fn measures(&self) -> Measures<'_> {
+        let system = &self.system;
+        let conserves = self.options.integrator == Integrator::EnergyMomentum;
+        Measures {
+            contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
+            stiffness: system.modulus * system.extent.powi(D as i32),
+            defect: conserves.then(|| tolerances::DEFECT * self.options.tolerance),
+        }
+    }
+
+    fn findings_at_start(&self) -> Vec<RunFinding> {
+        let (dt, row) = (self.options.dt, &self.state.row);
+        let motions = self.system.sliding_by_velocity(&self.state.positions, &self.state.velocities, dt);
+        motions.iter().map(|motion| RunFinding::of_motion(motion, dt, row.step, row.time)).collect()
     }
 
     fn statistics(&self) -> Statistics {
@@ -450,19 +468,18 @@ where
                     accepted(&self.state.row);
                 }
                 Err(Failure::Fatal(error)) => return Err(error),
-                Err(Failure::Foreseen(motion)) => {
-                    level += 1;
-                    (done, all) = (2 * done, 2 * all);
-                    self.foreseen.get_or_insert(motion);
-                }
                 Err(failure) => {
-                    self.tries.push(tried(&failure, dt / all as f64, &self.trace));
-                    if level >= self.options.max_halvings {
-                        return Err(self.failed(&failure, dt / all as f64, level));
+                    // What is halved beforehand was no try.
+                    if !matches!(failure, Failure::Foreseen(_)) {
+                        self.tries.push(tried(&failure, dt / all as f64, &self.trace));
+                        if level >= self.options.max_halvings {
+                            return Err(self.failed(&failure, dt / all as f64, level));
+                        }
+                        halvings += 1;
+                        self.statistics.halvings += 1;
                     }
+                    self.halvings.count(&failure, dt / all as f64, &self.state.row);
                     level += 1;
-                    halvings += 1;
-                    self.statistics.halvings += 1;
                     (done, all) = (2 * done, 2 * all);
                 }
             }

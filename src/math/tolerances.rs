@@ -94,6 +94,21 @@ pub const CAME_THROUGH: f64 = 0.09;
 /// more than the gaps that weighted constraints leave where surfaces lie flat on each other.
 pub const CORNER_SLACK: f64 = 0.02;
 
+/// Depth of an overlap in shortest secondary facets from which on a run is said to have it: the promise of a tenth of a facet.
+pub const DEPTH: f64 = 0.1;
+
+/// Work that contact gives in a step, relative to the energy, from which on it is told: no rule gives any, but round-off does.
+pub const GIVEN: f64 = 1e-10;
+
+/// Energy defect of a step from which on it is told, in Newton's tolerances: the promise of 1e-11 with the default.
+pub const DEFECT: f64 = 100.0;
+
+/// Energy that contact has taken or keeps, relative to all, from which on it is told: it begins to show in a plot.
+pub const LOST: f64 = 1e-3;
+
+/// Halvings for one way of failing per accepted step from which on they are told: fewer cost nothing that one would notice.
+pub const HALVED: f64 = 0.01;
+
 /// Augmentation of a corner's constraints, where the contact has none: where bodies overlap at the start, they depend on the constraints of
 /// the surfaces. So large that Newton's method does not notice it.
 pub const CORNER_AUGMENTATION: f64 = 1e6;

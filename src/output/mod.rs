@@ -24,6 +24,6 @@ pub use history_csv::HistoryCsv;
 pub use history_svg::{energies, plot};
 pub use picture::{Field, PictureOptions, picture};
 pub use pvd::{FieldSeries, pvd};
-pub use summary::{Drifts, Inertia, Summary, WallSeconds, drifts, peak_memory_bytes};
+pub use summary::{Drifts, FindingRecord, Inertia, KEYS, Summary, WallSeconds, drifts, peak_memory_bytes};
 pub use vtu::{Frame, Grid};
 pub use writer::FieldWriter;

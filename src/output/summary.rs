@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::dynamics::{LedgerRow, Model, PhaseTimes, Statistics};
+use crate::dynamics::{Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
 
 /// Everything in `summary.json`; the names of the fields are those of the file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -43,8 +43,69 @@ pub struct Summary {
     pub angular_momentum_drift: Option<f64>,
     /// See [`Drifts::worst_energy_defect`].
     pub worst_energy_defect: Option<f64>,
+    /// Halvings by cause, those of steps included that were not even tried.
+    pub halvings_by_cause: BTreeMap<String, usize>,
+    /// What is remarkable about the run.
+    pub findings: Vec<FindingRecord>,
     /// `completed`, `interrupted`, or the title of the error.
     pub outcome: String,
+}
+
+/// Keys of the file, each with what it is, in their order.
+pub const KEYS: &[(&str, &str)] = &[
+    ("script", "the path of the script"),
+    ("parameters", "the values of `param(...)` by name"),
+    ("version", "the version of the program"),
+    ("bodies", "the number of bodies"),
+    ("unknowns", "the number of free displacement components"),
+    ("steps", "the number of accepted steps"),
+    ("newton_iterations", "the Newton iterations, those of refused steps included"),
+    ("halvings", "halvings of steps that were tried"),
+    ("factorizations", "the number of numeric factorizations"),
+    ("wall_seconds", "an object: where the time went, `total` and its parts [s]"),
+    ("peak_memory_bytes", "the largest resident memory of the process, where the system tells"),
+    ("energy_drift", "the largest change of the total energy since the loads ended, relative to the largest energy since then"),
+    ("momentum_drift", "the same for the linear momentum, less what supports explain"),
+    ("angular_momentum_drift", "the same for the angular momentum"),
+    ("worst_energy_defect", "the largest energy defect of a step, relative to the largest total energy of the run"),
+    (
+        "halvings_by_cause",
+        "an object: all halvings by cause; `sliding` and `approach` were foreseen, `came_through` was seen after convergence, the others \
+         followed a failure of Newton's method",
+    ),
+    (
+        "findings",
+        "an array of what the run is warned of, each with `kind`, `contact` (or null), `value` and its `limit`, the `step` and its `time`, \
+         and a `message`",
+    ),
+    ("outcome", "`completed`, `interrupted`, or the title of the error"),
+];
+
+/// A finding of the run as the file has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FindingRecord {
+    /// Stable name of its kind.
+    pub kind: &'static str,
+    /// The contact that it is about.
+    pub contact: Option<String>,
+    /// How much.
+    pub value: f64,
+    /// From how much on it is told.
+    pub limit: f64,
+    /// When `[time]`.
+    pub time: f64,
+    /// The accepted step.
+    pub step: usize,
+    /// What it is, with the numbers that show it.
+    pub message: String,
+}
+
+impl From<&RunFinding> for FindingRecord {
+    fn from(finding: &RunFinding) -> Self {
+        let RunFinding { kind, contact, value, limit, step, time, explanation } = finding;
+        let (kind, contact, message) = (kind.name(), contact.clone(), format!("{finding}: {explanation}"));
+        FindingRecord { kind, contact, value: *value, limit: *limit, time: *time, step: *step, message }
+    }
 }
 
 impl Summary {
@@ -62,6 +123,14 @@ impl Summary {
         self.momentum_drift = drifts.momentum;
         self.angular_momentum_drift = drifts.angular_momentum;
         self.worst_energy_defect = drifts.worst_energy_defect;
+    }
+
+    /// Takes over what was found, and why steps were halved.
+    pub fn tell(&mut self, findings: &[RunFinding], halvings: &[Halving]) {
+        self.findings = findings.iter().map(FindingRecord::from).collect();
+        for Halving { cause, count, .. } in halvings {
+            *self.halvings_by_cause.entry(cause.replace(' ', "_")).or_default() += count;
+        }
     }
 
     /// The text of the file. Numbers that are not finite become `null`.
@@ -209,7 +278,7 @@ fn relative(part: f64, scale: f64) -> f64 {
 mod tests {
     use super::super::samples::{block, rows};
     use super::*;
-    use crate::dynamics::BodyDefinition;
+    use crate::dynamics::{BodyDefinition, RunFindingKind};
     use crate::materials::Material;
 
     #[test]
@@ -226,6 +295,20 @@ mod tests {
         summary.judge(&drifts);
         let counted = Statistics { steps: 400, newton_iterations: 1600, halvings: 1, factorizations: 1601, ..Statistics::default() };
         summary.count(&Statistics { times: phases, ..counted });
+        let halving = |cause, count| Halving { cause, motion: None, count, step: 0, time: 0.0, dt: 0.1 };
+        let finding = RunFinding {
+            kind: RunFindingKind::Depth,
+            contact: Some("race".into()),
+            value: 0.25,
+            limit: 0.1,
+            step: 3,
+            time: 0.015,
+            explanation: "nodes lie deep".into(),
+        };
+        summary.tell(&[finding], &[halving("sliding", 2), halving("inverted cell", 1), halving("sliding", 3)]);
+        let keys: Vec<String> =
+            summary.to_json().lines().filter_map(|line| Some(line.strip_prefix("  \"")?.split_once('"')?.0.to_string())).collect();
+        assert_eq!(keys, KEYS.iter().map(|(key, _)| *key).collect::<Vec<_>>());
         insta::assert_snapshot!(summary.to_json(), @r#"
         {
           "script": "bearing.rhai",
@@ -256,6 +339,21 @@ mod tests {
           "momentum_drift": null,
           "angular_momentum_drift": null,
           "worst_energy_defect": null,
+          "halvings_by_cause": {
+            "inverted_cell": 1,
+            "sliding": 5
+          },
+          "findings": [
+            {
+              "kind": "depth",
+              "contact": "race",
+              "value": 0.25,
+              "limit": 0.1,
+              "time": 0.015,
+              "step": 3,
+              "message": "the sides of contact \"race\" overlap: nodes lie deep"
+            }
+          ],
           "outcome": "completed"
         }
         "#);

@@ -1,7 +1,8 @@
 //! The reference of the language, from the registered functions and the catalogues, as text, Markdown or JSON.
 //!
 //! Nothing is written here about a function: sentence, parameters, example and relations come from its description in the registry. Words
-//! that are no functions (update rules, cell kinds, fields, columns of the history) come from their catalogues.
+//! that are no functions (update rules, cell kinds, fields, columns of the history, keys of `summary.json`, findings) come from their
+//! catalogues.
 
 use std::fmt::Write;
 use std::rc::Rc;
@@ -10,11 +11,11 @@ use serde_json::{Value, json};
 
 use super::failure::did_you_mean;
 use super::registry::{Absent, Form, Function, Kind, Parameter, Registry, Topic};
-use crate::dynamics::{LedgerRow, UpdateRule};
+use crate::dynamics::{LedgerRow, RunFindingKind, UpdateRule};
 use crate::elements::CellKind;
 use crate::materials;
 use crate::math::catalogue::Interval;
-use crate::output::Field;
+use crate::output::{Field, KEYS};
 
 /// Topics in the order of the reference, with their titles.
 pub const TOPICS: [(Topic, &str); 10] = [
@@ -67,10 +68,10 @@ const COLUMNS: &[(&str, &str)] = &[
     ("dt", "the size of the step [time]"),
     ("kinetic", "the kinetic energy [energy]"),
     ("strain", "the strain energy [energy]"),
-    ("potential", "the potential energy of gravity [energy]"),
+    ("potential", "the potential energy of gravity and of penalty potentials, and the `reserve` [energy]"),
     ("total", "the sum of the three energies [energy]"),
     ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
-    ("contact_work", "the work in this step that the update rule of contact loses on purpose [energy]"),
+    ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),
     ("energy_defect", "change of `total` - `load_work` - `contact_work` in this step: round-off when the scheme conserves [energy]"),
     ("momentum_x", "the linear momentum along x [momentum]"),
     ("momentum_y", "the linear momentum along y [momentum]"),
@@ -82,10 +83,10 @@ const COLUMNS: &[(&str, &str)] = &[
     ("momentum_defect", "the largest change of linear momentum in this step that neither loads nor supports explain"),
     ("angular_momentum_defect", "the largest change of angular momentum in this step that neither loads nor supports explain"),
     ("newton_iterations", "the Newton iterations of the step"),
-    ("halvings", "how often the step was halved before it was accepted"),
+    ("halvings", "how often the step was tried and halved before it was accepted; what is halved untried is not counted"),
     ("active", "the number of closed contact nodes"),
     ("max_penetration", "the largest depth of a node of either side in the other body, point by point [length]"),
-    ("reserve", "the part of the potential energy that closed contacts of the update rule velocity keep until they open [energy]"),
+    ("reserve", "what closings under the update rule velocity took and keep until the contact opens, part of `potential` [energy]"),
 ];
 
 fn words() -> Vec<Word> {
@@ -103,6 +104,12 @@ fn words() -> Vec<Word> {
     for name in LedgerRow::columns(3) {
         let summary = COLUMNS.iter().find(|(known, _)| *known == name).map_or("", |(_, summary)| summary);
         add(name, "column of the history", summary.into());
+    }
+    for (name, summary) in KEYS {
+        add(name, "key of summary.json", (*summary).into());
+    }
+    for (name, summary) in RunFindingKind::ALL {
+        add(name, "finding of a run", (*summary).into());
     }
     all
 }
@@ -383,6 +390,7 @@ fn plural(group: &str) -> String {
     let text = match group {
         "cell kind" => "cell kinds".to_string(),
         "update rule of a contact pair" => "update rules of a contact pair".into(),
+        "key of summary.json" => "keys of `summary.json`".into(),
         _ => format!("{first}s{rest}"),
     };
     sentence(&text)

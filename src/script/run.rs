@@ -200,6 +200,7 @@ fn finish_simulation(
         ..common(host, outcome)
     };
     summary.count(&simulation.statistics());
+    summary.tell(&simulation.findings(&history), simulation.halvings());
     summary.judge(&drifts(&history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
     let mut artifacts = data.artifacts.borrow_mut();
     let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };

@@ -167,7 +167,7 @@ impl Session {
         outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
     }
 
-    /// Ends the run: refuses unknown `--set` names, warns of what never acted, writes the files.
+    /// Ends the run: refuses unknown `--set` names, warns of what never acted and of what was found, writes the files.
     pub fn finish(&mut self, error: Option<Box<Diagnostic>>) -> Report {
         let host = &self.host;
         let stopped = error.as_ref().is_some_and(|error| error.class == Class::ResultUsed);
@@ -178,6 +178,7 @@ impl Session {
         if error.as_ref().is_none_or(|error| error.class == Class::Check) {
             for simulation in host.simulations.borrow().iter() {
                 simulation.warn_of_idle_parts(host);
+                simulation.warn_of_findings(host);
             }
             host.warn_of_unseen_changes();
         }

@@ -1,4 +1,4 @@
-//! Simulations in scripts: stepping, results, states as values, and the loads and contacts that never did anything.
+//! Simulations in scripts: stepping, results, states as values, and warnings of what a run did or never did.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -15,7 +15,7 @@ use super::failure::{Class, Failure, ScriptError, did_you_mean, listed};
 use super::host::{Host, Progress};
 use super::models::{BodyHandle, ModelData, ModelHandle};
 use super::motion::Motion;
-use super::numbers::brief;
+use super::numbers::{brief, significant};
 use super::registry::{Absent, Form, Function, Handle, Kind, Parameter, Topic, body, number_text};
 use super::run::Artifacts;
 use super::scan::Target;
@@ -23,7 +23,7 @@ use super::sources::Place;
 use super::tables::table;
 use crate::dynamics::{
     ContactDefinition, ContactFields, ContactMethod, ContactTotals, CyclingNode, FailureCause, LedgerRow, Model, Options, ProbeValues,
-    Simulation, State, StepError,
+    RunFinding, RunFindingKind, Simulation, State, StepError,
 };
 use crate::integrators::Integrator;
 use crate::math::catalogue::Interval;
@@ -70,8 +70,8 @@ pub struct SimulationData {
     /// Points that are followed.
     pub probes: RefCell<Vec<Probe>>,
     callbacks: RefCell<Vec<Callback>>,
-    /// Whether it was said that steps are halved before they are tried.
-    told_of_large_motion: Cell<bool>,
+    /// Number of causes of halvings when they were last looked at.
+    causes_seen: Cell<usize>,
     scale: Cell<f64>,
     advancing: Cell<bool>,
 }
@@ -143,6 +143,7 @@ impl Handle for SimulationHandle {
         if !data.model.model.contact_names().is_empty() {
             lines.push(format!("  contact: {} active nodes, largest penetration {}", row.active, number(row.max_penetration)));
         }
+        lines.extend(data.found(&simulation));
         lines.join("\n")
     }
 }
@@ -252,6 +253,13 @@ impl SimulationData {
         self.motion.map_or(time, |motion| time * motion.units.time)
     }
 
+    /// One line with what is remarkable about the run so far, if anything is.
+    fn found(&self, simulation: &Simulation) -> Option<String> {
+        let short = |finding: &RunFinding| format!("{finding} ({} against {})", significant(finding.value, 2), number_text(finding.limit));
+        let found: Vec<String> = simulation.findings(&self.history.borrow()).iter().map(short).collect();
+        (!found.is_empty()).then(|| format!("  found: {}", found.join("; ")))
+    }
+
     fn script_row(&self, row: LedgerRow) -> LedgerRow {
         match self.motion {
             Some(motion) => motion.on_script_clock(row),
@@ -338,12 +346,14 @@ impl SimulationHandle {
             past: RefCell::default(),
             probes: RefCell::new(probes),
             callbacks: RefCell::default(),
-            told_of_large_motion: Cell::default(),
+            causes_seen: Cell::default(),
             advancing: Cell::new(false),
         };
         let handle = SimulationHandle(Rc::new(data));
         if call.host.is_check() {
             call.host.findings.borrow_mut().push(finding(&handle));
+            let at_start = handle.0.simulation.borrow().findings_at_start();
+            at_start.iter().for_each(|finding| handle.warn_of(call.host, finding));
         }
         if !call.host.is_study() {
             call.host.simulations.borrow_mut().push(handle.clone());
@@ -398,6 +408,7 @@ impl SimulationHandle {
         if !contacts.is_empty() {
             parts.push(table(&["contact", "active", "nodes", "largest pressure", "force"], &contacts));
         }
+        parts.extend(data.found(&simulation));
         parts.join("\n")
     }
 
@@ -445,6 +456,20 @@ impl SimulationHandle {
                 .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
             host.warn(warning);
         }
+    }
+
+    /// Warns of what is remarkable about the run so far.
+    pub fn warn_of_findings(&self, host: &Host) {
+        let found = self.0.simulation.try_borrow().map(|simulation| simulation.findings(&self.0.history.borrow()));
+        found.iter().flatten().for_each(|finding| self.warn_of(host, finding));
+    }
+
+    fn warn_of(&self, host: &Host, finding: &RunFinding) {
+        let RunFinding { contact, explanation, step, time, .. } = finding;
+        let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
+        let which = if host.simulations.borrow().len() > 1 { format!("simulation \"{}\", ", self.0.name) } else { String::new() };
+        let cause = format!("{explanation} ({which}t = {}, step {step})", brief(*time));
+        host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.cure()));
     }
 
     /// Whatever is computed before a use of a result in `conserva check`.
@@ -548,7 +573,7 @@ impl SimulationHandle {
         for row in rows {
             self.accept(call, row, from, end)?;
         }
-        self.tell_of_large_motion(call.host);
+        self.warn_of_large_motion(call.host);
         stepped.map_err(|error| self.step_failure(call, error))?;
         // Called without a borrow: a closure may look at everything, and hand over further closures.
         let callbacks = data.callbacks.borrow().clone();
@@ -558,27 +583,15 @@ impl SimulationHandle {
         if call.host.is_interrupted() { Err(stopped().into()) } else { Ok(()) }
     }
 
-    /// Says once that steps are halved before they are tried.
-    fn tell_of_large_motion(&self, host: &Host) {
+    /// Warns at once of motion for which steps are halved: a run may take long from then on.
+    fn warn_of_large_motion(&self, host: &Host) {
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
-        let Some(motion) = simulation.halved_beforehand().filter(|_| !self.0.told_of_large_motion.replace(true)) else { return };
-        let (name, dt) = (&motion.contact, number_text(simulation.options().dt));
-        let facets = format!("{:.2}", motion.facets);
-        let (title, cause) = if motion.approach {
-            (
-                "approach",
-                format!("in a step of dt = {dt} its sides would penetrate by {facets} facets, and `persistency` would leave it so"),
-            )
-        } else {
-            ("sliding", format!("in a step of dt = {dt} its sides would slide by {facets} facets, where a step may have several solutions"))
-        };
-        let warning = Diagnostic::warning(
-            format!("steps are halved beforehand: fast {title} in contact \"{name}\""),
-            self.0.model.place_of_contact(name),
-        )
-        .cause(cause)
-        .hint("nothing is lost but time; a smaller dt or coarser facets avoid it");
-        host.warn(warning);
+        let halvings = simulation.halvings();
+        if self.0.causes_seen.replace(halvings.len()) < halvings.len() {
+            let found = simulation.findings(&self.0.history.borrow());
+            let motions = found.iter().filter(|finding| matches!(finding.kind, RunFindingKind::Motion(_)));
+            motions.for_each(|finding| self.warn_of(host, finding));
+        }
     }
 
     /// What comes before the first step: the first frame of the fields.

@@ -1,0 +1,63 @@
+//! Why steps were halved, and how often: what the time loop counts.
+
+use super::ledger::LedgerRow;
+use super::newton::Failure;
+use super::pairs::LargeMotion;
+
+/// Halvings for one cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Halving {
+    /// The cause: the name of a motion that is too large, or of the way in which Newton's method failed.
+    pub cause: &'static str,
+    /// The first motion that was too large, where that is the cause.
+    pub motion: Option<LargeMotion>,
+    /// How many.
+    pub count: usize,
+    /// Number of the last accepted step before the first of them.
+    pub step: usize,
+    /// The time then `[time]`.
+    pub time: f64,
+    /// Size of the first step that was halved `[time]`.
+    pub dt: f64,
+}
+
+/// All halvings of a simulation, cause by cause and contact by contact, in the order of their first ones.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Halvings(pub(super) Vec<Halving>);
+
+impl Halvings {
+    /// Counts the halving of a step of size `dt` after `row`.
+    pub(super) fn count(&mut self, failure: &Failure, dt: f64, row: &LedgerRow) {
+        let (cause, motion) = match failure {
+            Failure::Foreseen(motion) => (motion.kind.name(), Some(motion)),
+            failure => (failure.name(), None),
+        };
+        let contact = |motion: &LargeMotion| motion.contact.clone();
+        let is_same = |known: &&mut Halving| known.cause == cause && known.motion.as_ref().map(contact) == motion.map(contact);
+        match self.0.iter_mut().find(is_same) {
+            Some(known) => known.count += 1,
+            None => self.0.push(Halving { cause, motion: motion.cloned(), count: 1, step: row.step, time: row.time, dt }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pairs::MotionKind;
+    use super::*;
+
+    #[test]
+    fn each_cause_and_contact_is_counted_by_itself() {
+        let mut halvings = Halvings::default();
+        let sliding =
+            |contact: &str, facets: f64| Failure::Foreseen(LargeMotion { contact: contact.into(), kind: MotionKind::Sliding, facets });
+        let row = |step: usize| LedgerRow { step, time: step as f64, ..LedgerRow::default() };
+        halvings.count(&sliding("race", 1.2), 0.1, &row(3));
+        halvings.count(&Failure::Diverged, 0.1, &row(4));
+        halvings.count(&sliding("race", 2.0), 0.05, &row(5));
+        halvings.count(&sliding("floor", 1.0), 0.1, &row(6));
+        let told: Vec<_> = halvings.0.iter().map(|halving| (halving.cause, halving.count, halving.step, halving.dt)).collect();
+        assert_eq!(told, [("sliding", 2, 3, 0.1), ("divergence", 1, 4, 0.1), ("sliding", 1, 6, 0.1)]);
+        assert_eq!(halvings.0[0].motion.as_ref().map(|motion| motion.facets), Some(1.2), "the first one");
+    }
+}
