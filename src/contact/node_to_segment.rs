@@ -44,13 +44,22 @@ pub struct NodeToSegment {
     sides: Sides,
     /// The secondary nodes as facets of no length, for the search.
     points: Surface,
-    /// Where contact is that of corners alone: which nodes of both sides are bent at the start of the step.
-    bent: Option<[Vec<bool>; 2]>,
+    /// Where contact is that of corners alone.
+    corners: Option<Corners>,
     candidates: Candidates,
     window: Window,
     /// Per patch: the primary facets in it, ascending: candidates, their neighbors and theirs.
     facets: Vec<Vec<u32>>,
     start: Vec<Start>,
+}
+
+/// Which nodes count as corners.
+#[derive(Clone, Debug)]
+enum Corners {
+    /// Where a side is bent at the start of the step, for both sides.
+    Bends([Vec<bool>; 2]),
+    /// Ends of the secondary side.
+    Ends(Vec<bool>),
 }
 
 /// What a patch keeps of the start of the step.
@@ -137,17 +146,23 @@ impl NodeToSegment {
 
     /// Contact of the corners of the secondary surface alone, for what the weighted gaps of a mortar method do not see: of nodes at which it
     /// is bent, or that lie opposite a bend. `facet_size` is that of the whole contact. `None` where neither side has a corner in the
-    /// reference positions.
+    /// reference positions; where all corners are ends of chains, these alone.
     ///
     /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose distances
     /// are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
     pub fn of_corners(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Option<Self> {
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
-        if ![&sides.secondary, &sides.primary].iter().any(|side| side.bends(reference, CORNER).contains(&true)) {
+        let both = [&sides.secondary, &sides.primary];
+        let corners = |side: &Surface| side.bends(reference, CORNER).iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
+        let corners = if both.into_iter().any(corners) {
+            Corners::Bends(both.map(|side| vec![true; side.nodes().len()]))
+        } else if sides.secondary.is_closed() {
             return None;
-        }
+        } else {
+            Corners::Ends(sides.secondary.ends())
+        };
         let mut contact = Self::between(sides, reference);
-        contact.bent = Some(Default::default());
+        contact.corners = Some(corners);
         contact.sides.weights = contact.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
         Some(contact)
     }
@@ -158,7 +173,7 @@ impl NodeToSegment {
         let points = Surface::new(&secondary.nodes().iter().map(|&node| [node; 2]).collect::<Vec<_>>());
         let candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
         let window = Window::new(&sides, reference);
-        NodeToSegment { sides, points, bent: None, candidates, window, facets: Vec::new(), start: Vec::new() }
+        NodeToSegment { sides, points, corners: None, candidates, window, facets: Vec::new(), start: Vec::new() }
     }
 
     /// Makes the patches of the present candidates, one for each node that has any.
@@ -183,16 +198,21 @@ impl NodeToSegment {
 
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
-        if let Some(bent) = &mut self.bent {
+        if let Some(Corners::Bends(bent)) = &mut self.corners {
             *bent = [&self.sides.secondary, &self.sides.primary].map(|side| side.bends(q, BENT));
         }
     }
 
     /// Whether a point has a constraint beside these facets in this step.
     fn has_constraint(&self, point: usize, facets: &[u32]) -> bool {
-        let Some([own, others]) = &self.bent else { return true };
-        let primary = self.sides.primary.local_facets();
-        own[point] || facets.iter().any(|&facet| primary[facet as usize].iter().any(|&node| others[node as usize]))
+        match &self.corners {
+            None => true,
+            Some(Corners::Ends(ends)) => ends[point],
+            Some(Corners::Bends([own, others])) => {
+                let primary = self.sides.primary.local_facets();
+                own[point] || facets.iter().any(|&facet| primary[facet as usize].iter().any(|&node| others[node as usize]))
+            }
+        }
     }
 
     /// The point of patch `p`.
@@ -222,10 +242,12 @@ impl NodeToSegment {
         let (node, ends) = (self.points.nodes()[point], self.sides.primary.facets()[facet as usize]);
         let seen = Seen::new(node, ends, outlook.q);
         let across = normal[0] * seen.along[1] - normal[1] * seen.along[0];
+        // Beside a facet the distance from its line says nothing of how deep the node is.
+        let depth = if seen.end.is_none() || seen.gap > 0.0 { seen.gap } else { -seen.distance };
         seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends)
             && across <= SAME_WAY * normal[0].hypot(normal[1])
-            && self.window.admits_depth(0, self.own_facets(point), facet, seen.gap)
-            && (self.bent.is_none() || seen.gap > -SUNK * self.sides.facet_size)
+            && self.window.admits_depth(0, self.own_facets(point), facet, depth)
+            && (self.corners.is_none() || seen.gap > -SUNK * self.sides.facet_size)
     }
 
     /// What takes part of a patch in a step.
@@ -272,7 +294,7 @@ impl NodeToSegment {
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
     fn pocket(&self, start: &Start) -> Option<[u32; 2]> {
-        self.bent.as_ref()?;
+        self.corners.as_ref()?;
         let measure = start.chain.measure(&start.positions, &start.closest)?;
         let is_near = measure.covered && measure.gap <= POCKET_REACH * self.sides.facet_size;
         is_near.then(|| start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin()))?
@@ -359,7 +381,7 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn rows_per_node(&self) -> usize {
-        if self.bent.is_some() { 2 } else { 1 }
+        if self.corners.is_some() { 2 } else { 1 }
     }
 
     fn row_nodes(&self) -> &[u32] {

@@ -112,7 +112,7 @@ impl Surface {
     }
 
     /// For each node whether the surface is bent there at the positions `q`: whether two facets turn by more than an angle, outwards or
-    /// inwards, or the chain ends. `cosine` is that of the angle.
+    /// inwards, or the chain ends, where the body has a corner that is not in the contact. `cosine` is that of the angle.
     pub fn bends(&self, q: &[f64], cosine: f64) -> Vec<bool> {
         let along = |facet: u32| {
             let [a, b] = self.facets[facet as usize].map(|node| 2 * node as usize);
@@ -126,9 +126,14 @@ impl Surface {
         (0..self.nodes.len()).map(is_bent).collect()
     }
 
+    /// For each node whether a chain ends there.
+    pub fn ends(&self) -> Vec<bool> {
+        (0..self.nodes.len()).map(|index| self.adjacent_facets(index).len() != 2).collect()
+    }
+
     /// Whether every node lies between two facets.
     pub fn is_closed(&self) -> bool {
-        (0..self.nodes.len()).all(|index| self.adjacent_facets(index).len() == 2)
+        !self.ends().contains(&true)
     }
 
     /// Length of a facet at the positions `q` `[length]`.

@@ -255,7 +255,8 @@ where
             // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
             let pairs = self.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
             let mut names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();
-            names.dedup();
+            let mut known = std::collections::BTreeSet::new();
+            names.retain(|name| known.insert(name.clone()));
             let contacts = if names.len() == 1 { "contact" } else { "contacts" };
             return format!("the constraints of {contacts} {} depend on one another: singular matrix", names.join(" and "));
         }
