@@ -89,8 +89,8 @@ impl Chain {
         Measure { facet, gap: self.gap(facet as usize, z), covered: true }
     }
 
-    /// A facet and its neighbor at the end that is nearer to the point, where they meet in a concave corner that turns by more than an angle
-    /// of this sine.
+    /// A facet and its neighbor at the end that is nearer to the point, ascending, where they meet in a concave corner that turns by more
+    /// than an angle of this sine.
     pub fn pocket(&self, facet: u32, z: &[f64], sine: f64) -> Option<[u32; 2]> {
         let (t, d) = self.offsets(facet as usize, z);
         let side = usize::from(t[0] * d[0] + t[1] * d[1] >= 0.5 * (t[0] * t[0] + t[1] * t[1]));
@@ -100,7 +100,7 @@ impl Chain {
         }
         let u = self.offsets(neighbor as usize, z).0;
         let turn = (t[0] * u[1] - t[1] * u[0]) / (t[0].hypot(t[1]) * u[0].hypot(u[1]));
-        (if side == 1 { turn < -sine } else { turn > sine }).then_some([facet, neighbor])
+        (if side == 1 { turn < -sine } else { turn > sine }).then_some([facet.min(neighbor), facet.max(neighbor)])
     }
 
     /// Vector along a facet, and from its first node to the point.

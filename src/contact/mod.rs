@@ -87,8 +87,8 @@ pub trait ContactKernel: Send + Sync {
         1
     }
 
-    /// The nodes that own constraints, in the order of the rows: all secondary nodes, but for the corners' constraints; none where these are
-    /// those of an obstacle.
+    /// The nodes that own constraints, in the order of the rows: all secondary nodes; none where the constraints are those of an obstacle's
+    /// corners.
     fn row_nodes(&self) -> &[u32] {
         self.secondary().nodes()
     }

@@ -30,8 +30,8 @@ const CORNER: f64 = 0.9848;
 /// Cosine of the turn above which such a surface is bent, 2 degrees: where both sides are flatter, weighted gaps see everything.
 const BENT: f64 = 0.9994;
 
-/// Depth in shortest facets beyond which a node has no constraint of a corner: where bodies overlap at the start, those of the surfaces hold
-/// them, and these would depend on them.
+/// Depth in shortest facets beyond which a node has no constraint of a corner: where bodies overlap at the start, the constraints of the
+/// surfaces hold them, and these would depend on those.
 const SUNK: f64 = 0.15;
 
 /// Turn above which a corner of the other side is concave, in degrees, and how near a vertex must be to it, in shortest facets.
@@ -144,12 +144,12 @@ impl NodeToSegment {
         contact
     }
 
-    /// Contact of the corners of the secondary surface alone, for what the weighted gaps of a mortar method do not see: of nodes at which it
-    /// is bent, or that lie opposite a bend. `facet_size` is that of the whole contact. `None` where neither side has a corner in the
+    /// Contact of the corners of the secondary surface alone, for what the weighted gaps of a mortar method do not see: of nodes at which
+    /// it is bent, or that lie opposite a bend. `facet_size` is that of the whole contact. `None` where neither side has a corner in the
     /// reference positions; where all corners are ends of chains, these alone.
     ///
-    /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose distances
-    /// are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
+    /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose
+    /// distances are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
     pub fn of_corners(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Option<Self> {
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
         let both = [&sides.secondary, &sides.primary];

@@ -1,7 +1,7 @@
 //! Which of the facet pairs within reach take part in a step: those whose gap, somewhere on their overlap, could close in it.
 //!
-//! A pair with an opening would make up for the overlap of another one in the weighted gap of their node, and a pair that looks through both
-//! bodies from their far sides would count as a deep overlap. So a pair takes part while, on its overlap,
+//! A pair with an opening would make up for the overlap of another one in the weighted gap of their node, and a pair that looks through
+//! both bodies from their far sides would count as a deep overlap. So a pair takes part while, on its overlap,
 //!
 //! ```text
 //! least gap <= h/2 + travel      and      largest gap > -1/2 min(|t|, thickness of both bodies)

@@ -116,8 +116,8 @@ pub(super) struct Conditions {
     pub(super) compliance: Vec<f64>,
     /// Penalty pressures belong to the end of the step (statics, trapezoidal rule) instead of to its change of energy.
     pub(super) end_point: bool,
-    /// By how much a penalty potential feels the weighted gaps larger than they are: an overlap that no motion has made, but that pairs find
-    /// which take part in this step and took none in the one before, has no potential.
+    /// By how much a penalty potential feels the weighted gaps larger than they are: an overlap that no motion has made, but that pairs
+    /// find which take part in this step and took none in the one before, has no potential.
     pub(super) shift: Vec<f64>,
 }
 
