@@ -1,4 +1,4 @@
-//! Why steps were halved, and how often: what the time loop counts.
+//! Why steps were halved, and how often, and where they ought to have been: what the time loop counts.
 
 use super::ledger::LedgerRow;
 use super::newton::Failure;
@@ -21,9 +21,12 @@ pub struct Halving {
     pub dt: f64,
 }
 
-/// All halvings of a simulation, cause by cause and contact by contact, in the order of their first ones.
+/// All halvings of a simulation.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Halvings(pub(super) Vec<Halving>);
+pub(super) struct Halvings {
+    done: Vec<Halving>,
+    refused: Vec<Halving>,
+}
 
 impl Halvings {
     /// Counts the halving of a step of size `dt` after `row`.
@@ -32,11 +35,33 @@ impl Halvings {
             Failure::Foreseen(motion) => (motion.kind.name(), Some(motion)),
             failure => (failure.name(), None),
         };
-        let contact = |motion: &LargeMotion| motion.contact.clone();
-        let is_same = |known: &&mut Halving| known.cause == cause && known.motion.as_ref().map(contact) == motion.map(contact);
-        match self.0.iter_mut().find(is_same) {
+        let new = Halving { cause, motion: motion.cloned(), count: 1, step: row.step, time: row.time, dt };
+        new.count_among(&mut self.done);
+    }
+
+    /// Counts a step of size `dt` after `row` that would have to be halved, but may not be any more.
+    pub(super) fn refuse(&mut self, motion: LargeMotion, dt: f64, row: &LedgerRow) {
+        let new = Halving { cause: motion.kind.name(), motion: Some(motion), count: 1, step: row.step, time: row.time, dt };
+        new.count_among(&mut self.refused);
+    }
+
+    /// Cause by cause and contact by contact, in the order of their first ones.
+    pub(super) fn all(&self) -> &[Halving] {
+        &self.done
+    }
+
+    /// Steps that were tried as they are although their motion is too large, in the same order.
+    pub(super) fn refused(&self) -> &[Halving] {
+        &self.refused
+    }
+}
+
+impl Halving {
+    fn count_among(self, known: &mut Vec<Halving>) {
+        let contact = |halving: &Halving| halving.motion.as_ref().map(|motion| motion.contact.clone());
+        match known.iter_mut().find(|known| known.cause == self.cause && contact(known) == contact(&self)) {
             Some(known) => known.count += 1,
-            None => self.0.push(Halving { cause, motion: motion.cloned(), count: 1, step: row.step, time: row.time, dt }),
+            None => known.push(self),
         }
     }
 }
@@ -56,8 +81,9 @@ mod tests {
         halvings.count(&Failure::Diverged, 0.1, &row(4));
         halvings.count(&sliding("race", 2.0), 0.05, &row(5));
         halvings.count(&sliding("floor", 1.0), 0.1, &row(6));
-        let told: Vec<_> = halvings.0.iter().map(|halving| (halving.cause, halving.count, halving.step, halving.dt)).collect();
+        let told: Vec<_> = halvings.all().iter().map(|halving| (halving.cause, halving.count, halving.step, halving.dt)).collect();
         assert_eq!(told, [("sliding", 2, 3, 0.1), ("divergence", 1, 4, 0.1), ("sliding", 1, 6, 0.1)]);
-        assert_eq!(halvings.0[0].motion.as_ref().map(|motion| motion.facets), Some(1.2), "the first one");
+        assert_eq!(halvings.all()[0].motion.as_ref().map(|motion| motion.facets), Some(1.2), "the first one");
+        assert!(halvings.refused().is_empty());
     }
 }

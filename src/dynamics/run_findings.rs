@@ -27,6 +27,8 @@ pub enum RunFindingKind {
     ReserveHeld,
     /// Steps were halved because of this motion; the value is how far it went in the first of them, in facets.
     Motion(MotionKind),
+    /// Steps were taken in spite of this motion since they may not be halved further; the value is how far it went in the first of them.
+    TooFast(MotionKind),
     /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
     Failures(&'static str),
 }
@@ -42,6 +44,10 @@ impl RunFindingKind {
         ("sliding", "steps were halved beforehand where surfaces would have slid too far: how far in the first one, in facets"),
         ("approach", "steps were halved beforehand where bodies would have come through: how far in the first one, in facets"),
         ("came_through", "steps were taken back and halved where bodies had come through: how far in the first one, in facets"),
+        (
+            "motion_too_fast",
+            "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
+        ),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
     ];
 
@@ -54,6 +60,7 @@ impl RunFindingKind {
             RunFindingKind::EnergyTaken => "energy_taken",
             RunFindingKind::ReserveHeld => "reserve_held",
             RunFindingKind::Motion(motion) => motion.name(),
+            RunFindingKind::TooFast(_) => "motion_too_fast",
             RunFindingKind::Failures(_) => "failed_steps",
         }
     }
@@ -89,6 +96,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::ReserveHeld => write!(out, "{contact} keeps energy at the end"),
             RunFindingKind::Motion(MotionKind::CameThrough) => write!(out, "steps are taken back and halved: fast approach in {contact}"),
             RunFindingKind::Motion(motion) => write!(out, "steps are halved beforehand: fast {} in {contact}", motion.name()),
+            RunFindingKind::TooFast(motion) => write!(out, "steps are too large: fast {} in {contact}", motion.name()),
             RunFindingKind::Failures(cause) => write!(out, "steps are taken back and halved: {cause}"),
         }
     }
@@ -112,13 +120,14 @@ impl RunFinding {
                 "results are right since such steps are halved, and only time is lost; a smaller dt or coarser facets avoid it"
             }
             RunFindingKind::Motion(_) => "nothing is lost but time; a smaller dt or coarser facets avoid it",
+            RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
             RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
         }
     }
 
-    /// That steps of a size are halved because of such a motion, first after the step of that number and time.
-    pub(super) fn of_motion(motion: &LargeMotion, dt: f64, step: usize, time: f64) -> Self {
-        let LargeMotion { contact, kind, facets } = motion;
+    /// That steps of a size have such a motion, first after the step of that number and time.
+    pub(super) fn of_motion(kind_of: fn(MotionKind) -> RunFindingKind, motion: &LargeMotion, dt: f64, step: usize, time: f64) -> Self {
+        let (LargeMotion { contact, kind, facets }, dt) = (motion, rounded(dt));
         let (limit, explanation) = match kind {
             MotionKind::Sliding => (
                 SLIDING,
@@ -136,7 +145,7 @@ impl RunFinding {
                 format!("in a step of dt = {dt} its sides came to penetrate by {facets:.2} facets, and `persistency` would leave it so"),
             ),
         };
-        let (kind, contact) = (RunFindingKind::Motion(*kind), Some(contact.clone()));
+        let (kind, contact) = (kind_of(*kind), Some(contact.clone()));
         RunFinding { kind, contact, value: *facets, limit, step, time, explanation }
     }
 }
@@ -149,10 +158,14 @@ pub(super) struct Measures<'a> {
     pub(super) stiffness: f64,
     /// Share of the energy that a step may be off by; `None` where the integrator does not keep it.
     pub(super) defect: Option<f64>,
+    /// Why steps were halved.
+    pub(super) halvings: &'a [Halving],
+    /// Why they would have to be, but could not.
+    pub(super) refused: &'a [Halving],
 }
 
-/// Everything found about a run with these rows and halvings, in a fixed order.
-pub(super) fn run_findings(rows: &[LedgerRow], halvings: &[Halving], measures: &Measures) -> Vec<RunFinding> {
+/// Everything found about a run with these rows, in a fixed order.
+pub(super) fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> {
     let Some(last) = rows.last() else { return Vec::new() };
     let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max);
     // Round-off of positions moves forces by this much of the stiffness, and they work on displacements of the size that the energy has.
@@ -199,12 +212,15 @@ pub(super) fn run_findings(rows: &[LedgerRow], halvings: &[Halving], measures: &
     let explanation = format!("its reserve is {:.2e}, {} of the energy", last.reserve, percent(held));
     add(RunFindingKind::ReserveHeld, only, held, LOST.max(round_off), last, explanation);
 
-    for Halving { cause, motion, count, step, time, dt } in halvings {
+    for Halving { motion, step, time, dt, .. } in measures.refused {
+        found.extend(motion.iter().map(|motion| RunFinding::of_motion(RunFindingKind::TooFast, motion, *dt, *step, *time)));
+    }
+    for Halving { cause, motion, count, step, time, dt } in measures.halvings {
         match motion {
-            Some(motion) => found.push(RunFinding::of_motion(motion, *dt, *step, *time)),
+            Some(motion) => found.push(RunFinding::of_motion(RunFindingKind::Motion, motion, *dt, *step, *time)),
             None => {
                 let value = *count as f64 / last.step.max(1) as f64;
-                let explanation = format!("{count} halvings in {} accepted steps, the first at dt = {dt}", last.step);
+                let explanation = format!("{count} halvings in {} accepted steps, the first at dt = {}", last.step, rounded(*dt));
                 let kind = RunFindingKind::Failures(cause);
                 if value > HALVED {
                     found.push(RunFinding { kind, contact: None, value, limit: HALVED, step: *step, time: *time, explanation });
@@ -213,6 +229,11 @@ pub(super) fn run_findings(rows: &[LedgerRow], halvings: &[Halving], measures: &
         }
     }
     found
+}
+
+/// A step size without the round-off of times that were subtracted.
+fn rounded(dt: f64) -> f64 {
+    format!("{dt:.6e}").parse().unwrap_or(dt)
 }
 
 fn percent(share: f64) -> String {
@@ -236,20 +257,22 @@ mod tests {
     }
 
     fn measures<'a>() -> Measures<'a> {
-        Measures { contacts: vec![("race", 0.5), ("floor", 0.1)], stiffness: 1.0, defect: Some(1e-11) }
+        Measures { contacts: vec![("race", 0.5), ("floor", 0.1)], stiffness: 1.0, defect: Some(1e-11), halvings: &[], refused: &[] }
     }
 
     #[test]
     fn a_run_as_it_should_be_has_no_findings() {
-        assert_eq!(run_findings(&rows(), &[], &measures()), []);
-        assert_eq!(run_findings(&[], &[], &measures()), []);
+        assert_eq!(run_findings(&rows(), &measures()), []);
+        assert_eq!(run_findings(&[], &measures()), []);
         let mut rows = rows();
         rows[2].contact_work = 1e-12;
         rows[3].energy_defect = -1e-11;
         rows[3].contacts[0].penetration = 0.049;
-        assert_eq!(run_findings(&rows, &[], &measures()), [], "round-off, and a depth of 0.098 facets");
-        rows.iter_mut().for_each(|row| row.kinetic = 1e-30);
-        assert_eq!(run_findings(&rows, &[], &measures()), [], "at rest all is round-off");
+        assert_eq!(run_findings(&rows, &measures()), [], "round-off, and a depth of 0.098 facets");
+        for row in &mut rows {
+            (row.kinetic, row.contact_work, row.energy_defect) = (1e-30, row.contact_work * 1e-19, row.energy_defect * 1e-19);
+        }
+        assert_eq!(run_findings(&rows, &measures()), [], "at rest all is round-off");
     }
 
     #[test]
@@ -261,7 +284,7 @@ mod tests {
         rows[3].contact_work = -0.4;
         rows[3].contacts[1].penetration = 0.03;
         rows[4].reserve = 0.1;
-        let found = run_findings(&rows, &[], &measures());
+        let found = run_findings(&rows, &measures());
         let told: Vec<(&str, Option<&str>, usize)> =
             found.iter().map(|finding| (finding.kind.name(), finding.contact.as_deref(), finding.step)).collect();
         assert_eq!(
@@ -284,22 +307,25 @@ mod tests {
         let motion = LargeMotion { contact: "race".into(), kind: MotionKind::Sliding, facets: 1.5 };
         let sliding = Halving { cause: "sliding", motion: Some(motion), count: 1, step: 2, time: 0.2, dt: 0.1 };
         let failed = Halving { cause: "divergence", motion: None, count: 2, step: 3, time: 0.3, dt: 0.05 };
-        let found = run_findings(&rows(), &[sliding, failed.clone()], &measures());
+        let halvings = [sliding, failed];
+        let found = run_findings(&rows(), &Measures { halvings: &halvings, ..measures() });
         let kinds: Vec<&str> = found.iter().map(|finding| finding.kind.name()).collect();
         assert_eq!(kinds, ["sliding", "failed_steps"]);
         assert_eq!((found[0].value, found[0].limit, found[0].contact.as_deref()), (1.5, SLIDING, Some("race")));
         assert_eq!((found[1].value, found[1].to_string().as_str()), (0.5, "steps are taken back and halved: divergence"));
+        let refused = run_findings(&rows(), &Measures { refused: &halvings[..1], ..measures() });
+        assert_eq!(refused[0].to_string(), "steps are too large: fast sliding in contact \"race\"");
         let mut long = rows();
         long[4].step = 400;
-        assert_eq!(run_findings(&long, &[failed], &measures()), [], "2 halvings in 400 steps");
+        assert_eq!(run_findings(&long, &Measures { halvings: &halvings[1..], ..measures() }), [], "2 halvings in 400 steps");
     }
 
     #[test]
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Sliding};
-        use RunFindingKind::{Depth, EnergyDefect, EnergyTaken, Failures, Motion, PositiveContactWork, ReserveHeld};
+        use RunFindingKind::{Depth, EnergyDefect, EnergyTaken, Failures, Motion, PositiveContactWork, ReserveHeld, TooFast};
         let kinds = [PositiveContactWork, EnergyDefect, Depth, EnergyTaken, ReserveHeld];
-        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough].map(Motion)).chain([Failures("divergence")]);
+        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough].map(Motion)).chain([TooFast(Sliding), Failures("divergence")]);
         let names: Vec<&str> = kinds.map(RunFindingKind::name).collect();
         assert_eq!(names, RunFindingKind::ALL.iter().map(|(name, _)| *name).collect::<Vec<_>>());
     }

@@ -319,7 +319,7 @@ impl Simulation {
 
     /// What is remarkable about a run of this simulation with these rows of its ledger.
     pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
-        run_findings(rows, self.halvings(), &self.steps.measures())
+        run_findings(rows, &self.steps.measures())
     }
 
     /// What the velocities say of the steps to come: contacts whose sides slide so fast that steps would be halved.

@@ -14,7 +14,7 @@ use super::newton::{self, Failure, Solution, Strategy, Task, Trace};
 use super::pairs::PairKind;
 use super::predictor::{self, rigid_motion};
 use super::report::{FailureReport, TryReport};
-use super::run_findings::{Measures, RunFinding};
+use super::run_findings::{Measures, RunFinding, RunFindingKind};
 use super::simulation::{Clock, Options, SettleReport, State, Statistics, Steps};
 use super::system::{AssemblyError, StepStart, System};
 use crate::bodies::{Elements, Space};
@@ -132,8 +132,11 @@ where
             damping: None,
         };
         let conditions = self.system.conditions(&start, &state.felt);
-        if may_be_halved && let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
-            return Err(Failure::Foreseen(motion));
+        if let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
+            if may_be_halved {
+                return Err(Failure::Foreseen(motion));
+            }
+            self.halvings.refuse(motion, dt, &state.row);
         }
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
@@ -388,7 +391,7 @@ where
     }
 
     fn halvings(&self) -> &[Halving] {
-        &self.halvings.0
+        self.halvings.all()
     }
 
     fn measures(&self) -> Measures<'_> {
@@ -398,13 +401,15 @@ where
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
             stiffness: system.modulus * system.extent.powi(D as i32),
             defect: conserves.then(|| tolerances::DEFECT * self.options.tolerance),
+            halvings: self.halvings.all(),
+            refused: self.halvings.refused(),
         }
     }
 
     fn findings_at_start(&self) -> Vec<RunFinding> {
         let (dt, row) = (self.options.dt, &self.state.row);
         let motions = self.system.sliding_by_velocity(&self.state.positions, &self.state.velocities, dt);
-        motions.iter().map(|motion| RunFinding::of_motion(motion, dt, row.step, row.time)).collect()
+        motions.iter().map(|motion| RunFinding::of_motion(RunFindingKind::Motion, motion, dt, row.step, row.time)).collect()
     }
 
     fn statistics(&self) -> Statistics {

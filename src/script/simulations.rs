@@ -586,8 +586,8 @@ impl SimulationHandle {
     /// Warns at once of motion for which steps are halved: a run may take long from then on.
     fn warn_of_large_motion(&self, host: &Host) {
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
-        let halvings = simulation.halvings();
-        if self.0.causes_seen.replace(halvings.len()) < halvings.len() {
+        let causes = simulation.halvings().len();
+        if self.0.causes_seen.replace(causes) < causes {
             let found = simulation.findings(&self.0.history.borrow());
             let motions = found.iter().filter(|finding| matches!(finding.kind, RunFindingKind::Motion(_)));
             motions.for_each(|finding| self.warn_of(host, finding));
