@@ -400,7 +400,7 @@ where
         Measures {
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
             stiffness: system.modulus * system.extent.powi(D as i32),
-            defect: conserves.then(|| tolerances::DEFECT * self.options.tolerance),
+            defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
             halvings: self.halvings.all(),
             refused: self.halvings.refused(),
         }
