@@ -143,8 +143,8 @@ impl UpdateRule {
     pub fn summary(self) -> &'static str {
         match self {
             UpdateRule::Gap => {
-                "closed at the end of a step; each closing loses energy, which the ledger books as contact work (never positive: an overlap \
-                 at the start is kept, not driven apart)"
+                "closed at the end of a step; each closing loses energy, which the ledger books as contact work (never positive: an \
+                 overlap at the start is kept, not driven apart)"
             }
             UpdateRule::Persistency => {
                 "a gap that is closed stays as it is: energy exact through impact and release, penetrates by at most a tenth of a facet"

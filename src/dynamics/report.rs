@@ -217,7 +217,7 @@ impl FailureReport {
                 "guide the body with `fix`, such as `fix(body.boundary(\"left\"), \"x\")`, or let contacts hold it from all sides".into()
             }
             _ if self.unheld.is_some() => "hold every body with `fix` or by contact against the loads on it before `settle`".into(),
-            FailureCause::CyclingContact { .. } => format!("{smaller}; surfaces should slide by less than two facets per step"),
+            FailureCause::CyclingContact { .. } => format!("{smaller}; surfaces should slide by less than a facet per step"),
             FailureCause::InvertedCell { .. } => format!("{smaller}, a finer mesh there, or a smaller load"),
             FailureCause::SingularSystem { .. } => {
                 "hold every body against rigid motion with `fix`, and name each contact pair and each support only once".into()

@@ -22,8 +22,8 @@ use super::scan::Target;
 use super::sources::Place;
 use super::tables::table;
 use crate::dynamics::{
-    ContactDefinition, ContactFields, ContactMethod, ContactTotals, CyclingNode, FailureCause, LedgerRow, Model, Options, ProbeValues,
-    RunFinding, RunFindingKind, Simulation, State, StepError,
+    ContactDefinition, ContactFields, ContactMethod, ContactTotals, CyclingNode, FailureCause, LedgerRow, Missing, Model, Options,
+    ProbeValues, RunFinding, RunFindingKind, Simulation, State, StepError,
 };
 use crate::integrators::Integrator;
 use crate::math::catalogue::Interval;
@@ -660,7 +660,7 @@ impl SimulationHandle {
         let simulation = self.0.simulation.try_borrow();
         simulation.is_ok_and(|simulation| {
             let cause = simulation.failure().map(|report| &report.cause);
-            let cycles = matches!(cause, Some(CyclingContact { .. } | NoEquilibrium { missing: None, .. }));
+            let cycles = matches!(cause, Some(CyclingContact { .. } | NoEquilibrium { missing: None | Some(Missing::Guidance), .. }));
             cycles || matches!(cause, Some(Divergence | InvertedCell { .. } | SlowConvergence))
         })
     }
