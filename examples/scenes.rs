@@ -4,7 +4,8 @@
 //! One line for each run with a fault, then a table for each method and rule. A seed gives the same scene with every method and rule.
 //!
 //! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads N]`,
-//! or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails alike).
+//! with `--reach F` a comparison of every run with that in which the search for contact reaches `F` times as far: the same to the last
+//! byte; or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails alike).
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -20,7 +21,7 @@ mod common;
 mod scenes;
 
 use scenes::Scene;
-use scenes::run::{DEPTH, Fault, Outcome, Record, run};
+use scenes::run::{DEPTH, Fault, Outcome, Record, first_difference, run};
 use scenes::shrink::shrink;
 
 /// Random scenes, judged from positions and velocities alone.
@@ -47,6 +48,9 @@ struct Arguments {
     /// Threads, one scene on each
     #[arg(long)]
     threads: Option<usize>,
+    /// Compares each run, to the last byte, with one in which the search for contact reaches so many times as far
+    #[arg(long)]
+    reach: Option<f64>,
     /// One scene, every step in numbers
     #[arg(long)]
     seed: Option<u64>,
@@ -85,6 +89,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         axes.iter().for_each(|&axis| trace(&arguments.scene(seed, axis)));
     } else if let Some(seed) = arguments.shrink {
         axes.iter().for_each(|&axis| reduce(&arguments.scene(seed, axis)));
+    } else if let Some(reach) = arguments.reach {
+        compare(&arguments, &axes, reach);
     } else {
         survey(&arguments, &axes);
     }
@@ -208,15 +214,42 @@ impl Row {
 const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained defect momentum ledger  deep >0.15      gain   \
                       defect momentum  depth crossing misread  iter. halvings";
 
-/// All scenes with all methods and rules, on all threads; lines in the order of the seeds.
-fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
+/// Seeds and numbers of axes that are asked for, and on how many threads.
+fn jobs(arguments: &Arguments, axes: usize) -> (Vec<(u64, usize)>, usize) {
     let wanted = |seed: &u64| {
         let kind = format!("{:?}", Scene::random(*seed).kind);
         arguments.kind.as_ref().is_none_or(|wanted| kind.eq_ignore_ascii_case(wanted))
     };
     let seeds = (arguments.first..arguments.first + arguments.count).filter(wanted);
-    let jobs: Vec<(u64, usize)> = seeds.flat_map(|seed| (0..axes.len()).map(move |axis| (seed, axis))).collect();
-    let threads = arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let jobs = seeds.flat_map(|seed| (0..axes).map(move |axis| (seed, axis))).collect();
+    (jobs, arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)))
+}
+
+/// Tells which scenes depend on how far the search for contact reaches.
+fn compare(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)], reach: f64) {
+    let (jobs, threads) = jobs(arguments, axes.len());
+    let (next, differing) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        while let Some(&(seed, axis)) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let scene = arguments.scene(seed, axes[axis]);
+            let outcome = std::panic::catch_unwind(|| first_difference(&scene, reach));
+            let found = match outcome {
+                Ok(Ok(None)) => continue,
+                Ok(Ok(Some(step))) => format!("differs from step {step} of {} on", scene.steps),
+                Ok(Err(error)) => error,
+                Err(_) => "panicked".to_string(),
+            };
+            differing.fetch_add(1, Ordering::Relaxed);
+            println!("{}: {found}", title(&scene));
+        }
+    };
+    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+    println!("{} of {} runs differ with {reach} times the reach", differing.into_inner(), jobs.len());
+}
+
+/// All scenes with all methods and rules, on all threads; lines in the order of the seeds.
+fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
+    let (jobs, threads) = jobs(arguments, axes.len());
     let next = AtomicUsize::new(0);
     // Outcomes that wait for an earlier one, and how many have been taken in.
     let table = Mutex::new((BTreeMap::new(), 0, axes.iter().map(|_| Row::default()).collect::<Vec<_>>(), BTreeMap::<String, Row>::new()));

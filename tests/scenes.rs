@@ -15,7 +15,7 @@ use conserva::dynamics::{ContactMethod, UpdateRule};
 
 use scenes::geometry::{Outline, Point, add, length, subtract, turned};
 use scenes::oracle::Oracle;
-use scenes::run::{Fault, Outcome, Record, run, simulate};
+use scenes::run::{Fault, Outcome, Record, first_difference, run, simulate};
 use scenes::{Body, Kind, Scene, Shape, Wall};
 
 /// Number of scenes.
@@ -23,6 +23,9 @@ const COUNT: u64 = 100;
 
 /// Number of scenes that are compared with an image.
 const PAIRS: u64 = 40;
+
+/// Number of scenes that are compared with a search that reaches farther: two of each method and rule.
+const REACHED: u64 = 24;
 
 /// The scene of a seed; methods and rules take turns, so that twelve seeds in a row have all pairs.
 fn scene(seed: u64) -> Scene {
@@ -178,6 +181,19 @@ fn the_mirror_image_takes_the_mirrored_way() {
 #[test]
 fn the_turned_and_moved_scene_takes_the_turned_and_moved_way() {
     assert_same_way(|scene| scene.turned(0.7).moved([2.0, -1.0]), |x| add(turned(0.7, x), [2.0, -1.0]));
+}
+
+/// How far the search for contact reaches changes no byte: what takes part in a step is decided of each pair alone, and blocks that are
+/// always zero have no part in the factors.
+#[test]
+fn the_reach_of_the_search_changes_nothing() {
+    let differs = |seed: u64| {
+        let scene = scene(seed);
+        let step = first_difference(&scene, 2.0).expect("the scene is sound")?;
+        Some(format!("seed {seed} ({:?}, {}, {}): from step {step} on", scene.kind, scene.method.name(), scene.rule.name()))
+    };
+    let differing: Vec<String> = (0..REACHED).filter_map(differs).collect();
+    assert!(differing.is_empty(), "{} of {REACHED} scenes:\n{}", differing.len(), differing.join("\n"));
 }
 
 /// What a script of a scene prints is what the kernels computed.

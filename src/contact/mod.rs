@@ -125,7 +125,7 @@ pub trait ContactKernel: Send + Sync {
         changed
     }
 
-    /// Distance within which candidates are searched `[length]`.
+    /// Distance within which everything is that may take part in a step `[length]`.
     fn margin(&self, outlook: &Outlook) -> f64 {
         outlook.margin(self.sides())
     }

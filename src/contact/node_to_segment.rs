@@ -327,7 +327,7 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.margin(&self.sides));
+        let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.search_margin(&self.sides));
         self.find_bends(outlook.q);
         if changed {
             self.list_patches();
@@ -339,7 +339,9 @@ impl ContactKernel for NodeToSegment {
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
         let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
-        self.candidates.pairs().iter().any(|&[point, facet]| {
+        let deepest = self.window.deepest(&self.sides, q_1);
+        let at_end = self.candidates.admitted_pairs(&self.points, &self.sides.primary, q_1, deepest);
+        at_end.into_iter().any(|[point, facet]| {
             let (point, ends) = (point as usize, self.sides.primary.facets()[facet as usize]);
             let node = self.points.nodes()[point];
             let end = Seen::new(node, ends, q_1);

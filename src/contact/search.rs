@@ -73,7 +73,7 @@ impl Candidates {
     }
 
     /// All pairs within `margin` that may be listed, ascending.
-    fn admitted_pairs(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
+    pub(super) fn admitted_pairs(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = near_pairs(secondary, primary, q, margin);
         if let Some([own, other]) = &self.ranks {
             pairs.retain(|pair| own[pair[0] as usize] <= other[pair[1] as usize]);
@@ -148,7 +148,7 @@ impl PairSearch {
 
     /// Finds the pairs for a step; returns whether the list has changed.
     pub fn update(&mut self, sides: &Sides, outlook: &Outlook) -> bool {
-        let changed = self.candidates.update(&sides.secondary, &sides.primary, outlook.q, outlook.margin(sides));
+        let changed = self.candidates.update(&sides.secondary, &sides.primary, outlook.q, outlook.search_margin(sides));
         self.admit(sides, outlook);
         changed
     }
@@ -158,10 +158,11 @@ impl PairSearch {
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
     }
 
-    /// Whether a pair that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end.
+    /// Whether a pair that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end, listed or not.
     pub fn overlooks(&self, sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        let others = self.candidates.pairs().iter().zip(&self.near).filter(|(_, near)| !**near);
-        others.into_iter().any(|(&pair, _)| self.window.is_overlooked(pair, sides, q_0, q_1, tolerance))
+        let at_end = self.candidates.admitted_pairs(&sides.secondary, &sides.primary, q_1, self.window.deepest(sides, q_1));
+        let took_part = |pair: &[u32; 2]| self.candidates.pairs().binary_search(pair).is_ok_and(|p| self.near[p]);
+        at_end.into_iter().any(|pair| !took_part(&pair) && self.window.is_overlooked(pair, sides, q_0, q_1, tolerance))
     }
 
     /// Sums the values of all pairs that take part, one for each node of the secondary facet, into the secondary nodes.

@@ -7,9 +7,10 @@
 //! least gap <= h/2 + travel      and      largest gap > -1/2 min(|t|, thickness of both bodies)
 //! ```
 //!
-//! with the shortest secondary facet `h`, the pair's own relative motion in the step, and the length `|t|` of its secondary facet; and
-//! while its facets look at each other ([`OPPOSITE`]). All of it is known at the start of the step, and of the pair alone: neither the
-//! reach of the search nor a fast node elsewhere changes what takes part.
+//! with the shortest secondary facet `h`, the pair's own relative motion in the step, and the length `|t|` of its secondary facet; while
+//! its facets look at each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 travel` of each other, which every search sees.
+//! All of it is known at the start of the step, and of the pair alone: neither the reach of the search nor a fast node elsewhere changes
+//! what takes part.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -65,7 +66,12 @@ impl<'a> Outlook<'a> {
         Outlook { q, travel: Travel::UpTo(travel), reach: 1.0 }
     }
 
-    /// Margin within which a pair of surfaces is searched so that nothing is missed that may take part `[length]`.
+    /// Distance within which a pair of surfaces is searched `[length]`.
+    pub(super) fn search_margin(&self, sides: &Sides) -> f64 {
+        self.reach * self.margin(sides)
+    }
+
+    /// Distance within which nothing is missed that may take part `[length]`.
     pub(super) fn margin(&self, sides: &Sides) -> f64 {
         let travel = match self.travel {
             Travel::UpTo(travel) => travel,
@@ -85,7 +91,7 @@ impl<'a> Outlook<'a> {
                 factor * displacements.map(largest).into_iter().fold(0.0, f64::max)
             }
         };
-        self.reach * (sides.facet_size + DIAGONAL * travel)
+        sides.facet_size + DIAGONAL * travel
     }
 
     /// Relative motion of nodes of two facets, or of a node and a facet `[length]`.
@@ -142,8 +148,30 @@ impl Window {
     /// Whether a pair (secondary facet, primary facet) takes part in a step.
     pub fn admits(&self, pair: [u32; 2], sides: &Sides, outlook: &Outlook) -> bool {
         let travel = outlook.travel(&sides.secondary.facets()[pair[0] as usize], &sides.primary.facets()[pair[1] as usize]);
+        if !self.is_within(pair, sides, outlook.q, self.facet_size + DIAGONAL * travel) {
+            return false;
+        }
         let gaps = self.gaps(pair, sides, outlook.q, travel);
         gaps.is_some_and(|gaps| gaps.least <= OPEN * self.facet_size + travel && gaps.largest > -gaps.deep)
+    }
+
+    /// Whether the boxes of a pair's facets are within `margin` of each other.
+    fn is_within(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], margin: f64) -> bool {
+        let (own, other) = (sides.secondary.facets()[own as usize], sides.primary.facets()[other as usize]);
+        (0..2).all(|axis| {
+            let range = |[a, b]: [u32; 2]| {
+                let (a, b) = (q[2 * a as usize + axis], q[2 * b as usize + axis]);
+                (a.min(b), a.max(b))
+            };
+            let (own, other) = (range(own), range(other));
+            own.0 - other.1 <= margin && other.0 - own.1 <= margin
+        })
+    }
+
+    /// Distance within which all pairs are that overlap at `q` and are not too deep for it `[length]`.
+    pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
+        let now = (0..sides.secondary.facets().len()).map(|facet| sides.secondary.facet_length(facet, q));
+        DEEP * self.lengths.iter().flatten().copied().chain(now).fold(0.0, f64::max)
     }
 
     /// Whether a pair that took no part in the step from `q_0` to `q_1`, because it was open, overlaps at its end.

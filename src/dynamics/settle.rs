@@ -66,9 +66,9 @@ struct Course {
     steps: usize,
     /// Times that the present step was tried again.
     tries: usize,
-    /// How much more damping than the forces ask for, and more reach of the search than expected.
+    /// How much more damping than the forces ask for, and more motion than expected.
     excess: f64,
-    reach: f64,
+    leeway: f64,
     /// The last step, and the largest displacement of each piece in it.
     motion: Vec<f64>,
     travelled: Option<Vec<f64>>,
@@ -167,7 +167,8 @@ where
         predictor::follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
         let prescribed = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
         let still = vec![0.0; self.system.nodes()];
-        self.begin_at_rest(&Outlook { q: &positions, travel: Travel::Each { sizes: &still, besides: 2.0 * prescribed }, reach: 1.0 })?;
+        let travel = Travel::Each { sizes: &still, besides: 2.0 * prescribed };
+        self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach })?;
         let (zero, undamped) = (vec![0.0; positions.len()], vec![0.0; self.system.bodies.len()]);
         let start = at_rest(self.state.row.time, &positions, &zero, &undamped);
         let forces = match self.system.assemble(&start, &positions, &self.state.lambda).map_err(Failure::from) {
@@ -201,19 +202,19 @@ where
         }
     }
 
-    /// A damped step, or the experience that more damping or a wider search is needed.
+    /// A damped step, or the experience that more damping is needed or more motion to be expected.
     fn step_to_rest(&mut self, balance: &Balance, present: &Present, course: &mut Course) -> Result<(), StepError> {
         let Present { positions, imbalance, .. } = present;
         let plan = self.plan(balance, imbalance, course, positions);
         // How far nodes may move: as their piece is expected to, and both sides as far as is prescribed.
-        let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes()).iter().map(|size| course.reach * size).collect();
+        let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes()).iter().map(|size| course.leeway * size).collect();
         let travel = Travel::Each { sizes: &sizes, besides: 2.0 * present.prescribed };
-        let outlook = Outlook { q: positions, travel, reach: course.reach };
+        let outlook = Outlook { q: positions, travel, reach: self.options.reach };
         self.begin_at_rest(&outlook)?;
         let mut predicted = present.predicted.clone();
         balance.shift(&self.system, &plan.shift, &mut predicted);
         let outcome = self.damped_step(positions, &predicted, &plan.damping);
-        let refused = match outcome.and_then(|solution| self.check_search(&outlook, &solution).map(|()| solution)) {
+        let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
             Ok(solution) if present.is_pushed_to(&solution.q_1, &self.system.fixed) => {
@@ -234,7 +235,7 @@ where
         }
         course.tries += 1;
         match refused {
-            Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => course.reach *= WIDER,
+            Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => course.leeway *= WIDER,
             _ => course.excess *= MORE_DAMPING,
         }
         Ok(())
@@ -335,7 +336,7 @@ impl Course {
             steps: 0,
             tries: 0,
             excess: 1.0,
-            reach: 1.0,
+            leeway: 1.0,
             motion: vec![0.0; unknowns],
             travelled: None,
             stood: 0,
@@ -355,7 +356,7 @@ impl Course {
         self.stood += usize::from(travelled.iter().all(|&travelled| travelled < stands));
         (self.travelled, self.motion) = (Some(travelled), motion);
         (self.steps, self.tries) = (self.steps + 1, 0);
-        (self.excess, self.reach) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
+        (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 }
 

@@ -23,8 +23,9 @@ use crate::integrators::Integrator;
 use crate::linear::Watch;
 use crate::math::tolerances;
 
-/// Reach of a second search when a step converged with more motion than was expected: impacts add elastic motion to the prediction.
-const WIDER_SEARCH: f64 = 3.0;
+/// How much more motion than was expected a step may have: impacts add elastic motion to the prediction. Where something was overlooked, as
+/// much is expected in a second try.
+const MORE_MOTION: f64 = 3.0;
 
 /// A simulation in `D` dimensions.
 pub(super) struct TimeLoop<const D: usize> {
@@ -97,19 +98,15 @@ where
     ///
     /// A step that `may_be_halved` is not tried when its predicted motion is too large.
     fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
-        let (mut factor, mut reach) = (1.0, self.options.reach);
-        loop {
-            match self.piece_within(dt, factor, reach, may_be_halved) {
-                Err(Failure::BeyondSearch { .. }) if reach == self.options.reach => reach *= WIDER_SEARCH,
-                Err(Failure::Overlooked { .. }) if factor == 1.0 => factor = WIDER_SEARCH,
-                outcome => return outcome,
-            }
+        match self.piece_within(dt, 1.0, may_be_halved) {
+            Err(Failure::Overlooked { .. }) => self.piece_within(dt, MORE_MOTION, may_be_halved),
+            outcome => outcome,
         }
     }
 
-    /// [`Self::piece`] with a multiple of the expected motion, and of the reach of the search for contact.
-    fn piece_within(&mut self, dt: f64, factor: f64, reach: f64, may_be_halved: bool) -> Result<State, Failure> {
-        let state = self.state.clone();
+    /// [`Self::piece`] with a multiple of the expected motion.
+    fn piece_within(&mut self, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
+        let (state, reach) = (self.state.clone(), self.options.reach);
         let (integrator, time) = (self.options.integrator, state.row.time);
         let (displacement, prescribed_v_1) = self.system.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
         let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
@@ -151,7 +148,7 @@ where
             interrupted: &|| options.interrupted(),
         };
         let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
-        self.check_search(&outlook, &solution)?;
+        self.check_search(&outlook, MORE_MOTION, &solution)?;
         if may_be_halved && let Some(motion) = self.system.came_through(&conditions) {
             return Err(Failure::Foreseen(motion));
         }
@@ -176,8 +173,9 @@ where
         (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
     }
 
-    /// Bodies must not have moved farther than the candidate pairs reach, nor into something that took no part.
-    pub(super) fn check_search(&self, outlook: &Outlook, solution: &Solution) -> Result<(), Failure> {
+    /// Bodies must not have moved farther than a multiple of the distance within which pairs may take part, nor into something that took no
+    /// part. How far the search has looked does not matter.
+    pub(super) fn check_search(&self, outlook: &Outlook, multiple: f64, solution: &Solution) -> Result<(), Failure> {
         for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Surfaces) {
             let moved = |nodes: &[u32]| {
                 nodes.iter().fold(0.0f64, |largest, &node| {
@@ -185,7 +183,7 @@ where
                     largest.max(range.map(|k| (solution.q_1[k] - self.state.positions[k]).powi(2)).sum::<f64>().sqrt())
                 })
             };
-            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes()) > pair.kernel.margin(outlook) {
+            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes()) > multiple * pair.kernel.margin(outlook) {
                 return Err(Failure::BeyondSearch { pair: pair.name.clone() });
             }
             if pair.kernel.overlooks(outlook.q, &solution.q_1, tolerances::OVERLOOKED * pair.kernel.facet_size()) {

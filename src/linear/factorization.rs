@@ -3,6 +3,7 @@
 //! A pattern has room for couplings that may come: every pair of facets that could meet. Most are zero at any one time, and each costs
 //! fill. So the structure of the factors is that of the blocks that are not zero, or were not since it was made. Whether one has come is
 //! looked up before each factorisation; then the structure is made anew, with the blocks that went before as long as they cost little.
+//! Order and structure know nothing of blocks that were always zero, and outlive the pattern: what could have come changes no result.
 //!
 //! Every vertex has one scale, a power of two: a node's brings its diagonal block to entries of order one, a multiplier's its constraint.
 //! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
@@ -15,19 +16,25 @@ use super::error::LinearError;
 use super::multifrontal::Multifrontal;
 use super::ordering::{Order, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
-use super::pattern::Pattern;
+use super::pattern::{Couplings, Pattern};
 use super::symbolic::Symbolic;
 use super::watch::Watch;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
-/// Operations per coupling of the pattern that a new order is worth: some times what a dissection takes, because where meshes are coarse
+/// Operations per block that is not zero that a new order is worth: some times what a dissection takes, because where meshes are coarse
 /// an order gets worse within few steps and then no more.
 const DISSECTION: f64 = 1.5e5;
 
 /// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to
 /// come back, and each new structure costs a third of a factorisation.
 const WORTH_KEEPING: f64 = 1.1;
+
+/// Factorisations within which blocks come back, if they do: about those of a step.
+const COME_BACK: usize = 4;
+
+/// Factorisations after which blocks that have become zero are looked for though no new one has come: bodies have touched and are apart.
+const REVIEW: usize = 50;
 
 /// Refinements at most. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
@@ -40,18 +47,25 @@ pub struct EliminationOrder {
     found: Arc<Order>,
     /// Work of a factorisation when the order was made.
     best: f64,
-    /// Per coupling of the pattern, whether its block is in the structure; empty before the first matrix of a pattern.
-    kept: Arc<Vec<bool>>,
-    /// Work of a factorisation when `kept` was that of one matrix alone.
+    /// The couplings whose blocks are in the structure; none before the first matrix.
+    kept: Arc<Couplings>,
+    /// Work of a factorisation when `kept` was that of one matrix alone, and the factorisations since then.
     least: f64,
+    uses: usize,
     /// Work done in excess of `best` since the order was made.
     wasted: f64,
 }
 
 impl EliminationOrder {
-    /// The structure of the factors of a pattern in this order.
-    fn structure(&self, pattern: &Pattern) -> Symbolic {
-        Symbolic::new(pattern, &anchored(pattern, &self.found.repaired(pattern)))
+    /// Whether the order, and a structure in it, is that of a pattern's vertices.
+    fn fits(&self, pattern: &Pattern) -> bool {
+        self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()
+    }
+
+    /// The structure of the factors in this order, with these blocks of a pattern.
+    fn structure(&self, pattern: &Pattern, couplings: &Couplings) -> Symbolic {
+        let restricted = pattern.restricted(couplings);
+        Symbolic::new(&restricted, &anchored(&restricted, &self.found.repaired(&restricted)))
     }
 }
 
@@ -169,7 +183,7 @@ impl Factorization {
         self.watch = watch;
     }
 
-    /// Adapts to a changed pattern. The structure of the factors is found with the next matrix.
+    /// Adapts to a changed pattern. Where the vertices stay, so does the structure of the factors.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].
@@ -185,12 +199,16 @@ impl Factorization {
         for buffer in [&mut self.scale, &mut self.solution, &mut self.residual] {
             buffer.resize(pattern.unknowns(), 0.0);
         }
-        let fits = self.order.found.vertices.len() == pattern.vertices() && self.order.kept.len() == pattern.couplings();
-        if std::mem::take(&mut self.restored) && fits {
-            self.symbolic = self.order.structure(&pattern.restricted(&self.order.kept));
+        let is_other = std::mem::take(&mut self.restored);
+        if !self.order.fits(pattern) {
+            self.order.kept = Arc::default();
+        } else if is_other {
+            self.symbolic = self.order.structure(pattern, &self.order.kept);
             return self.use_structure();
+        } else {
+            self.symbolic.find_blocks(pattern);
+            self.left_out = pattern.left_out(&self.order.kept);
         }
-        self.order.kept = Arc::default();
         Ok(())
     }
 
@@ -200,22 +218,27 @@ impl Factorization {
         let present = pattern.present(values);
         let ordered = self.order.found.vertices.len() == pattern.vertices();
         // When the old order has cost in vain what a new one is worth.
-        let price = DISSECTION * pattern.couplings() as f64;
+        let price = DISSECTION * present.count() as f64;
         let reorder = !ordered || self.order.wasted >= price;
-        if !reorder && self.order.kept.len() == present.len() {
-            let kept: Vec<bool> = present.iter().zip(&*self.order.kept).map(|(a, b)| a | b).collect();
-            let symbolic = self.order.structure(&pattern.restricted(&kept));
+        if !reorder && self.order.fits(pattern) && self.order.uses < COME_BACK {
+            let kept = present.joined(&self.order.kept);
+            let symbolic = self.order.structure(pattern, &kept);
             if symbolic.operations <= WORTH_KEEPING * self.order.least {
                 self.symbolic = symbolic;
                 self.order.kept = Arc::new(kept);
                 return self.use_structure();
             }
         }
-        let restricted = pattern.restricted(&present);
+        if !reorder && present == *self.order.kept {
+            // Looked for, and none is zero.
+            self.order.uses = 0;
+            return Ok(());
+        }
         if ordered {
-            self.symbolic = self.order.structure(&restricted);
+            self.symbolic = self.order.structure(pattern, &present);
         }
         if reorder {
+            let restricted = pattern.restricted(&present);
             self.order.best = if ordered { self.symbolic.operations } else { f64::INFINITY };
             let orders = candidates(&restricted, &self.watch);
             if self.watch.is_interrupted() {
@@ -236,7 +259,7 @@ impl Factorization {
             // The first matrix is often that of bodies that do not touch yet.
             self.order.wasted = if ordered { 0.0 } else { price };
         }
-        self.order.least = self.symbolic.operations;
+        (self.order.least, self.order.uses) = (self.symbolic.operations, 0);
         self.order.kept = Arc::new(present);
         self.use_structure()
     }
@@ -244,6 +267,7 @@ impl Factorization {
     /// Makes room for the factors of the structure.
     fn use_structure(&mut self) -> Result<(), LinearError> {
         self.work.structures += 1;
+        self.fallback = None;
         self.left_out = self.pattern.left_out(&self.order.kept);
         self.multifrontal.reserve(&self.symbolic, &self.workers).map_err(|_| LinearError::OutOfMemory { unknowns: self.pattern.unknowns() })
     }
@@ -289,12 +313,13 @@ impl Factorization {
         if !all_finite(values) {
             return Err(LinearError::NotFinite);
         }
-        let fits = self.order.kept.len() == self.pattern.couplings();
-        if !fits || self.left_out.iter().any(|range| values[range.start as usize..range.end as usize].iter().any(|&x| x != 0.0)) {
+        let is_due = self.order.uses >= REVIEW || !self.order.fits(&self.pattern);
+        if is_due || self.left_out.iter().any(|range| values[range.start as usize..range.end as usize].iter().any(|&x| x != 0.0)) {
             self.adapt(values)?;
         }
         self.work.factorizations += 1;
         self.work.operations += self.symbolic.operations;
+        self.order.uses += 1;
         self.order.wasted += (self.symbolic.operations - self.order.best).max(0.0);
         self.equilibrate(values);
         self.fallen_back = false;
@@ -380,7 +405,8 @@ impl Factorization {
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
         if !self.fallen_back {
             if self.fallback.is_none() {
-                self.fallback = Some(Box::new(PartialPivoting::new(&self.pattern)?));
+                let restricted = self.pattern.restricted(&self.order.kept);
+                self.fallback = Some(Box::new(PartialPivoting::new(&restricted)?));
             }
             if let Some(fallback) = &mut self.fallback {
                 fallback.factorize(values, &self.scale)?;

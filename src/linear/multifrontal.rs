@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use pulp::{Simd, WithSimd};
 
 use super::dense::{self, Blocks, Manner};
+use super::pattern::Block;
 use super::symbolic::{Beside, Front, Inside, Run, Symbolic};
 use super::watch::Watch;
 use crate::math::simd::with_registers;
@@ -332,7 +333,7 @@ fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], scale: &[f64]
         blocks.diagonal[k * p + k] = 1.0;
     }
     let sizes = &symbolic.sizes;
-    for entry in &symbolic.inside[front.inside.clone()] {
+    for entry in symbolic.inside[front.inside.clone()].iter().filter(|entry| entry.source != Block::NOWHERE) {
         let factor = scale[entry.row as usize] * scale[entry.column as usize];
         match (sizes[entry.row as usize], sizes[entry.column as usize]) {
             (2, 2) => add_inside(entry, 2, 2, factor, values, blocks),
@@ -340,7 +341,7 @@ fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], scale: &[f64]
             (rows, columns) => add_inside(entry, rows as usize, columns as usize, factor, values, blocks),
         }
     }
-    for entry in &symbolic.beside[front.beside.clone()] {
+    for entry in symbolic.beside[front.beside.clone()].iter().filter(|entry| entry.lower != Block::NOWHERE) {
         let factor = scale[entry.pivot as usize] * scale[entry.other as usize];
         match (sizes[entry.pivot as usize], sizes[entry.other as usize]) {
             (2, 2) => add_beside(entry, 2, 2, factor, values, blocks),

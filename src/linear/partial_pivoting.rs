@@ -15,6 +15,8 @@ use super::pattern::Pattern;
 pub(super) struct PartialPivoting {
     starts: Vec<usize>,
     rows: Vec<usize>,
+    /// Where the values of the entries stand; `None`: zeros.
+    places: Vec<Option<usize>>,
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
     memory: MemBuffer,
@@ -26,7 +28,7 @@ impl PartialPivoting {
     pub(super) fn new(pattern: &Pattern) -> Result<Self, LinearError> {
         let unknowns = pattern.unknowns();
         let out_of_memory = LinearError::OutOfMemory { unknowns };
-        let (starts, rows) = pattern.compressed_columns();
+        let (starts, rows, places) = pattern.compressed_columns();
         let structure = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
         let parameters = LuSymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..Default::default() };
         let symbolic = factorize_symbolic_lu(structure, parameters).map_err(|_| out_of_memory)?;
@@ -34,7 +36,7 @@ impl PartialPivoting {
             .factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::<PartialPivLuParams, f64>::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
         let memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory)?;
-        Ok(PartialPivoting { scaled: vec![0.0; rows.len()], starts, rows, symbolic, numeric: NumericLu::new(), memory })
+        Ok(PartialPivoting { scaled: vec![0.0; rows.len()], starts, rows, places, symbolic, numeric: NumericLu::new(), memory })
     }
 
     /// Factors `diag(scale) A diag(scale)`, with one scale per unknown.
@@ -42,7 +44,8 @@ impl PartialPivoting {
         let unknowns = scale.len();
         for column in 0..unknowns {
             for k in self.starts[column]..self.starts[column + 1] {
-                self.scaled[k] = values[k] * scale[self.rows[k]] * scale[column];
+                let value = self.places[k].map_or(0.0, |place| values[place]);
+                self.scaled[k] = value * scale[self.rows[k]] * scale[column];
             }
         }
         let structure = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &self.starts, None, &self.rows);

@@ -3,6 +3,7 @@
 //! All columns of a vertex have the same rows, so a block is found by two numbers: the place of its first entry and the distance to the
 //! next column. Column-major inside a block.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Pattern of a sparse matrix on a graph.
@@ -14,7 +15,7 @@ pub struct Pattern {
     starts: Vec<usize>,
     /// Neighboring vertices in ascending order.
     neighbors: Vec<u32>,
-    /// Per entry of `neighbors`: the place of the block's first row inside a column of the vertex.
+    /// Per entry of `neighbors`: the place of the block's first row inside a column of the vertex, or [`NO_PLACE`].
     offsets: Vec<u32>,
     /// Per vertex, the place of its first column's values.
     columns: Vec<usize>,
@@ -33,7 +34,13 @@ pub struct Block {
     pub stride: u32,
 }
 
+/// Offset of a block that no value belongs to.
+const NO_PLACE: u32 = u32::MAX;
+
 impl Block {
+    /// A block of zeros, which stands nowhere.
+    pub(super) const NOWHERE: Block = Block { start: u32::MAX, stride: 0 };
+
     /// Place of entry `(row, column)` of the block.
     #[inline(always)]
     pub fn at(self, row: usize, column: usize) -> usize {
@@ -118,24 +125,25 @@ impl Pattern {
         self
     }
 
-    /// The couplings that are kept, one flag per neighbor of each vertex in turn, whose values stand where they stood: blocks that are left
-    /// out have no place any more. The flags of a block and of its mirror image must be equal.
-    pub(super) fn restricted(&self, kept: &[bool]) -> Self {
-        let mut starts = Vec::with_capacity(self.starts.len());
-        starts.push(0);
-        let (mut neighbors, mut offsets) = (Vec::with_capacity(kept.len()), Vec::with_capacity(kept.len()));
-        for range in self.starts.windows(2) {
-            for k in (range[0]..range[1]).filter(|&k| kept[k]) {
-                neighbors.push(self.neighbors[k]);
-                offsets.push(self.offsets[k]);
+    /// The same vertices with these couplings in place of the pattern's own, values where they stood: the blocks of other couplings have no
+    /// place any more, and those of couplings that the pattern lacks stand nowhere.
+    pub(super) fn restricted(&self, couplings: &Couplings) -> Self {
+        let mut offsets = Vec::with_capacity(couplings.neighbors.len());
+        for v in 0..self.vertices() {
+            let mut own = self.starts[v]..self.starts[v + 1];
+            for &u in couplings.of(v) {
+                while own.start < own.end && self.neighbors[own.start] < u {
+                    own.start += 1;
+                }
+                let is_there = own.start < own.end && self.neighbors[own.start] == u;
+                offsets.push(if is_there { self.offsets[own.start] } else { NO_PLACE });
             }
-            starts.push(neighbors.len());
         }
-        Pattern { starts, neighbors, offsets, ..self.clone() }
+        Pattern { starts: couplings.starts.clone(), neighbors: couplings.neighbors.clone(), offsets, ..self.clone() }
     }
 
-    /// Per coupling, whether its block or the mirror image of it holds a value that is not zero; a vertex is always coupled with itself.
-    pub(super) fn present(&self, values: &[f64]) -> Vec<bool> {
+    /// The couplings whose block or the mirror image of it holds a value that is not zero; a vertex is always coupled with itself.
+    pub(super) fn present(&self, values: &[f64]) -> Couplings {
         let mut present = vec![false; self.neighbors.len()];
         // Vertices ascend, so each finds itself next in the ascending list of its neighbor.
         let mut next: Vec<usize> = self.starts[..self.vertices()].to_vec();
@@ -151,17 +159,31 @@ impl Pattern {
                 }
             }
         }
-        present
+        let mut couplings = Couplings { starts: vec![0], neighbors: Vec::with_capacity(present.len()) };
+        for range in self.starts.windows(2) {
+            couplings.neighbors.extend((range[0]..range[1]).filter(|&k| present[k]).map(|k| self.neighbors[k]));
+            couplings.starts.push(couplings.neighbors.len());
+        }
+        couplings
     }
 
-    /// The places of the values of all couplings that are not kept, as ascending ranges.
-    pub(super) fn left_out(&self, kept: &[bool]) -> Vec<Range<u32>> {
+    /// The places of the values of all couplings that are not among these, as ascending ranges.
+    pub(super) fn left_out(&self, couplings: &Couplings) -> Vec<Range<u32>> {
         let mut ranges: Vec<Range<u32>> = Vec::new();
+        let mut left_out: Vec<(Block, usize)> = Vec::new();
         for v in 0..self.vertices() {
+            left_out.clear();
+            let mut kept = couplings.of(v).iter().peekable();
+            for (&u, block) in self.neighbors(v).iter().zip(self.column_blocks(v)) {
+                while kept.next_if(|&&other| other < u).is_some() {}
+                if kept.peek() != Some(&&u) {
+                    left_out.push((block, self.size(u as usize)));
+                }
+            }
             for column in 0..self.size(v) {
-                for (k, block) in (self.starts[v]..self.starts[v + 1]).zip(self.column_blocks(v)).filter(|(k, _)| !kept[*k]) {
+                for &(block, rows) in &left_out {
                     let start = block.at(0, column) as u32;
-                    let end = start + self.size(self.neighbors[k] as usize) as u32;
+                    let end = start + rows as u32;
                     match ranges.last_mut() {
                         Some(last) if last.end == start => last.end = end,
                         _ => ranges.push(start..end),
@@ -170,11 +192,6 @@ impl Pattern {
             }
         }
         ranges
-    }
-
-    /// Number of coupled pairs of vertices, each counted from both sides, and of vertices.
-    pub(super) fn couplings(&self) -> usize {
-        self.neighbors.len()
     }
 
     /// Number of vertices.
@@ -202,10 +219,13 @@ impl Pattern {
         self.first.partition_point(|&first| first <= unknown) - 1
     }
 
-    /// Per neighbor of a vertex, itself included: the place of the block that couples it, as row, with the vertex, as column.
+    /// Per neighbor of a vertex, itself included: the block that couples it, as row, with the vertex, as column.
     pub(super) fn column_blocks(&self, vertex: usize) -> impl Iterator<Item = Block> + '_ {
         let (start, stride) = (self.columns[vertex] as u32, self.lengths[vertex] as u32);
-        self.offsets[self.starts[vertex]..self.starts[vertex + 1]].iter().map(move |offset| Block { start: start + offset, stride })
+        self.offsets[self.starts[vertex]..self.starts[vertex + 1]].iter().map(move |&offset| match offset {
+            NO_PLACE => Block::NOWHERE,
+            offset => Block { start: start + offset, stride },
+        })
     }
 
     /// Number of unknowns.
@@ -228,10 +248,15 @@ impl Pattern {
     /// # Panics
     /// When the two are not coupled in the pattern.
     pub fn block(&self, u: u32, v: u32) -> Block {
+        self.find_block(u, v).expect("the vertices are coupled in the pattern")
+    }
+
+    /// The block that couples row vertex `u` with column vertex `v`, if there is one.
+    pub(super) fn find_block(&self, u: u32, v: u32) -> Option<Block> {
         let range = self.starts[v as usize]..self.starts[v as usize + 1];
-        let place = self.neighbors[range.clone()].binary_search(&u).expect("the vertices are coupled in the pattern");
+        let place = self.neighbors[range.clone()].binary_search(&u).ok()?;
         let stride = self.lengths[v as usize];
-        Block { start: (self.columns[v as usize] + self.offsets[range.start + place] as usize) as u32, stride: stride as u32 }
+        Some(Block { start: (self.columns[v as usize] + self.offsets[range.start + place] as usize) as u32, stride: stride as u32 })
     }
 
     /// Neighbors of a vertex, itself included, in ascending order.
@@ -287,20 +312,67 @@ impl Pattern {
         }
     }
 
-    /// Compressed columns: start of every column, and row of every value.
-    pub fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>) {
+    /// Compressed columns: start of every column, and row of every entry and place of its value; `None` where there is none.
+    pub(super) fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>, Vec<Option<usize>>) {
         let mut starts = Vec::with_capacity(self.unknowns() + 1);
-        let mut rows = Vec::with_capacity(self.values());
+        let (mut rows, mut places) = (Vec::new(), Vec::new());
         starts.push(0);
         for v in 0..self.lengths.len() {
-            for _ in self.first[v]..self.first[v + 1] {
-                for &u in self.neighbors(v) {
+            for column in 0..self.size(v) {
+                for (&u, block) in self.neighbors(v).iter().zip(self.column_blocks(v)) {
                     rows.extend(self.first[u as usize]..self.first[u as usize + 1]);
+                    places.extend((0..self.size(u as usize)).map(|row| (block != Block::NOWHERE).then(|| block.at(row, column))));
                 }
                 starts.push(rows.len());
             }
         }
-        (starts, rows)
+        (starts, rows, places)
+    }
+}
+
+/// Couplings of a graph's vertices, every pair from both sides and each vertex with itself. They are named by their vertices, so that they
+/// mean the same in every pattern.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Couplings {
+    /// Per vertex, the range of its neighbors.
+    starts: Vec<usize>,
+    /// Neighbors of each vertex in ascending order.
+    neighbors: Vec<u32>,
+}
+
+impl Couplings {
+    /// Number of vertices; 0 where there is nothing yet.
+    pub(super) fn vertices(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Number of couplings, each counted from both sides.
+    pub(super) fn count(&self) -> usize {
+        self.neighbors.len()
+    }
+
+    /// Neighbors of a vertex.
+    fn of(&self, vertex: usize) -> &[u32] {
+        &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
+    }
+
+    /// What is coupled here or there, of the same vertices.
+    pub(super) fn joined(&self, other: &Self) -> Self {
+        let mut joined = Couplings { starts: vec![0], neighbors: Vec::with_capacity(self.count().max(other.count())) };
+        for v in 0..self.vertices() {
+            let (mut own, mut others) = (self.of(v), other.of(v));
+            while let ([a, rest @ ..], [b, other_rest @ ..]) = (own, others) {
+                joined.neighbors.push(*a.min(b));
+                (own, others) = match a.cmp(b) {
+                    Ordering::Less => (rest, others),
+                    Ordering::Equal => (rest, other_rest),
+                    Ordering::Greater => (own, other_rest),
+                };
+            }
+            joined.neighbors.extend(own.iter().chain(others));
+            joined.starts.push(joined.neighbors.len());
+        }
+        joined
     }
 }
 
@@ -316,8 +388,8 @@ mod tests {
         assert_eq!(pattern.unknowns(), 7);
         assert_eq!(pattern.neighbors(0), [0, 1]);
         assert_eq!(pattern.neighbors(1), [0, 1, 2, 3]);
-        let (starts, rows) = pattern.compressed_columns();
-        assert_eq!(rows.len(), pattern.values());
+        let (starts, rows, places) = pattern.compressed_columns();
+        assert!(places.into_iter().eq((0..pattern.values()).map(Some)));
         for (u, v) in [(0u32, 1u32), (1, 0), (2, 3), (3, 3), (2, 2)] {
             let block = pattern.block(u, v);
             for i in 0..sizes[u as usize] as usize {

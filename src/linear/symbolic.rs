@@ -158,6 +158,17 @@ impl Symbolic {
         symbolic
     }
 
+    /// Finds the blocks of a pattern with other couplings; those of the structure that it lacks stand nowhere.
+    pub(super) fn find_blocks(&mut self, pattern: &Pattern) {
+        let find = |row: u32, column: u32| pattern.find_block(row, column).unwrap_or(Block::NOWHERE);
+        for entry in &mut self.inside {
+            entry.source = find(entry.row, entry.column);
+        }
+        for entry in &mut self.beside {
+            (entry.lower, entry.upper) = (find(entry.other, entry.pivot), find(entry.pivot, entry.other));
+        }
+    }
+
     /// Splits the tree into independent subtrees of comparable work and the fronts above them.
     fn find_tasks(&mut self) {
         if self.operations < WORTH_TASKS {

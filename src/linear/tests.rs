@@ -11,7 +11,7 @@ use super::multifrontal::Multifrontal;
 use super::ordering::{Order, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::symbolic::Symbolic;
-use super::{LinearError, Watch};
+use super::{LinearError, Pattern, Watch};
 use crate::math::workers::Workers;
 
 /// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by a multiplier per node of the first one.
@@ -44,7 +44,7 @@ fn tied<const D: usize>(along: usize, across: usize, shift: usize, disturbance: 
 
 impl System {
     fn dense(&self) -> DMatrix<f64> {
-        let (starts, rows) = self.pattern.compressed_columns();
+        let (starts, rows, _) = self.pattern.compressed_columns();
         let mut matrix = DMatrix::zeros(self.pattern.unknowns(), self.pattern.unknowns());
         for column in 0..self.pattern.unknowns() {
             for k in starts[column]..starts[column + 1] {
@@ -66,7 +66,7 @@ impl System {
 
     /// Replaces a row and its column by the identity.
     fn hold(&mut self, unknown: usize, diagonal: f64) {
-        let (starts, rows) = self.pattern.compressed_columns();
+        let (starts, rows, _) = self.pattern.compressed_columns();
         for column in 0..self.pattern.unknowns() {
             for k in starts[column]..starts[column + 1] {
                 if rows[k] == unknown || column == unknown {
@@ -318,6 +318,73 @@ fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     other.restore_order(&order);
     other.renew(&dense.pattern).unwrap();
     assert_eq!(solve(&mut other), x);
+}
+
+/// The same matrix on a pattern with more couplings, whose blocks are zero.
+fn widened(system: &System, more: impl Iterator<Item = [u32; 2]>) -> System {
+    let old = &system.pattern;
+    let vertices = 0..old.vertices() as u32;
+    let sizes: Vec<u8> = vertices.clone().map(|v| old.size(v as usize) as u8).collect();
+    let known = vertices.clone().flat_map(|v| old.neighbors(v as usize).iter().map(move |&u| [v, u]));
+    let pairs: Vec<[u32; 2]> = known.chain(more).collect();
+    let anchors = vertices.clone().filter_map(|v| old.anchor(v as usize).map(|anchor| (v, anchor)));
+    let pattern = Pattern::new(&sizes, pairs.iter().map(|pair| &pair[..])).with_anchors(anchors);
+    let mut values = vec![0.0; pattern.values()];
+    for v in vertices {
+        for &u in old.neighbors(v as usize) {
+            let (from, to) = (old.block(u, v), pattern.block(u, v));
+            for (k, i) in (0..old.size(v as usize)).flat_map(|k| (0..old.size(u as usize)).map(move |i| (k, i))) {
+                values[to.at(i, k)] = system.values[from.at(i, k)];
+            }
+        }
+    }
+    System { pattern, values, nodes: system.nodes }
+}
+
+/// Neither where all blocks are found by pivots inside fronts nor where the other method takes over.
+#[test]
+fn couplings_that_are_always_zero_change_no_byte() {
+    let mut factorizations = [(); 3].map(|()| Factorization::new(&tied::<2>(40, 6, 0, 0.05).pattern).unwrap());
+    for shift in 0..12u32 {
+        let mut system = tied::<2>(40, 6, shift as usize, 0.05);
+        if shift % 4 == 3 {
+            // Hardly anything opposes the multipliers where they are eliminated.
+            for m in system.nodes as u32..system.pattern.vertices() as u32 {
+                let anchor = system.pattern.anchor(m as usize).unwrap();
+                let (row, column) = (system.pattern.block(m, anchor), system.pattern.block(anchor, m));
+                (0..2).flat_map(|i| [row.at(0, i), column.at(i, 0)]).for_each(|place| system.values[place] *= 1e-30);
+            }
+        }
+        let (_, right) = system.problem();
+        let count = system.pattern.vertices() as u32;
+        let more = [3 + shift / 3, 40].map(|many| (0..many).map(move |k| [17 * k % count, (31 * k + 200) % count]));
+        let [some, many] = more.map(|more| widened(&system, more));
+        let solutions = [&system, &some, &many].into_iter().zip(&mut factorizations).map(|(system, factorization)| {
+            factorization.renew(&system.pattern).unwrap();
+            let mut x = right.clone();
+            factorization.factorize(&system.values).unwrap();
+            factorization.solve(&system.values, &mut x).unwrap();
+            (x.into_iter().map(f64::to_bits).collect::<Vec<_>>(), factorization.has_fallen_back(), factorization.order().clone())
+        });
+        let solutions: Vec<_> = solutions.collect();
+        assert!(solutions[0] == solutions[1] && solutions[0] == solutions[2], "shift {shift}");
+        assert_eq!(solutions[0].1, shift % 4 == 3, "shift {shift}: who has solved it");
+    }
+    assert!(factorizations.iter().all(|factorization| factorization.work() == factorizations[0].work()));
+}
+
+/// Blocks that have gone for good leave the structure though no other one comes.
+#[test]
+fn blocks_that_have_gone_cost_nothing_in_the_end() {
+    let coupled = tied::<2>(40, 6, 1, 0.05);
+    let mut apart = tied::<2>(40, 6, 1, 0.05);
+    let multipliers = apart.pattern.first_unknown(apart.nodes);
+    (multipliers..apart.pattern.unknowns()).for_each(|unknown| apart.hold(unknown, 1.0));
+    let mut factorization = Factorization::new(&coupled.pattern).unwrap();
+    factorization.factorize(&coupled.values).unwrap();
+    let before = factorization.operations();
+    (0..60).for_each(|_| factorization.factorize(&apart.values).unwrap());
+    assert!(factorization.operations() < before && factorization.work().structures == 2);
 }
 
 #[test]

@@ -214,8 +214,40 @@ pub fn run(scene: &Scene, watch: &mut dyn FnMut(&Record)) -> Outcome {
 /// # Errors
 /// What the kernels say about the model.
 pub fn simulate(scene: &Scene) -> Result<Simulation, String> {
+    simulate_with_reach(scene, 1.0)
+}
+
+/// A simulation of the scene in which the search for contact reaches farther.
+fn simulate_with_reach(scene: &Scene, reach: f64) -> Result<Simulation, String> {
     let model = scene.model().map_err(|error| error.to_string())?;
-    Simulation::new(&model, Options::new(Integrator::EnergyMomentum, scene.dt)).map_err(|error| error.to_string())
+    let options = Options { reach, ..Options::new(Integrator::EnergyMomentum, scene.dt) };
+    Simulation::new(&model, options).map_err(|error| error.to_string())
+}
+
+/// The first step of a scene whose positions, velocities or rows of the ledger are not the same bytes when the search for contact reaches
+/// `reach` times as far; a step that fails has its error.
+///
+/// # Errors
+/// What the kernels say about the model.
+pub fn first_difference(scene: &Scene, reach: f64) -> Result<Option<usize>, String> {
+    let mut sims = [simulate(scene)?, simulate_with_reach(scene, reach)?];
+    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    for step in 1..=scene.steps {
+        let [ours, theirs] = sims.each_mut().map(|sim| {
+            // As text a number has all its digits, and zero its sign.
+            let mut rows = String::new();
+            let taken = sim.step(None, &mut |row: &LedgerRow| rows += &format!("{row:?}"));
+            let state = sim.shared_state();
+            (bits(&state.positions), bits(&state.velocities), rows, taken.map_err(|error| error.to_string()))
+        });
+        if ours != theirs {
+            return Ok(Some(step));
+        }
+        if ours.3.is_err() || sims[0].statistics().newton_iterations > ITERATIONS {
+            break;
+        }
+    }
+    Ok(None)
 }
 
 fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
