@@ -5,7 +5,8 @@
 //!
 //! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads N]`,
 //! with `--reach F` a comparison of every run with that in which the search for contact reaches `F` times as far: the same to the last
-//! byte; or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails alike).
+//! byte; or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails
+//! alike).
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -132,8 +132,8 @@ impl RunFinding {
             MotionKind::Sliding => (
                 SLIDING,
                 format!(
-                    "in a step of dt = {dt} its sides would slide by {facets:.2} facets, and a step that slides by one or more does not see \
-                     each facet pass: motion goes into vibrations although the energy stays exact"
+                    "in a step of dt = {dt} its sides would slide by {facets:.2} facets, and a step that slides by one or more does not \
+                     see each facet pass: motion goes into vibrations although the energy stays exact"
                 ),
             ),
             MotionKind::Approach => (

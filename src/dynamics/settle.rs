@@ -208,7 +208,10 @@ where
         let plan = self.plan(balance, imbalance, course, positions);
         // How far nodes may move: as their piece is expected to, and both sides as far as is prescribed.
         let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes()).iter().map(|size| course.leeway * size).collect();
-        let travel = Travel::Each { sizes: &sizes, besides: 2.0 * present.prescribed };
+        // Where something was overlooked, what was not expected to move did.
+        let facet = self.shortest_facet();
+        let unexpected = if course.leeway > 1.0 && facet.is_finite() { course.leeway * FALL * facet } else { 0.0 };
+        let travel = Travel::Each { sizes: &sizes, besides: 2.0 * present.prescribed + unexpected };
         let outlook = Outlook { q: positions, travel, reach: self.options.reach };
         self.begin_at_rest(&outlook)?;
         let mut predicted = present.predicted.clone();
