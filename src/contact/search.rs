@@ -165,7 +165,8 @@ impl PairSearch {
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
     }
 
-    /// Whether a pair that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end, listed or not.
+    /// Whether a pair, listed or not, that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its
+    /// end.
     pub fn overlooks(&self, sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let at_end = self.candidates.pairs_within(&sides.secondary, &sides.primary, q_1, self.window.deepest(sides, q_1));
         let took_part = |pair: &[u32; 2]| self.candidates.pairs().binary_search(pair).is_ok_and(|p| self.near[p]);
