@@ -4,9 +4,8 @@
 //! One line for each run with a fault, then a table for each method and rule. A seed gives the same scene with every method and rule.
 //!
 //! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads N]`,
-//! with `--reach F` a comparison of every run with that in which the search for contact reaches `F` times as far: the same to the last
-//! byte; or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails
-//! alike).
+//! with `--reach F` a comparison of every run, to the last byte, with that in which the search for contact reaches `F` times as far;
+//! or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails alike).
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -340,8 +340,8 @@ impl ContactKernel for NodeToSegment {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
         let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
         let deepest = self.window.deepest(&self.sides, q_1);
-        let at_end = self.candidates.admitted_pairs(&self.points, &self.sides.primary, q_1, deepest);
-        at_end.into_iter().any(|[point, facet]| {
+        let at_end = self.candidates.pairs_within(&self.points, &self.sides.primary, q_1, deepest);
+        at_end.iter().any(|&[point, facet]| {
             let (point, ends) = (point as usize, self.sides.primary.facets()[facet as usize]);
             let node = self.points.nodes()[point];
             let end = Seen::new(node, ends, q_1);

@@ -10,6 +10,7 @@
 //! the step is not known here, and the pair functions tell them apart at the cost of a comparison. For a surface that touches itself
 //! [`within_the_body`] lists what can never be a contact, and [`Candidates::once`] keeps each pair of facets only one way round.
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -73,7 +74,7 @@ impl Candidates {
     }
 
     /// All pairs within `margin` that may be listed, ascending.
-    pub(super) fn admitted_pairs(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
+    fn admitted_pairs(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = near_pairs(secondary, primary, q, margin);
         if let Some([own, other]) = &self.ranks {
             pairs.retain(|pair| own[pair[0] as usize] <= other[pair[1] as usize]);
@@ -87,6 +88,17 @@ impl Candidates {
     /// Whether a pair can be a contact at all.
     pub fn may_list(&self, pair: [u32; 2]) -> bool {
         self.excluded.binary_search(&pair).is_err()
+    }
+
+    /// Pairs that may be listed, all those within `margin` at `q` among them: the list itself as long as it holds them.
+    pub(super) fn pairs_within(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Cow<'_, [[u32; 2]]> {
+        let (secondary_now, primary_now) = (positions(secondary, q), positions(primary, q));
+        let motion = relative_motion(&self.secondary_at_search, &secondary_now, &self.primary_at_search, &primary_now);
+        if motion + margin <= self.margin {
+            Cow::Borrowed(&self.pairs)
+        } else {
+            Cow::Owned(self.admitted_pairs(secondary, primary, q, margin))
+        }
     }
 
     /// The pairs (secondary facet, primary facet), ascending.
@@ -158,12 +170,12 @@ impl PairSearch {
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
     }
 
-    /// Whether a pair that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end, listed or
-    /// not.
+    /// Whether a pair, listed or not, that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its
+    /// end.
     pub fn overlooks(&self, sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        let at_end = self.candidates.admitted_pairs(&sides.secondary, &sides.primary, q_1, self.window.deepest(sides, q_1));
+        let at_end = self.candidates.pairs_within(&sides.secondary, &sides.primary, q_1, self.window.deepest(sides, q_1));
         let took_part = |pair: &[u32; 2]| self.candidates.pairs().binary_search(pair).is_ok_and(|p| self.near[p]);
-        at_end.into_iter().any(|pair| !took_part(&pair) && self.window.is_overlooked(pair, sides, q_0, q_1, tolerance))
+        at_end.iter().any(|pair| !took_part(pair) && self.window.is_overlooked(*pair, sides, q_0, q_1, tolerance))
     }
 
     /// Sums the values of all pairs that take part, one for each node of the secondary facet, into the secondary nodes.

@@ -256,8 +256,8 @@ impl Factorization {
                 }
             }
             self.work.dissections += 1;
-            // The first matrix is often that of bodies that do not touch yet.
-            self.order.wasted = if ordered { 0.0 } else { price };
+            // The first matrix is often that of bodies that do not touch yet: the next structure is worth another order.
+            self.order.wasted = if ordered { 0.0 } else { f64::INFINITY };
         }
         (self.order.least, self.order.uses) = (self.symbolic.operations, 0);
         self.order.kept = Arc::new(present);
