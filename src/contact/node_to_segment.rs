@@ -225,27 +225,28 @@ impl NodeToSegment {
         self.sides.secondary.adjacent_facets(point)
     }
 
-    /// Outward normal at a point (mean of its facets, not of unit length) at `q`.
-    fn normal(&self, point: usize, q: &[f64]) -> [f64; 2] {
-        let mut normal = [0.0; 2];
-        for &facet in self.own_facets(point) {
-            let [a, b] = self.sides.secondary.facets()[facet as usize].map(|node| 2 * node as usize);
-            let length = self.sides.secondary.facet_length(facet as usize, q);
-            normal[0] += (q[b + 1] - q[a + 1]) / length;
-            normal[1] -= (q[b] - q[a]) / length;
-        }
-        normal
+    /// Outward normals of the facets at a point, at `q`.
+    fn normals(&self, point: usize, q: &[f64]) -> Vec<[f64; 2]> {
+        let facets = self.own_facets(point).iter().map(|&facet| self.sides.secondary.facets()[facet as usize]);
+        let normal = |[a, b]: [u32; 2]| {
+            let (a, b) = (2 * a as usize, 2 * b as usize);
+            let t = [q[b] - q[a], q[b + 1] - q[a + 1]];
+            let length = t[0].hypot(t[1]);
+            [t[1] / length, -t[0] / length]
+        };
+        facets.map(normal).collect()
     }
 
     /// Whether a primary facet can be opposite a point in a step.
-    fn admits(&self, point: usize, facet: u32, normal: [f64; 2], outlook: &Outlook) -> bool {
+    fn admits(&self, point: usize, facet: u32, normals: &[[f64; 2]], outlook: &Outlook) -> bool {
         let (node, ends) = (self.points.nodes()[point], self.sides.primary.facets()[facet as usize]);
         let seen = Seen::new(node, ends, outlook.q);
-        let across = normal[0] * seen.along[1] - normal[1] * seen.along[0];
+        // At a sharp corner, as of a tip that has folded, one side that does not look the same way is enough.
+        let is_opposite = |normal: &[f64; 2]| normal[0] * seen.along[1] - normal[1] * seen.along[0] <= SAME_WAY;
         // Beside a facet the distance from its line says nothing of how deep the node is.
         let depth = if seen.end.is_none() || seen.gap > 0.0 { seen.gap } else { -seen.distance };
         seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends)
-            && across <= SAME_WAY * normal[0].hypot(normal[1])
+            && normals.iter().any(is_opposite)
             && self.window.admits_depth(0, self.own_facets(point), facet, depth)
             && (self.corners.is_none() || seen.gap > -SUNK * self.sides.facet_size)
     }
@@ -253,9 +254,9 @@ impl NodeToSegment {
     /// What takes part of a patch in a step.
     fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
         let (point, nodes, primary) = (self.point(p), self.sides.patches.nodes(p), &self.sides.primary);
-        let normal = self.normal(point, outlook.q);
+        let normals = self.normals(point, outlook.q);
         let is_admitted = |facet: u32| {
-            self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, normal, outlook)
+            self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, &normals, outlook)
         };
         let mut admitted: Vec<u32> = self.facets[p].iter().copied().filter(|&facet| is_admitted(facet)).collect();
         if !self.has_constraint(point, &admitted) {
@@ -359,7 +360,7 @@ impl ContactKernel for NodeToSegment {
                         .zip(&start.closest)
                         .any(|(local, &closest)| closest && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
                 });
-                !was && self.has_constraint(point, &[facet]) && self.admits(point, facet, self.normal(point, q_0), &outlook)
+                !was && self.has_constraint(point, &[facet]) && self.admits(point, facet, &self.normals(point, q_0), &outlook)
             }
         })
     }

@@ -99,6 +99,8 @@ pub struct Record {
     pub disagreement: f64,
     pub depth: Depth,
     pub crossing: Depth,
+    /// What closed contacts keep in reserve, as the ledger says.
+    pub reserve: f64,
     /// Largest penetration that the ledger reports.
     pub reported: f64,
     pub iterations: usize,
@@ -283,7 +285,7 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
         let (state, row) = (sim.shared_state(), sim.row());
         record.sums = oracle.sums(&state.positions, &state.velocities);
         let total = record.sums.total();
-        (record.time, record.active, record.reported) = (row.time, row.active, row.max_penetration);
+        (record.time, record.active, record.reported, record.reserve) = (row.time, row.active, row.max_penetration, row.reserve);
         record.change = (total - start.total()) / scales.energy;
         record.gain = (total - bound) / scales.energy;
         bound = if scene.rule == UpdateRule::Velocity { bound.max(total) } else { bound.min(total) };
