@@ -21,8 +21,9 @@ mod mortar;
 mod node_to_segment;
 mod pair;
 mod patches;
-mod peaks;
+
 mod rigid;
+mod rigid_corners;
 mod search;
 mod surface;
 mod tie;
@@ -33,8 +34,9 @@ pub use checks::{Finding, NamedSurface, check_surfaces};
 pub use mortar::Mortar;
 pub use node_to_segment::NodeToSegment;
 pub use patches::{Evaluation, Patches};
-pub use peaks::RigidCorners;
+
 pub use rigid::{Obstacle, RigidContact};
+pub use rigid_corners::RigidCorners;
 pub use search::{Candidates, PairSearch};
 pub use surface::{Sides, Surface};
 pub use tie::Tie;
