@@ -113,7 +113,7 @@ fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
 
 fn faer_lu(refine: usize, right: &[f64], repetitions: usize) -> Row {
     let System { pattern, values, .. } = rings(refine, 0);
-    let (starts, rows) = pattern.compressed_columns();
+    let (starts, rows, _) = pattern.compressed_columns();
     let n = pattern.unknowns();
     let structure = SymbolicSparseColMatRef::new_checked(n, n, &starts, None, &rows);
     let parameters = || LuSymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..Default::default() };

@@ -313,7 +313,7 @@ impl Pattern {
     }
 
     /// Compressed columns: start of every column, and row of every entry and place of its value; `None` where there is none.
-    pub(super) fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>, Vec<Option<usize>>) {
+    pub fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>, Vec<Option<usize>>) {
         let mut starts = Vec::with_capacity(self.unknowns() + 1);
         let (mut rows, mut places) = (Vec::new(), Vec::new());
         starts.push(0);
