@@ -60,7 +60,13 @@ impl PairSearch {
             }
             for (index, found) in closest.into_iter().enumerate() {
                 let Some((facet, seen)) = found.filter(|(_, seen)| -seen.gap > deepest) else { continue };
-                let gap = seen.gap_to(surface.nodes()[index], other, facet as usize, q).unwrap_or(0.0);
+                // Round a sharp corner lies what is nearer, although it takes no part with this node's facets.
+                let node = surface.nodes()[index];
+                let around = other.neighbors(facet as usize).into_iter().flatten();
+                let around = around.map(|facet| (facet, Seen::new(node, other.facets()[facet as usize], q)));
+                let nearer = |nearest: (u32, Seen), next: (u32, Seen)| if next.1.distance < nearest.1.distance { next } else { nearest };
+                let (facet, seen) = around.fold((facet, seen), nearer);
+                let gap = seen.gap_to(node, other, facet as usize, q).unwrap_or(0.0);
                 if self.window.admits_depth(own, surface.adjacent_facets(index), facet, gap) {
                     deepest = deepest.max(-gap);
                 }
