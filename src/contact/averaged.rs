@@ -1,4 +1,5 @@
-//! Mortar contact with averaged nodal normals: the normal is continuous along the secondary side, so a corner of it is no jump.
+//! Mortar contact with averaged nodal normals: the normal is continuous along the secondary side, so a bend of it is no jump. At a sharp
+//! corner, of more than 45 degrees in the reference positions, each facet keeps its own.
 //!
 //! The normal of a secondary node is the normalized mean of its facets' unit normals; along a facet `n(s) = (1 - s) n_1 + s n_2` (Yang,
 //! Laursen and Meng, IJNME 62, 2005). A primary point lies opposite the point `s` when it lies on the line through `x(s)` along `n(s)`.

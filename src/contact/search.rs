@@ -80,7 +80,7 @@ impl Candidates {
             pairs.retain(|pair| own[pair[0] as usize] <= other[pair[1] as usize]);
         }
         if !self.excluded.is_empty() {
-            pairs.retain(|pair| self.excluded.binary_search(pair).is_err());
+            pairs.retain(|&pair| self.may_list(pair));
         }
         pairs
     }

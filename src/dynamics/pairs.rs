@@ -413,31 +413,25 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         let kernel = Box::new(Tie::new(&secondary, &facets(&tie.primary), reference, reach));
         pairs.push(fresh(&tie.name, PairKind::Tie, tie.secondary.body, kernel));
     }
-    for (of, on, against) in cornered(model) {
-        let owner = &pairs[of];
-        if owner.equality || owner.penalty > 0.0 {
-            continue;
-        }
-        let size = owner.kernel.facet_size();
-        if let Some(kernel) = NodeToSegment::of_corners(&facets_of_all(on, &facets), &facets_of_all(against, &facets), reference, size) {
-            let corners = Some(Corners { of, slack: tolerances::CORNER_SLACK * size });
-            let (update, augmentation) = (owner.update, corner_augmentation(owner));
-            let name = owner.name.clone();
-            pairs.push(Pair { corners, update, augmentation, ..fresh(&name, PairKind::Surfaces, on[0].body, Box::new(kernel)) });
-        }
+    let has_corners = |of: usize| !pairs[of].equality && pairs[of].penalty == 0.0;
+    let size = |of: usize| pairs[of].kernel.facet_size();
+    let mut corners: Vec<(usize, PairKind, usize, Box<dyn ContactKernel>)> = Vec::new();
+    for (of, on, against) in cornered(model).into_iter().filter(|&(of, ..)| has_corners(of)) {
+        let kernel = NodeToSegment::of_corners(&facets_of_all(on, &facets), &facets_of_all(against, &facets), reference, size(of));
+        corners.extend(kernel.map(|kernel| (of, PairKind::Surfaces, on[0].body, Box::new(kernel) as Box<dyn ContactKernel>)));
     }
-    for (obstacle, of) in model.obstacles.iter().zip(model.contacts.len() + model.self_contacts.len()..) {
+    let obstacles = model.obstacles.iter().zip(model.contacts.len() + model.self_contacts.len()..);
+    for (obstacle, of) in obstacles.filter(|&(_, of)| has_corners(of)) {
+        let kernel = RigidCorners::new(&facets(&obstacle.secondary), &obstacle.obstacle, reference, size(of));
+        let body = obstacle.secondary.body;
+        corners.extend(kernel.map(|kernel| (of, PairKind::Obstacle, body, Box::new(kernel) as Box<dyn ContactKernel>)));
+    }
+    for (of, kind, body, kernel) in corners {
         let owner = &pairs[of];
-        if owner.equality || owner.penalty > 0.0 {
-            continue;
-        }
-        let size = owner.kernel.facet_size();
-        if let Some(kernel) = RigidCorners::new(&facets(&obstacle.secondary), &obstacle.obstacle, reference, size) {
-            let corners = Some(Corners { of, slack: tolerances::CORNER_SLACK * size });
-            let (name, update, augmentation, motion) = (owner.name.clone(), owner.update, corner_augmentation(owner), owner.motion.clone());
-            let pair = fresh(&name, PairKind::Obstacle, obstacle.secondary.body, Box::new(kernel));
-            pairs.push(Pair { corners, update, augmentation, motion, ..pair });
-        }
+        let slack = tolerances::CORNER_SLACK * owner.kernel.facet_size();
+        let (name, update, motion) = (owner.name.clone(), owner.update, owner.motion.clone());
+        let augmentation = if owner.augmentation > 0.0 { owner.augmentation } else { tolerances::CORNER_AUGMENTATION };
+        pairs.push(Pair { corners: Some(Corners { of, slack }), update, augmentation, motion, ..fresh(&name, kind, body, kernel) });
     }
     let mut first = 0;
     for pair in &mut pairs {
@@ -445,11 +439,6 @@ pub(super) fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec
         first = pair.rows.end;
     }
     pairs
-}
-
-/// Augmentation of the constraints of a contact's corners.
-fn corner_augmentation(owner: &Pair) -> f64 {
-    if owner.augmentation > 0.0 { owner.augmentation } else { tolerances::CORNER_AUGMENTATION }
 }
 
 /// Sides of the contacts between deformable bodies whose corners may enter the other side, each with the index of its contact among the
