@@ -4,11 +4,10 @@
 //! `cargo run --release --example bearing -- [refine] [dt] [until]`
 
 use std::error::Error;
-use std::rc::Rc;
 
-use conserva::dynamics::{BodyBoundary, BodyDefinition, ContactDefinition, Hat, Load, LoadKind, Model, Options, Simulation, Support};
-use conserva::integrators::Integrator;
-use conserva::materials::{CATALOGUE, Material};
+use conserva::dynamics::{Hat, LoadKind, Model, Options, Simulation};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::ring;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -16,23 +15,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let argument = |index: usize, default: f64| arguments.get(index).copied().unwrap_or(default);
     let (refine, dt, until) = (argument(0, 1.0) as usize, argument(1, 0.005), argument(2, 2.0));
 
-    let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").expect("the catalogue has it");
-    let steel = Material::new(row, &[1e5, 0.1, 1e-3]);
-    let mut model = Model { name: "bearing".into(), ..Model::default() };
-    for (name, inner, outer, around) in [("outer ring", 1.0, 1.5, 48), ("inner ring", 0.5, 1.002, 40)] {
-        let mesh = Rc::new(ring(inner, outer, [10 * refine, around * refine], [0.0; 2], 0.0)?);
-        model.bodies.push(BodyDefinition { name: name.into(), mesh, material: steel.clone() });
-    }
-    let boundary = |body: usize, name: &str| BodyBoundary {
-        body,
-        boundary: model.bodies[body].mesh.boundary(name).expect("a ring has inner and outer").clone(),
-    };
-    let (rim, race, journal, bore) = (boundary(0, "outer"), boundary(0, "inner"), boundary(1, "outer"), boundary(1, "inner"));
-    model.supports.push(Support { on: rim, components: [true; 3] });
-    model.contacts.push(ContactDefinition::new("race", journal, race));
-    model.loads.push(Load { kind: LoadKind::Torque, on: bore, amplitude: Rc::new(Hat { start: 0.0, end: 0.5, peak: 0.1 }) });
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material()?;
+    let mut model = Model::new("bearing");
+    let mesh = |inner, outer, around: usize| ring(inner, outer, [10 * refine, around * refine], [0.0; 2], 0.0);
+    let outer = model.add_body("outer ring", mesh(1.0, 1.5, 48)?, &steel);
+    let inner = model.add_body("inner ring", mesh(0.5, 1.002, 40)?, &steel);
+    model.fix(model.boundary(outer, "outer")?, [true; 3]);
+    model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
+    model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
 
-    let mut sim = Simulation::new(&model, Options::new(Integrator::EnergyMomentum, dt))?;
+    let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, dt))?;
     let settled = sim.settle()?;
     println!("settled in {} steps, {} iterations: strain energy {:.12e}", settled.steps, settled.newton_iterations, settled.strain);
     let (mut free, mut worst, mut iterations, mut steps) = (f64::NAN, 0.0f64, 0, 0);

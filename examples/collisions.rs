@@ -10,13 +10,11 @@
 //! [a contact method, such as mortar] [augmented]`
 
 use std::error::Error;
-use std::rc::Rc;
 
-use conserva::dynamics::{
-    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Model, Options, Simulation, UpdateRule,
-};
-use conserva::integrators::Integrator;
-use conserva::materials::{CATALOGUE, Material};
+use conserva::contact::{ContactMethod, METHODS};
+use conserva::dynamics::{Enforcement, GAP, Model, Options, Simulation, UPDATE_RULES};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::{Mesh, ring};
 
 /// Reproducible random numbers (Knuth's linear congruence, the upper bits).
@@ -34,11 +32,10 @@ impl Random {
 }
 
 /// A collision: two rings with a small clearance, moving towards each other.
-fn collision(number: usize, rule: &str, method: ContactMethod, augmented: bool) -> Result<(Model, f64), Box<dyn Error>> {
+fn collision(number: usize, rule: &str, method: &'static ContactMethod, augmented: bool) -> Result<(Model, f64), Box<dyn Error>> {
     let random = &mut Random(1000 + 7919 * number as u64);
     random.between(0.0, 1.0);
-    let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").ok_or("no such material")?;
-    let steel = Material::new(row, &[1e5, 0.1, 1e-3]);
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material()?;
     let inside = number.is_multiple_of(2);
     let direction = random.between(0.0, std::f64::consts::TAU);
     let speed = random.between(2.0, 40.0);
@@ -56,24 +53,19 @@ fn collision(number: usize, rule: &str, method: ContactMethod, augmented: bool) 
         let center = [distance * c - across * s, distance * s + across * c];
         (ring(0.5, 1.0, [3, cells[0]], [0.0; 2], angles[0])?, ring(0.5, 1.0, [3, cells[1]], center, angles[1])?)
     };
-    let mut model = Model { name: "collision".into(), ..Model::default() };
-    for (name, mesh) in [("first", first), ("second", second)] {
-        model.bodies.push(BodyDefinition { name: name.into(), mesh: Rc::new(mesh), material: steel.clone() });
-    }
-    let boundary = |body: usize, name: &str| -> Result<BodyBoundary, Box<dyn Error>> {
-        Ok(BodyBoundary { body, boundary: model.bodies[body].mesh.boundary(name).ok_or("a ring has inner and outer")?.clone() })
-    };
-    let pair = ContactDefinition::new("collision", boundary(0, "outer")?, boundary(1, if inside { "inner" } else { "outer" })?);
+    let mut model = Model::new("collision");
+    let (first, second) = (model.add_body("first", first, &steel), model.add_body("second", second, &steel));
     let (update, enforcement) = match rule {
-        "penalty" => (UpdateRule::Gap, Enforcement::Penalty { factor: 1.0 }),
-        name => (*UpdateRule::ALL.iter().find(|rule| rule.name() == name).ok_or("no such rule")?, Enforcement::Multiplier),
+        "penalty" => (&GAP, Enforcement::Penalty { factor: 1.0 }),
+        name => (*UPDATE_RULES.iter().find(|rule| rule.name == name).ok_or("no such rule")?, Enforcement::Multiplier),
     };
     let enforcement = if augmented { Enforcement::AugmentedLagrange { factor: 100.0 } } else { enforcement };
-    model.contacts.push(ContactDefinition { method, update, enforcement, ..pair });
+    let facing = model.boundary(second, if inside { "inner" } else { "outer" })?;
+    let contact = model.add_contact("collision", model.boundary(first, "outer")?, facing);
+    (contact.method, contact.update, contact.enforcement) = (method, update, enforcement);
     let (s, c) = direction.sin_cos();
-    for (body, spin) in spins.into_iter().enumerate() {
-        let share = [0.7 * speed, -0.3 * speed][body];
-        model.initial_velocities.push(InitialVelocity { body, linear: [share * c, share * s, 0.0], angular: [0.0, 0.0, spin] });
+    for (body, share, spin) in [(first, 0.7 * speed, spins[0]), (second, -0.3 * speed, spins[1])] {
+        model.throw(body, [share * c, share * s, 0.0], [0.0, 0.0, spin]);
     }
     Ok((model, random.one_of(&[0.001, 0.002, 0.005])))
 }
@@ -84,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (count, factor) = (number(0, 200.0)? as usize, number(1, 1.0)?);
     let rule = arguments.get(2).map_or("gap", String::as_str);
     let name = arguments.get(3).map_or("mortar", String::as_str);
-    let method = *ContactMethod::ALL.iter().find(|method| method.name() == name).ok_or("no such method")?;
+    let method = *METHODS.iter().find(|method| method.name == name).ok_or("no such method")?;
     let augmented = arguments.get(4).is_some_and(|word| word == "augmented");
     let steps = if factor > 1.0 { 40 } else { 60 };
 
@@ -92,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut ledger, mut momentum, mut angular, mut penetration) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     for k in 0..count {
         let (model, dt) = collision(k, rule, method, augmented)?;
-        let mut sim = Simulation::new(&model, Options::new(Integrator::EnergyMomentum, factor * dt))?;
+        let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, factor * dt))?;
         let energy = sim.row().total();
         // Momenta that are compared with: of the bodies' masses at the speed that the energy stands for, about an arm of one.
         let size = (2.0 * energy * 1e-3 * 5.0).sqrt();

@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use conserva::contact::{ContactKernel, Evaluation, Mortar, Outlook};
-use conserva::integrators::Integrator;
+use conserva::integrators::Derivative;
 
 /// Nodes of a circle of facets, one after the other.
 fn circle(count: u32, radius: f64, turn: f64) -> impl Iterator<Item = f64> {
@@ -41,7 +41,7 @@ fn main() {
         let searched = clock.elapsed().as_secs_f64() / f64::from(repetitions / 10);
         mortar.begin_step(&q_0);
         let (lambda, mut out) = (vec![1.0; inner as usize], Evaluation::default());
-        mortar.evaluate(Integrator::EnergyMomentum, &q_1, &lambda, &mut out);
+        mortar.evaluate(Derivative::DiscreteGradient, &q_1, &lambda, &mut out);
         let live = out.live.iter().filter(|live| **live).count();
         println!(
             "refine {refine}: {} pairs, {live} live; list kept in {:.2} us, made in {:.1} us",
@@ -49,13 +49,14 @@ fn main() {
             1e6 * kept,
             1e6 * searched
         );
-        for &integrator in Integrator::ALL {
+        for derivative in Derivative::ALL {
             let clock = Instant::now();
             for _ in 0..repetitions {
-                mortar.evaluate(integrator, black_box(&q_1), black_box(&lambda), &mut out);
+                mortar.evaluate(derivative, black_box(&q_1), black_box(&lambda), &mut out);
             }
             let seconds = clock.elapsed().as_secs_f64() / f64::from(repetitions);
-            println!("    {:<16} {:7.2} us, {:4.0} ns per live pair", integrator.name(), 1e6 * seconds, 1e9 * seconds / live as f64);
+            let name = format!("{derivative:?}");
+            println!("    {name:<18} {:7.2} us, {:4.0} ns per live pair", 1e6 * seconds, 1e9 * seconds / live as f64);
         }
         let clock = Instant::now();
         for _ in 0..repetitions {

@@ -13,7 +13,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Parser;
-use conserva::dynamics::{ContactMethod, UpdateRule};
+use conserva::contact::{ContactMethod, METHODS};
+use conserva::dynamics::{UPDATE_RULES, UpdateRule};
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -64,14 +65,14 @@ struct Arguments {
 
 impl Arguments {
     /// All pairs of method and rule that are asked for.
-    fn axes(&self) -> Result<Vec<(ContactMethod, UpdateRule)>, Box<dyn Error>> {
-        let methods = ContactMethod::ALL.iter().filter(|method| [method.name(), "all"].contains(&self.method.as_str()));
-        let rules = || UpdateRule::ALL.iter().filter(|rule| [rule.name(), "all"].contains(&self.rule.as_str()));
+    fn axes(&self) -> Result<Vec<(&'static ContactMethod, &'static UpdateRule)>, Box<dyn Error>> {
+        let methods = METHODS.iter().filter(|method| [method.name, "all"].contains(&self.method.as_str()));
+        let rules = || UPDATE_RULES.iter().filter(|rule| [rule.name, "all"].contains(&self.rule.as_str()));
         let axes: Vec<_> = methods.flat_map(|&method| rules().map(move |&rule| (method, rule))).collect();
         if axes.is_empty() { Err("there is no such method or rule".into()) } else { Ok(axes) }
     }
 
-    fn scene(&self, seed: u64, (method, rule): (ContactMethod, UpdateRule)) -> Scene {
+    fn scene(&self, seed: u64, (method, rule): (&'static ContactMethod, &'static UpdateRule)) -> Scene {
         let mut scene = Scene::random(seed).with(method, rule);
         scene.dt *= self.dt_factor;
         scene
@@ -99,7 +100,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// One line about a scene.
 fn title(scene: &Scene) -> String {
-    format!("seed {} {:?} {} {}", scene.seed, scene.kind, scene.method.name(), scene.rule.name())
+    format!("seed {} {:?} {} {}", scene.seed, scene.kind, scene.method.name, scene.rule.name)
 }
 
 /// The faults of a run, one line each.
@@ -226,7 +227,7 @@ fn jobs(arguments: &Arguments, axes: usize) -> (Vec<(u64, usize)>, usize) {
 }
 
 /// Tells which scenes depend on how far the search for contact reaches.
-fn compare(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)], reach: f64) {
+fn compare(arguments: &Arguments, axes: &[(&'static ContactMethod, &'static UpdateRule)], reach: f64) {
     let (jobs, threads) = jobs(arguments, axes.len());
     let (next, differing) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || {
@@ -248,7 +249,7 @@ fn compare(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)], reach: f
 }
 
 /// All scenes with all methods and rules, on all threads; lines in the order of the seeds.
-fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
+fn survey(arguments: &Arguments, axes: &[(&'static ContactMethod, &'static UpdateRule)]) {
     let (jobs, threads) = jobs(arguments, axes.len());
     let next = AtomicUsize::new(0);
     // Outcomes that wait for an earlier one, and how many have been taken in.
@@ -277,7 +278,7 @@ fn survey(arguments: &Arguments, axes: &[(ContactMethod, UpdateRule)]) {
     let Ok((_, _, rows, kinds)) = table.into_inner() else { return };
     println!("{HEADER}");
     for ((method, rule), row) in axes.iter().zip(rows) {
-        row.print(&format!("{}, {}", method.name(), rule.name()));
+        row.print(&format!("{}, {}", method.name, rule.name));
     }
     kinds.iter().for_each(|(kind, row)| row.print(kind));
 }

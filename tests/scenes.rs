@@ -11,7 +11,8 @@ use std::process::Command;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use conserva::dynamics::{ContactMethod, UpdateRule};
+use conserva::contact::METHODS;
+use conserva::dynamics::UPDATE_RULES;
 
 use scenes::geometry::{Outline, Point, add, length, subtract, turned};
 use scenes::oracle::Oracle;
@@ -33,7 +34,7 @@ const UNDETERMINED: [(u64, f64); 1] = [(5, 1e-3)];
 
 /// The scene of a seed; methods and rules take turns, so that twelve seeds in a row have all pairs.
 fn scene(seed: u64) -> Scene {
-    let (methods, rules) = (ContactMethod::ALL, UpdateRule::ALL);
+    let (methods, rules) = (METHODS, UPDATE_RULES);
     Scene::random(seed).with(methods[(seed % 4) as usize], rules[(seed % 3) as usize])
 }
 
@@ -61,7 +62,7 @@ fn runs() -> &'static [(Scene, Outcome)] {
 fn assert_free_of(faults: &[Fault]) {
     let describe = |(scene, outcome): &(Scene, Outcome)| {
         let findings: Vec<String> = outcome.findings.iter().filter(|finding| faults.contains(&finding.fault)).map(describe).collect();
-        let (method, rule) = (scene.method.name(), scene.rule.name());
+        let (method, rule) = (scene.method.name, scene.rule.name);
         (!findings.is_empty()).then(|| format!("seed {} ({:?}, {method}, {rule}): {}", scene.seed, scene.kind, findings.join("; ")))
     };
     fn describe(finding: &scenes::run::Finding) -> String {
@@ -195,7 +196,7 @@ fn the_reach_of_the_search_changes_nothing() {
     let differs = |seed: u64| {
         let scene = scene(seed);
         let step = first_difference(&scene, 2.0).expect("the scene is sound")?;
-        Some(format!("seed {seed} ({:?}, {}, {}): from step {step} on", scene.kind, scene.method.name(), scene.rule.name()))
+        Some(format!("seed {seed} ({:?}, {}, {}): from step {step} on", scene.kind, scene.method.name, scene.rule.name))
     };
     let differing: Vec<String> = (0..REACHED).filter_map(differs).collect();
     assert!(differing.is_empty(), "{} of {REACHED} scenes:\n{}", differing.len(), differing.join("\n"));

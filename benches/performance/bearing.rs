@@ -6,14 +6,11 @@
 //! then. The processor time of whole steps is taken likewise.
 
 use std::error::Error;
-use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use conserva::dynamics::{
-    BodyBoundary, BodyDefinition, ContactDefinition, Hat, Load, LoadKind, Model, Options, Simulation, Statistics, Support,
-};
-use conserva::integrators::Integrator;
-use conserva::materials::{CATALOGUE, Material};
+use conserva::dynamics::{Hat, LoadKind, Model, Options, Simulation, Statistics};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::ring;
 
 use crate::linear::seconds;
@@ -22,22 +19,16 @@ use crate::linear::seconds;
 const PHASES: [&str; 6] = ["assembly", "contact", "factorization", "solve", "search", "other"];
 
 fn bearing(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
-    let row = CATALOGUE.iter().find(|row| row.name == "neo_hookean").ok_or("no such material")?;
-    let steel = Material::new(row, &[1e5, 0.1, 1e-3]);
-    let mut model = Model { name: "bearing".into(), ..Model::default() };
-    for (name, inner, outer, around) in [("outer ring", 1.0, 1.5, 48), ("inner ring", 0.5, 1.002, 40)] {
-        let mesh = Rc::new(ring(inner, outer, [10 * refine, around * refine], [0.0; 2], 0.0)?);
-        model.bodies.push(BodyDefinition { name: name.into(), mesh, material: steel.clone() });
-    }
-    let boundary = |body: usize, name: &str| -> Result<BodyBoundary, Box<dyn Error>> {
-        Ok(BodyBoundary { body, boundary: model.bodies[body].mesh.boundary(name).ok_or("a ring has inner and outer")?.clone() })
-    };
-    let (rim, race, journal, bore) = (boundary(0, "outer")?, boundary(0, "inner")?, boundary(1, "outer")?, boundary(1, "inner")?);
-    model.supports.push(Support { on: rim, components: [true; 3] });
-    model.contacts.push(ContactDefinition::new("race", journal, race));
-    model.loads.push(Load { kind: LoadKind::Torque, on: bore, amplitude: Rc::new(Hat { start: 0.0, end: 0.5, peak: 0.1 }) });
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material()?;
+    let mut model = Model::new("bearing");
+    let mesh = |inner, outer, around: usize| ring(inner, outer, [10 * refine, around * refine], [0.0; 2], 0.0);
+    let outer = model.add_body("outer ring", mesh(1.0, 1.5, 48)?, &steel);
+    let inner = model.add_body("inner ring", mesh(0.5, 1.002, 40)?, &steel);
+    model.fix(model.boundary(outer, "outer")?, [true; 3]);
+    model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
+    model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
     // At every size a step slides by the same part of a facet.
-    let options = Options { threads, ..Options::new(Integrator::EnergyMomentum, 0.005 / refine as f64) };
+    let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.005 / refine as f64) };
     let mut sim = Simulation::new(&model, options)?;
     sim.settle()?;
     Ok(sim)

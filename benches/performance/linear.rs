@@ -82,9 +82,9 @@ fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
     // The first matrix also finds the order and the structure.
     let first = least(1, || factorization.factorize(&values).expect("values are finite"));
     let factor = least(repetitions, || factorization.factorize(&values).expect("values are finite"));
-    let order = factorization.order().clone();
+    let (order, account) = (factorization.order().clone(), factorization.account());
     let structure = least(repetitions, || {
-        factorization.restore_order(&order);
+        factorization.restore_order(&order, account);
         factorization.renew(&pattern).expect("it fits into memory");
     });
     factorization.factorize(&values).expect("values are finite");

@@ -1,7 +1,7 @@
 //! The element loop: internal force, exact tangent, strain energy, stresses and mass of the cells of one body.
 //!
 //! Per point, with displacement gradient `H`, `F = I + H`, Green-Lagrange strain `E = (H + H^T + H^T H)/2` (relative accuracy at small
-//! strain), algorithmic stress `S` and its derivative `T = dS/dE_1` from the integrator,
+//! strain), algorithmic stress `S` and its derivative `T = dS/dE_1` from the step's `Derivative`,
 //!
 //! ```text
 //! force    f_a   = w F_test S G_a
@@ -9,18 +9,19 @@
 //! ```
 //!
 //! (method: Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000), to which the consistent mass is added as the time integration weights it.
-//! What a batch of eight cells computes is in `batch.rs`; here is where it goes. What is left over in the last batch repeats its first cell
-//! and is not scattered.
+//! What a batch of eight cells computes is in `batch.rs` and `workspace.rs`; here is where it goes. What is left over in the last batch
+//! repeats its first cell and is not scattered.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::batch::{Batch, Table, Workspace};
+use super::batch::{Batch, Table};
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
+use super::workspace::Workspace;
 use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
-use crate::integrators::Integrator;
+use crate::integrators::Derivative;
 use crate::linear::{Block, NodeMatrix, Pattern};
-use crate::materials::{Batch as Law, Material, Strain};
+use crate::materials::{BatchedLaw, Components, Material};
 use crate::math::lanes::{Lanes, WIDTH, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::{mandel_index, mandel_scale};
@@ -40,7 +41,9 @@ pub struct Inverted {
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     /// How the strain energy is differentiated.
-    pub integrator: Integrator,
+    pub derivative: Derivative,
+    /// Factor of the force.
+    pub weight: f64,
     /// Factor of the mass in the tangent.
     pub inertia: f64,
     /// Positions at the start.
@@ -91,8 +94,8 @@ struct Places<const A: usize> {
 }
 
 struct Cells<const D: usize, const S: usize, const A: usize, const Q: usize> {
-    law: Arc<dyn Law<S>>,
-    spatial_law: Arc<dyn Law<6>>,
+    law: Arc<dyn BatchedLaw<S>>,
+    spatial_law: Arc<dyn BatchedLaw<6>>,
     density: f64,
     cliques: Vec<Vec<u32>>,
     table: Table<D, A, Q>,
@@ -145,7 +148,12 @@ impl Elements<3> for Space<3> {
 }
 
 impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S, A, Q> {
-    fn new<C: ReferenceCell<D, A, Q>>(mesh: &Mesh, material: &Material, law: Arc<dyn Law<S>>, first_node: usize) -> Result<Self, Inverted> {
+    fn new<C: ReferenceCell<D, A, Q>>(
+        mesh: &Mesh,
+        material: &Material,
+        law: Arc<dyn BatchedLaw<S>>,
+        first_node: usize,
+    ) -> Result<Self, Inverted> {
         let cells: Vec<&[u32]> = mesh.cells().collect();
         let elements = Cells {
             law,
@@ -240,7 +248,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Cells<D, S,
 struct Deformation<const D: usize, const S: usize, const Q: usize> {
     volumes: [Lanes<false>; Q],
     gradient: [[[Lanes<false>; D]; D]; Q],
-    strain: [Strain<S>; Q],
+    strain: [Components<S>; Q],
     smallest_determinants: [f64; WIDTH],
 }
 
@@ -301,13 +309,13 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
             if work.is_inside_out() {
                 return Err(index);
             }
-            work.respond(&*cells.law, step.integrator);
+            work.respond(&*cells.law, step.derivative);
             if let Some(values) = &mut sums.values {
-                work.integrate(step.integrator);
+                work.integrate(step.derivative, step.weight);
                 work.add_mass(&cells.table, step.inertia * cells.density);
                 cells.scatter_tangent(index, &work, values, sums.first_value);
             } else {
-                work.integrate_force(step.integrator);
+                work.integrate_force(step.derivative, step.weight);
             }
             cells.scatter_force(index, &work, &mut sums);
         }
@@ -333,7 +341,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> Kernel for 
         for (index, batch) in cells.batches.iter().enumerate() {
             work.set_points(batch, &cells.table);
             work.set_end(batch, self.q);
-            work.respond(&*cells.law, Integrator::Trapezoidal);
+            work.respond(&*cells.law, Derivative::AT_END);
             work.integrate_material_stiffness(self.factor);
             work.add_mass(&cells.table, cells.density);
             cells.scatter_tangent(index, &work, self.values, 0);

@@ -1,12 +1,13 @@
 //! Floor 4: a body is a mesh with a material; here is *the* element loop, the mass, and the weights of loads.
 //!
 //! The loop works on batches of eight elements and combines three axes that know nothing of each other: cell kind (shape functions),
-//! material (a virtual call per batch) and integrator (where to evaluate, and the discrete gradient).
+//! material (a virtual call per batch) and time integrator (where to evaluate, and the discrete gradient).
 
 mod batch;
 mod element_loop;
 mod rounds;
 mod surface_loads;
+mod workspace;
 
 pub use element_loop::{ElementLoop, Elements, Inverted, Space, Step};
 pub use surface_loads::{nodal_areas, torque_forces};

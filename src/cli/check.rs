@@ -5,7 +5,8 @@ use std::rc::Rc;
 use clap::Args;
 
 use super::console::{Console, complain, ink};
-use super::{ScriptArguments, exit_code};
+use super::process::exit_code;
+use super::script_arguments::ScriptArguments;
 use crate::script::{Mode, Session, Settings, home};
 
 /// Arguments of `conserva check`.

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use clap::{Args, ValueEnum};
 
 use super::console::{Console, complain, ink};
-use super::exit_code;
+use super::process::exit_code;
 use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent};
 
 /// Arguments of `conserva doc`.

@@ -4,8 +4,15 @@
 
 use std::fmt::Write;
 
-use super::test::Tested;
-use crate::script::Ink;
+use crate::script::{Ink, TestCase, TestOutcome};
+
+/// A test with its outcome.
+pub struct Tested {
+    /// The test.
+    pub case: TestCase,
+    /// How it ended.
+    pub outcome: TestOutcome,
+}
 
 /// The whole file.
 pub fn junit(suites: &[(String, Vec<&Tested>)], broken: &[(String, String)], seconds: f64) -> String {

@@ -5,16 +5,18 @@ mod console;
 mod doc;
 mod junit;
 mod new;
+mod process;
 mod repl;
 mod run;
+mod script_arguments;
 mod test;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 
-use crate::script::{Class, MAX_OPERATIONS};
+use crate::script::Class;
+use process::{STACK, exit_code};
 
 /// Contact dynamics that conserves energy and momentum, from scripts.
 #[derive(Parser)]
@@ -40,32 +42,6 @@ enum Command {
     Repl(repl::Arguments),
 }
 
-/// What every command that runs a script takes.
-#[derive(Args)]
-struct ScriptArguments {
-    /// The script
-    script: PathBuf,
-    /// Value of a parameter that the script asks for with `param(name, default)`
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
-    overrides: Vec<(String, String)>,
-    /// Let the script read files below this folder, too (it may read those below its own)
-    #[arg(long, value_name = "DIR")]
-    allow_read: Vec<PathBuf>,
-    /// Operations after which a script counts as endless (time spent in the solver does not count)
-    #[arg(long, value_name = "N", default_value_t = MAX_OPERATIONS)]
-    max_operations: u64,
-}
-
-fn assignment(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_string(), value.to_string())),
-        _ => Err("write it as NAME=VALUE, such as --set dt=0.01".into()),
-    }
-}
-
-/// Stack of the thread that runs scripts: deep recursion must end with a message, not with a crash.
-const STACK: usize = 256 << 20;
-
 /// Runs the command of this process's arguments.
 pub fn main() -> ExitCode {
     let arguments = CommandLine::parse();
@@ -89,16 +65,5 @@ pub fn main() -> ExitCode {
             console::complain(&format!("error: no thread could be started\n= cause: {error}\n"));
             ExitCode::from(exit_code(Class::Internal))
         }
-    }
-}
-
-/// The exit code of an error.
-fn exit_code(class: Class) -> u8 {
-    match class {
-        Class::Check => 1,
-        Class::Script => 2,
-        Class::Numerics | Class::Internal => 3,
-        Class::Interrupted => 130,
-        Class::ResultUsed => 0,
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::console::{Console, complain, ink};
-use super::exit_code;
+use super::process::exit_code;
 use crate::script::{Class, Diagnostic};
 
 /// Arguments of `conserva new`.

@@ -22,7 +22,7 @@ use signal_hook::consts::SIGINT;
 use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
-use super::exit_code;
+use super::process::exit_code;
 use crate::script::{Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home};
 
 /// Arguments of `conserva repl`.
@@ -31,7 +31,7 @@ pub struct Arguments {
     /// A script to run first
     script: Option<PathBuf>,
     /// Value of a parameter that the script asks for with `param(name, default)`
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = super::assignment)]
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = super::script_arguments::assignment)]
     overrides: Vec<(String, String)>,
     /// Let the session read files below this folder, too (it may read those below the script's, or the current one)
     #[arg(long, value_name = "DIR")]

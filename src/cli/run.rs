@@ -10,7 +10,8 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
-use super::{ScriptArguments, exit_code};
+use super::process::exit_code;
+use super::script_arguments::ScriptArguments;
 use crate::script::{Class, Mode, Session, Settings, home};
 
 /// Arguments of `conserva run`.

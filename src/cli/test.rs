@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::console::{Console, complain, ink};
-use super::junit::junit;
+use super::junit::{Tested, junit};
+use super::process::{STACK, exit_code};
 use super::run::interrupt;
-use super::{STACK, exit_code};
 use crate::script::{Class, Diagnostic, Ink, MAX_OPERATIONS, Settings, TestCase, TestOutcome, script_files, tests_of};
 
 /// Arguments of `conserva test`.
@@ -36,14 +36,6 @@ pub struct Arguments {
     /// Operations after which a test counts as endless
     #[arg(long, value_name = "N", default_value_t = MAX_OPERATIONS)]
     max_operations: u64,
-}
-
-/// A test with its outcome.
-pub struct Tested {
-    /// The test.
-    pub case: TestCase,
-    /// How it ended.
-    pub outcome: TestOutcome,
 }
 
 /// The slowest tests that are named at the end.

@@ -12,14 +12,24 @@
 //! These functions have no short list of invariants: their discrete gradient is the projected one, their derivatives are exact by dual
 //! numbers. A patch is a candidate pair with the neighbors of its secondary facet, whose motion turns the normals.
 
-use num_dual::{Derivative, Dual2SVec64, DualNumCopy, DualSVec64};
+use num_dual::{Dual2SVec64, DualNumCopy, DualSVec64};
 
-use super::ContactKernel;
+use super::kernel::ContactKernel;
+use super::method::ContactMethod;
 use super::patches::Evaluation;
 use super::search::PairSearch;
 use super::surface::{Sides, Surface};
-use crate::integrators::{Configuration, Integrator, PatchFunction, Projection};
+use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 use crate::math::tolerances::{FACING, SMOOTH};
+
+/// Mortar method with averaged nodal normals, interpolated along the secondary facets (Yang, Laursen and Meng, IJNME 62, 2005).
+pub static AVERAGED_MORTAR: ContactMethod = ContactMethod {
+    name: "averaged_mortar",
+    summary: "mortar method with averaged nodal normals: the normal is continuous along the secondary side",
+    kernel: |secondary, primary, reference| Box::new(AveragedMortar::new(secondary, primary, reference)),
+    is_nodal: false,
+    passes_patch_test: true,
+};
 
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
@@ -171,10 +181,10 @@ impl Pair {
         let Some(gaps) = weighted_gaps(&variables, self.has_neighbors()) else { return };
         let [first, second] = gaps.gap;
         let sum = first * weights[0] + second * weights[1];
-        if let Derivative(Some(gradient)) = sum.v1 {
+        if let num_dual::Derivative(Some(gradient)) = sum.v1 {
             self.pull_back(&std::array::from_fn(|i| gradient[i]), &mut out.gradient);
         }
-        let Derivative(Some(hessian)) = sum.v2 else { return };
+        let num_dual::Derivative(Some(hessian)) = sum.v2 else { return };
         // One side at a time: columns of the variables, then rows.
         let width = z.len();
         for variable in 0..VARIABLES {
@@ -323,9 +333,9 @@ impl ContactKernel for AveragedMortar {
         self.search.summed(&self.sides, self.start.iter().map(|start| start.value.unwrap_or_default()))
     }
 
-    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         assert_eq!(self.start.len(), self.pairs.len(), "begin_step follows a change of the candidates");
-        let placement = integrator.placement();
+        let placement = derivative.placement();
         let patches = &self.sides.patches;
         out.prepare(patches, self.sides.secondary.nodes().len());
         let (mut projection, mut weighted) = (Projection::<2>::default(), Derivatives::default());
@@ -360,7 +370,7 @@ impl ContactKernel for AveragedMortar {
             let bar = &mut out.gradient_bar[patches.gradient_range(p)];
             let tangent = &mut out.tangent[patches.tangent_range(p)];
             tangent.fill(0.0);
-            if integrator == Integrator::EnergyMomentum {
+            if derivative == Derivative::DiscreteGradient {
                 let before = start.value.unwrap_or_default();
                 let change = [0, 1].map(|k| value[k] - before[k]);
                 let nothing = vec![0.0; 2 * width];
@@ -389,12 +399,11 @@ impl ContactKernel for AveragedMortar {
                 };
                 bar.fill(0.0);
                 if let Some((_, gradients)) = at {
-                    bar.iter_mut().zip(gradients).for_each(|(bar, g)| *bar = placement.weight * g);
+                    bar.copy_from_slice(gradients);
                 }
                 if pressed {
                     pair.weighted_into(z, pressures, &mut weighted);
-                    let factor = placement.weight * placement.share;
-                    tangent.iter_mut().zip(&weighted.hessian).for_each(|(tangent, h)| *tangent = factor * h);
+                    tangent.iter_mut().zip(&weighted.hessian).for_each(|(tangent, h)| *tangent = placement.share * h);
                 }
             }
         }

@@ -1,11 +1,11 @@
 //! Surfaces and measures that the tests of several contact kernels share.
 
 use super::{ContactKernel, Evaluation};
-use crate::integrators::Integrator;
+use crate::integrators::Derivative;
 
-pub fn evaluated(kernel: &dyn ContactKernel, integrator: Integrator, q_1: &[f64], lambda: &[f64]) -> Evaluation {
+pub fn evaluated(kernel: &dyn ContactKernel, derivative: Derivative, q_1: &[f64], lambda: &[f64]) -> Evaluation {
     let mut out = Evaluation::default();
-    kernel.evaluate(integrator, q_1, lambda, &mut out);
+    kernel.evaluate(derivative, q_1, lambda, &mut out);
     out
 }
 

@@ -6,8 +6,8 @@
 //! Signs, once and for all: a constraint function `Phi_A(q) > 0` is open, a multiplier `lambda_A >= 0` presses the bodies apart, so the
 //! step's force is `+ sum_A lambda_A Gbar_A` and does the work `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
 //!
-//! A method is a [`ContactKernel`]: functions of *patches* of a few nodes. What decides which constraint holds and what solves for the
-//! multipliers stands one floor higher.
+//! A [`ContactMethod`] is a row of [`METHODS`], its numbers come from a [`ContactKernel`]: functions of *patches* of a few nodes. What
+//! decides which constraint holds and what solves for the multipliers stands one floor higher.
 
 mod averaged;
 mod chain;
@@ -17,11 +17,14 @@ mod contract;
 mod depth;
 #[cfg(test)]
 mod fixtures;
+mod kernel;
+mod method;
+mod methods;
 mod mortar;
+mod node_patch;
 mod node_to_segment;
 mod pair;
 mod patches;
-
 mod rigid;
 mod rigid_corners;
 mod search;
@@ -29,180 +32,17 @@ mod surface;
 mod tie;
 mod window;
 
-pub use averaged::AveragedMortar;
+pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces};
-pub use mortar::Mortar;
-pub use node_to_segment::NodeToSegment;
+pub use kernel::{ContactKernel, Correction};
+pub use method::ContactMethod;
+pub use methods::METHODS;
+pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};
+pub use node_to_segment::{NODE_TO_SEGMENT, NodeToSegment};
 pub use patches::{Evaluation, Patches};
-
 pub use rigid::{Obstacle, RigidContact};
 pub use rigid_corners::RigidCorners;
 pub use search::{Candidates, PairSearch};
 pub use surface::{Sides, Surface};
 pub use tie::Tie;
 pub use window::{Outlook, Travel};
-
-use crate::integrators::Integrator;
-
-/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Correction {
-    /// The gradient at mid-step, corrected patch by patch.
-    #[default]
-    PerPatch,
-    /// As `PerPatch`, but the overlaps of mid-step end at the nodes at which they end at the start of the step. Where nodes of both sides
-    /// stay aligned while a gap closes, as those of two equal blocks, the gradient at mid-step pulls them together from both sides with the
-    /// depth at the overlap's end: a force that no position balances. Steady ends have no such pull.
-    SteadyEnds,
-    /// One correction for each secondary node. A patch's own correction jumps where its overlap changes ends; in the sum over a node's
-    /// patches the jumps cancel before they are divided by the size of the step. The tangent leaves out the correction's derivative, which
-    /// would couple all patches of a node.
-    PerNode,
-}
-
-/// A contact method on one pair of surfaces, as the solver of a step sees it.
-///
-/// Constraint `A` belongs to the secondary node `secondary().nodes()[A]` (with several rows for each node: those of node `A` follow each
-/// other); it is the sum over the patches that list row `A`. A patch couples a run-time number of nodes. The list of patches is fixed
-/// within a step and usually over many steps, so that a matrix pattern made from it lasts. All position vectors are those of the whole
-/// model, node after node.
-///
-/// Order of calls: [`move_obstacle`](Self::move_obstacle), [`update_candidates`](Self::update_candidates) and
-/// [`begin_step`](Self::begin_step) at the start of every step (of a halved one as well), then [`evaluate`](Self::evaluate) once for each
-/// Newton iteration.
-pub trait ContactKernel: Send + Sync {
-    /// Its surfaces, their measures, and the patches of the present candidates.
-    fn sides(&self) -> &Sides;
-
-    /// The side with the multipliers; its node order is that of the constraints.
-    fn secondary(&self) -> &Surface {
-        &self.sides().secondary
-    }
-
-    /// The other side; empty for a rigid obstacle.
-    fn primary(&self) -> &Surface {
-        &self.sides().primary
-    }
-
-    /// Constraint rows of each secondary node.
-    fn rows_per_node(&self) -> usize {
-        1
-    }
-
-    /// The nodes that own constraints, in the order of the rows: all secondary nodes; none where the constraints are those of an obstacle's
-    /// corners.
-    fn row_nodes(&self) -> &[u32] {
-        self.secondary().nodes()
-    }
-
-    /// Number of constraint rows.
-    fn rows(&self) -> usize {
-        self.weights().len()
-    }
-
-    /// Weight `w_A` of each constraint row in the reference configuration: half the adjacent facets' measure `[length]` (3D: their share of
-    /// the area).
-    fn weights(&self) -> &[f64] {
-        &self.sides().weights
-    }
-
-    /// Length `h` of the shortest secondary facet in the reference configuration `[length]`.
-    fn facet_size(&self) -> f64 {
-        self.sides().facet_size
-    }
-
-    /// The patches of the present candidates.
-    fn patches(&self) -> &Patches {
-        &self.sides().patches
-    }
-
-    /// Makes the patches contain everything that may touch in a step; returns whether the list changed (a matrix pattern made from it must
-    /// then be made anew).
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let Some((search, sides)) = self.search_mut() else { return false };
-        let changed = search.update(sides, outlook);
-        if changed {
-            self.list_patches();
-        }
-        changed
-    }
-
-    /// Distance within which everything is that may take part in a step `[length]`.
-    fn margin(&self, outlook: &Outlook) -> f64 {
-        outlook.margin(self.sides())
-    }
-
-    /// Whether something that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end.
-    fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        self.search().is_some_and(|search| search.overlooks(self.sides(), q_0, q_1, tolerance))
-    }
-
-    /// Tells the nodes of patch `p` that take part in this step. The others are there for later steps.
-    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
-        if self.search().is_none_or(|search| search.near[p]) {
-            self.patches().nodes(p).iter().copied().for_each(tell);
-        }
-    }
-
-    /// The candidates, for a method that searches: all that it keeps from one step to the next.
-    fn candidates(&self) -> Option<&Candidates> {
-        self.search().map(|search| &search.candidates)
-    }
-
-    /// Puts earlier candidates of this pair in place of the present ones, and keeps what depends on `q`, where a step may start.
-    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        if let Some((search, sides)) = self.search_mut() {
-            search.restore(candidates, sides, q);
-            self.list_patches();
-            self.begin_step(q);
-        }
-    }
-
-    /// The search for pairs of facets, in a method whose patches are such pairs.
-    fn search(&self) -> Option<&PairSearch> {
-        None
-    }
-
-    /// The same to change it, with the sides between which it searches.
-    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
-        None
-    }
-
-    /// Makes the patches of the pairs that the search has found.
-    fn list_patches(&mut self) {}
-
-    /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
-    fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}
-
-    /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
-    fn begin_step(&mut self, q_0: &[f64]);
-
-    /// Constraint functions at the start of the step.
-    fn start_gap(&self) -> Vec<f64>;
-
-    /// Chooses among discrete gradients that all conserve. Kernels without patch sums ignore it.
-    fn set_correction(&mut self, _correction: Correction) {}
-
-    /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
-    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
-
-    /// Adds the nodal forces that a rigid obstacle exerts in a step that ends at `q_1`, with the multipliers of the steps before and of
-    /// this one, and returns the work that its motion does `[energy]`: between two surfaces nothing, their forces cancel.
-    ///
-    /// It belongs to the ledger as work of loads: the step's contact forces do `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))` and this work.
-    fn obstacle_force_into(&self, _integrator: Integrator, _q_1: &[f64], _lambda_0: &[f64], _lambda: &[f64], _force: &mut [f64]) -> f64 {
-        0.0
-    }
-
-    /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar:
-    /// weighted gap `[length^2]`).
-    fn gap(&self, q: &[f64]) -> Vec<f64>;
-
-    /// Largest depth of a node of either side in the other body at `q` `[length]`, point by point, among what takes part; 0 where none is.
-    fn deepest(&self, q: &[f64]) -> f64 {
-        self.search().map_or(0.0, |search| search.deepest(self.sides(), q))
-    }
-
-    /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.
-    fn coverage(&self, q: &[f64]) -> Vec<f64>;
-}

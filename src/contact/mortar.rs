@@ -7,13 +7,32 @@
 //! The correction of the discrete gradient is taken per pair. Where vertices of both meshes meet at rest, kinks of neighboring pairs cancel
 //! in the sum but not in their corrections; one correction for each node would cure that, at the price of coupling all its pairs.
 
+use super::kernel::{ContactKernel, Correction};
+use super::method::ContactMethod;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
 use super::patches::Evaluation;
 use super::search::PairSearch;
 use super::surface::Sides;
-use super::{ContactKernel, Correction};
-use crate::integrators::{Configuration, Integrator, discrete_gradient};
+use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};
 use crate::math::tolerances::{INVARIANT_INCREMENT, REMAINDER, WHOLE};
+
+/// Mortar method with standard Lagrange multipliers on the secondary nodes.
+pub static MORTAR: ContactMethod = ContactMethod {
+    name: "mortar",
+    summary: "mortar method: pressures at the secondary nodes, gaps integrated over the common surface",
+    kernel: |secondary, primary, reference| Box::new(Mortar::new(secondary, primary, reference)),
+    is_nodal: false,
+    passes_patch_test: true,
+};
+
+/// Mortar method with dual (biorthogonal) multiplier shape functions (Wohlmuth, SIAM J. Numer. Anal. 38, 2000).
+pub static DUAL_MORTAR: ContactMethod = ContactMethod {
+    name: "dual_mortar",
+    summary: "mortar method with dual shape functions: each multiplier presses its own node and no other",
+    kernel: |secondary, primary, reference| Box::new(Mortar::new(secondary, primary, reference).with_dual_multipliers()),
+    is_nodal: false,
+    passes_patch_test: true,
+};
 
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets: fewer new matrix patterns against more
 /// stored zeros.
@@ -201,6 +220,91 @@ fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invariants {
     std::array::from_fn(|k| weights[0] * f[0][k] + weights[1] * f[1][k])
 }
 
+/// The functions of a pair in a step, as its discrete gradients need them.
+struct Functions<'a> {
+    start: &'a Start,
+    end_pi: &'a Invariants,
+    end_value: PerNode<f64>,
+    end_gradient: &'a PerNode<Invariants>,
+    middle: &'a Option<Overlap>,
+    /// Multipliers.
+    weights: PerNode<f64>,
+}
+
+/// A pair's functions differentiated across a step, with respect to its invariants.
+struct Differentiated {
+    /// Algorithmic gradients.
+    bar: PerNode<Invariants>,
+    /// Their sum weighted by the multipliers, and its derivative.
+    weighted_bar: Invariants,
+    slope: [Invariants; 5],
+}
+
+impl Functions<'_> {
+    /// Increment of the invariants.
+    #[inline(always)]
+    fn increment(&self) -> Invariants {
+        std::array::from_fn(|k| self.end_pi[k] - self.start.invariants[k])
+    }
+
+    /// By a discrete gradient with corrections `a` that were found for the nodes' sums; their derivative is left out.
+    #[inline(always)]
+    fn with_correction(&self, a: PerNode<f64>) -> Differentiated {
+        let (d, weights) = (self.increment(), self.weights);
+        let middle_gradient = gradient(&self.start.shape, self.middle);
+        let bar: PerNode<Invariants> = [0, 1].map(|k| std::array::from_fn(|l| middle_gradient[k][l] + a[k] * d[l]));
+        let mut slope = hessian(&self.start.shape, self.middle, weights.map(|weight| 0.5 * weight));
+        for k in 0..5 {
+            slope[k][k] += weights[0] * a[0] + weights[1] * a[1];
+        }
+        Differentiated { weighted_bar: weighted(&bar, weights), bar, slope }
+    }
+
+    /// By a discrete gradient with this pair's own correction.
+    #[inline(always)]
+    fn with_own_correction(&self) -> Differentiated {
+        let (d, weights, end_value, start) = (self.increment(), self.weights, self.end_value, self.start);
+        let middle_gradient = gradient(&start.shape, self.middle);
+        let square = dot(&d, &d);
+        let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
+        // In a small step only kinks have a remainder that is more than round-off.
+        let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(self.end_pi, self.end_pi);
+        let is_round_off = |k: usize| {
+            let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
+            remainder[k].abs() <= REMAINDER * (end_value[k].abs() + start.value[k].abs() + sizes)
+        };
+        let threshold = if is_doubtful && is_round_off(0) && is_round_off(1) { f64::INFINITY } else { 0.0 };
+        let mut bar = middle_gradient;
+        if square > threshold {
+            for k in 0..2 {
+                let a = remainder[k] / square;
+                bar[k] = std::array::from_fn(|l| middle_gradient[k][l] + a * d[l]);
+            }
+        }
+        let (weighted_bar, slope) = if weights != [0.0; 2] {
+            discrete_gradient(
+                &d,
+                &weighted(&middle_gradient, weights),
+                &hessian(&start.shape, self.middle, weights),
+                &weighted(self.end_gradient, weights),
+                weights[0] * remainder[0] + weights[1] * remainder[1],
+                threshold,
+            )
+        } else {
+            ([0.0; 5], [[0.0; 5]; 5])
+        };
+        Differentiated { bar, weighted_bar, slope }
+    }
+
+    /// By the gradient at one configuration, where the pair overlaps so.
+    #[inline(always)]
+    fn plain(&self, overlap: &Option<Overlap>, placement: Placement) -> Differentiated {
+        let bar = if placement.trial == Configuration::End { *self.end_gradient } else { gradient(&self.start.shape, overlap) };
+        let slope = hessian(&self.start.shape, overlap, self.weights.map(|weight| placement.share * weight));
+        Differentiated { weighted_bar: weighted(&bar, self.weights), bar, slope }
+    }
+}
+
 impl ContactKernel for Mortar {
     fn sides(&self) -> &Sides {
         &self.sides
@@ -248,10 +352,10 @@ impl ContactKernel for Mortar {
         self.start = start;
     }
 
-    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
-        let placement = integrator.placement();
-        let conserving = integrator == Integrator::EnergyMomentum;
+        let placement = derivative.placement();
+        let conserving = derivative == Derivative::DiscreteGradient;
         out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
         let shared = (conserving && self.correction == Correction::PerNode).then(|| self.shared_corrections(q_1));
         for (p, start) in self.start.iter().enumerate() {
@@ -291,7 +395,7 @@ impl ContactKernel for Mortar {
                 block.copy_from_slice(&pull_back(&end_z, g));
             }
 
-            let weights = rows.map(|row| placement.weight * lambda[row]);
+            let weights = rows.map(|row| lambda[row]);
             let pressed = weights != [0.0; 2];
             let (trial, overlap) = match placement.trial {
                 Configuration::Middle => (&middle_z, &middle),
@@ -301,58 +405,12 @@ impl ContactKernel for Mortar {
                 Configuration::Middle => &middle_z,
                 Configuration::End => &end_z,
             };
-            let mut bar;
-            let (weighted_bar, slope);
-            if let Some(shared) = &shared {
-                let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
-                let middle_gradient = gradient(&start.shape, &middle);
-                let a = rows.map(|row| shared[row]);
-                bar = [0, 1].map(|k| std::array::from_fn(|l| middle_gradient[k][l] + a[k] * d[l]));
-                weighted_bar = weighted(&bar, weights);
-                let mut constant = hessian(&start.shape, &middle, weights.map(|weight| 0.5 * weight));
-                for k in 0..5 {
-                    constant[k][k] += weights[0] * a[0] + weights[1] * a[1];
-                }
-                slope = constant;
-            } else if conserving {
-                let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
-                let middle_gradient = gradient(&start.shape, &middle);
-                let square = dot(&d, &d);
-                let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
-                // In a small step only kinks have a remainder that is more than round-off.
-                let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(&end_pi, &end_pi);
-                let is_round_off = |k: usize| {
-                    let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
-                    remainder[k].abs() <= REMAINDER * (end_value[k].abs() + start.value[k].abs() + sizes)
-                };
-                let threshold = if is_doubtful && is_round_off(0) && is_round_off(1) { f64::INFINITY } else { 0.0 };
-                bar = middle_gradient;
-                if square > threshold {
-                    for k in 0..2 {
-                        let a = remainder[k] / square;
-                        bar[k] = std::array::from_fn(|l| middle_gradient[k][l] + a * d[l]);
-                    }
-                }
-                (weighted_bar, slope) = if pressed {
-                    discrete_gradient(
-                        &d,
-                        &weighted(&middle_gradient, weights),
-                        &hessian(&start.shape, &middle, weights),
-                        &weighted(&end_gradient, weights),
-                        weights[0] * remainder[0] + weights[1] * remainder[1],
-                        threshold,
-                    )
-                } else {
-                    ([0.0; 5], [[0.0; 5]; 5])
-                };
-            } else {
-                bar = if placement.trial == Configuration::End { end_gradient } else { gradient(&start.shape, overlap) };
-                weighted_bar = weighted(&bar, weights);
-                slope = hessian(&start.shape, overlap, weights.map(|weight| placement.share * weight));
-                for g in bar.as_flattened_mut() {
-                    *g *= placement.weight;
-                }
-            }
+            let functions = Functions { start, end_pi: &end_pi, end_value, end_gradient: &end_gradient, middle: &middle, weights };
+            let Differentiated { bar, weighted_bar, slope } = match (&shared, derivative) {
+                (Some(shared), _) => functions.with_correction(rows.map(|row| shared[row])),
+                (None, Derivative::DiscreteGradient) => functions.with_own_correction(),
+                (None, Derivative::Gradient(_)) => functions.plain(overlap, placement),
+            };
             for (block, g) in out.gradient_bar[place].chunks_exact_mut(UNKNOWNS).zip(&bar) {
                 block.copy_from_slice(&pull_back(test, g));
             }
@@ -426,7 +484,7 @@ mod tests {
         #[test]
         fn the_discrete_gradient_is_directional((q_0, q_1) in step()) {
             let mortar = lone_pair(&q_0);
-            let out = evaluated(&mortar, Integrator::EnergyMomentum, &q_1, &[1.0, 2.0]);
+            let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[1.0, 2.0]);
             let (gap_0, moved) = (mortar.gap(&q_0), difference(&q_1, &q_0));
             for (k, row) in out.gradient_bar.chunks_exact(8).enumerate() {
                 // Round-off of positions (4), passed on by gradients that grow as facets become perpendicular.
@@ -440,14 +498,13 @@ mod tests {
         fn contact_forces_have_no_resultant_and_no_moment((q_0, q_1) in step()) {
             let mortar = lone_pair(&q_0);
             let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
-            for (integrator, arms) in
-                [(Integrator::EnergyMomentum, &middle[..]), (Integrator::Midpoint, &middle), (Integrator::Trapezoidal, &q_1)]
-            {
-                let out = evaluated(&mortar, integrator, &q_1, &[1.0, 2.0]);
+            for derivative in Derivative::ALL {
+                let arms = if derivative.placement().test == Configuration::End { &q_1[..] } else { &middle[..] };
+                let out = evaluated(&mortar, derivative, &q_1, &[1.0, 2.0]);
                 for blocks in [(&out.gradient_bar, arms), (&out.gradient_end, &q_1)] {
                     let size = 1.0 + blocks.0.iter().map(|g| g.abs()).sum::<f64>();
                     let defect = unbalance(&dense_rows(&mortar, blocks.0, 8), blocks.1);
-                    prop_assert!(defect < 4e-15 * size, "{} {defect:e} of {size}", integrator.name());
+                    prop_assert!(defect < 4e-15 * size, "{derivative:?} {defect:e} of {size}");
                 }
             }
         }
@@ -462,12 +519,12 @@ mod tests {
             let mean: Invariants = std::array::from_fn(|k| 0.5 * (pi_0[k] + pi_1[k]));
             prop_assume!(![mean, pi_1, invariants_of(&middle)].iter().any(rough));
             let mortar = lone_pair(&q_0);
-            for &integrator in Integrator::ALL {
-                let out = evaluated(&mortar, integrator, &q_1, &lambda);
+            for derivative in Derivative::ALL {
+                let out = evaluated(&mortar, derivative, &q_1, &lambda);
                 let force = |shift: f64, unknown: usize, blocks: fn(&Evaluation) -> &[f64]| -> [f64; 8] {
                     let mut moved = q_1;
                     moved[unknown] += shift;
-                    let out = evaluated(&mortar, integrator, &moved, &lambda);
+                    let out = evaluated(&mortar, derivative, &moved, &lambda);
                     let bar = blocks(&out);
                     std::array::from_fn(|i| lambda[0] * bar[i] + lambda[1] * bar[8 + i])
                 };
@@ -477,7 +534,7 @@ mod tests {
                     for i in 0..8 {
                         let expected = (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * step);
                         let ours = out.tangent[8 * i + unknown];
-                        prop_assert!((ours - expected).abs() < 1e-7, "{} [{i}][{unknown}]: {ours} {expected}", integrator.name());
+                        prop_assert!((ours - expected).abs() < 1e-7, "{derivative:?} [{i}][{unknown}]: {ours} {expected}");
                     }
                 }
                 // The ordinary gradients against differences of the gap.
@@ -499,9 +556,9 @@ mod tests {
         #[test]
         fn storage_used_again_gives_the_same_numbers((q_0, q_1) in step(), before in nodes()) {
             let mortar = lone_pair(&q_0);
-            let mut out = evaluated(&mortar, Integrator::Midpoint, &before, &[1.0, 2.0]);
-            mortar.evaluate(Integrator::EnergyMomentum, &q_1, &[0.0, 2.0], &mut out);
-            let fresh = evaluated(&mortar, Integrator::EnergyMomentum, &q_1, &[0.0, 2.0]);
+            let mut out = evaluated(&mortar, Derivative::Gradient(Configuration::Middle), &before, &[1.0, 2.0]);
+            mortar.evaluate(Derivative::DiscreteGradient, &q_1, &[0.0, 2.0], &mut out);
+            let fresh = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[0.0, 2.0]);
             prop_assert_eq!((&out.gap, &out.coverage, &out.live), (&fresh.gap, &fresh.coverage, &fresh.live));
             prop_assert_eq!((&out.gradient_end, &out.gradient_bar), (&fresh.gradient_end, &fresh.gradient_bar));
             prop_assert_eq!(&out.tangent, &fresh.tangent);
@@ -521,7 +578,7 @@ mod tests {
             assert!(mortar.update_candidates(&Outlook::within(&q_0, 0.5)));
             mortar.begin_step(&q_0);
             let lambda: Vec<f64> = (0..mortar.secondary().nodes().len()).map(|node| 1.0 + 0.5 * (node as f64).sin()).collect();
-            let out = evaluated(&mortar, Integrator::EnergyMomentum, &q_1, &lambda);
+            let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &lambda);
             let rows = dense_rows(&mortar, &out.gradient_bar, q.len());
             let (gap_0, moved) = (mortar.gap(&q_0), difference(&q_1, &q_0));
             for (node, row) in rows.iter().enumerate() {
@@ -617,7 +674,7 @@ mod tests {
     fn bodies_apart_have_zero_functions() {
         let q_0 = [0.0, 0.0, 1.0, 0.0, 3.0, -0.1, 2.0, -0.1];
         let mortar = lone_pair(&q_0);
-        let out = evaluated(&mortar, Integrator::EnergyMomentum, &q_0, &[1.0, 1.0]);
+        let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_0, &[1.0, 1.0]);
         assert_eq!(mortar.patches().len(), 1);
         assert!(!out.live[0] && out.gap == [0.0; 2] && out.coverage == [0.0; 2]);
         assert!(out.gradient_bar.iter().chain(&out.gradient_end).chain(&out.tangent).all(|x| *x == 0.0));
@@ -693,7 +750,7 @@ mod tests {
     fn agrees_with_an_independent_code() {
         for oracle in ORACLE {
             let mortar = lone_pair(&oracle.q_0);
-            let out = evaluated(&mortar, Integrator::EnergyMomentum, &oracle.q_1, &[1.5, 0.7]);
+            let out = evaluated(&mortar, Derivative::DiscreteGradient, &oracle.q_1, &[1.5, 0.7]);
             let close = |ours: f64, theirs: f64, tolerance: f64| {
                 assert!((ours - theirs).abs() < tolerance, "{ours:e} against {theirs:e}");
             };
@@ -715,7 +772,7 @@ mod tests {
         let gap_0 = mortar.gap(&q_0);
         for angle in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
             let q_1 = turned(&q_0, 40, angle, 0.0);
-            let out = evaluated(&mortar, Integrator::EnergyMomentum, &q_1, &[1.0; 40]);
+            let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[1.0; 40]);
             let moved = difference(&q_1, &q_0);
             for (node, row) in dense_rows(&mortar, &out.gradient_bar, q_0.len()).iter().enumerate() {
                 // Round-off of positions about 1 times gradients about 0.1.
@@ -736,7 +793,7 @@ mod tests {
         mortar.begin_step(&q_1);
         assert_eq!(mortar.gap(&q_1), [0.0; 2]);
         assert_eq!(mortar.coverage(&q_1), [0.0; 2]);
-        let out = evaluated(&mortar, Integrator::EnergyMomentum, &q_1, &[1.0; 2]);
+        let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[1.0; 2]);
         assert!(!out.live[0] && out.gap == [0.0; 2]);
     }
 }

@@ -10,15 +10,27 @@
 //! that are admitted, with their neighbors, take part: how far the search has looked does not matter. The method fails the contact patch
 //! test, and two polygons that are pressed into each other lock with the nodes in the corners: mortar is the default for a reason.
 
-use super::ContactKernel;
 use super::chain::{Chain, Measure};
 use super::depth::Seen;
+use super::kernel::ContactKernel;
+use super::method::ContactMethod;
+use super::node_patch::{Scratch, Start};
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Travel, Window};
-use crate::integrators::{Configuration, Integrator, PatchFunction, Projection};
+use crate::integrators::{Configuration, Derivative, PatchFunction};
 use crate::math::tolerances::SAME_WAY;
+
+/// The gap of each secondary node to the chain of primary facets, one multiplier per node.
+pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
+    name: "node_to_segment",
+    summary: "node-to-segment method: no secondary node enters the primary side; locks where both are polygons. In two passes: two \
+              contacts with the sides swapped, both with `penalty` or `augmented_lagrange`",
+    kernel: |secondary, primary, reference| Box::new(NodeToSegment::new(secondary, primary, reference)),
+    is_nodal: true,
+    passes_patch_test: false,
+};
 
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
@@ -60,72 +72,6 @@ enum Corners {
     Bends([Vec<bool>; 2]),
     /// Ends of the secondary side.
     Ends(Vec<bool>),
-}
-
-/// What a patch keeps of the start of the step.
-#[derive(Clone, Debug, Default)]
-struct Start {
-    /// Places in the patch of the nodes that take part: the secondary node, and those of the admitted facets, their neighbors and theirs.
-    places: Vec<u32>,
-    /// These facets, in indices of `places`, and which of them may be the closest: not the last ones, which are there for their corners. A
-    /// neighbor looks another way, perhaps, but round a sharp corner it is what the node has in front of it.
-    chain: Chain,
-    closest: Vec<bool>,
-    /// Positions of the nodes that take part.
-    positions: Vec<f64>,
-    measures: [Option<Measure>; 2],
-    /// The facets of the concave corner that the node is in, each with a row of its own in this step.
-    pocket: Option<[u32; 2]>,
-}
-
-/// Storage of one evaluation, used again from patch to patch.
-#[derive(Default)]
-struct Scratch {
-    end: Vec<f64>,
-    middle: Vec<f64>,
-    gradient: Vec<f64>,
-    gradient_end: Vec<f64>,
-    bar: Vec<f64>,
-    hessian: Vec<f64>,
-    tangent: Vec<f64>,
-    part: Vec<f64>,
-    projection: Projection<2>,
-}
-
-impl Start {
-    /// Positions of the nodes that take part into `z`, `nodes` those of the patch.
-    fn gather_into(&self, nodes: &[u32], q: &[f64], z: &mut Vec<f64>) {
-        z.clear();
-        z.extend(self.places.iter().map(|&place| 2 * nodes[place as usize] as usize).flat_map(|x| [q[x], q[x + 1]]));
-    }
-
-    /// What measures the gap of each row.
-    fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
-        match self.pocket {
-            Some(facets) => facets.map(|facet| Some(self.chain.line(facet, z))),
-            None => [self.chain.measure(z, &self.closest), None],
-        }
-    }
-
-    /// Writes a vector over the nodes that take part as one over all nodes of the patch.
-    fn spread_into(&self, values: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        for (&place, value) in self.places.iter().zip(values.chunks_exact(2)) {
-            out[2 * place as usize..][..2].copy_from_slice(value);
-        }
-    }
-
-    /// Writes a matrix over the nodes that take part as one over all nodes of the patch, row by row.
-    fn spread_matrix_into(&self, values: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        let (width, own) = (out.len().isqrt(), 2 * self.places.len());
-        for (row, values) in values.chunks_exact(own).enumerate() {
-            let at = width * (2 * self.places[row / 2] as usize + row % 2);
-            for (&place, value) in self.places.iter().zip(values.chunks_exact(2)) {
-                out[at + 2 * place as usize..][..2].copy_from_slice(value);
-            }
-        }
-    }
 }
 
 impl NodeToSegment {
@@ -413,9 +359,9 @@ impl ContactKernel for NodeToSegment {
         self.start = starts;
     }
 
-    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
-        let placement = integrator.placement();
+        let placement = derivative.placement();
         out.prepare(&self.sides.patches, self.sides.weights.len());
         let mut scratch = Scratch::default();
         let Scratch { end: z_1, middle: z_mid, gradient, gradient_end, bar, hessian, tangent, part, projection } = &mut scratch;
@@ -449,7 +395,7 @@ impl ContactKernel for NodeToSegment {
                     chain.add_gradient(facet, z_1, weight, gradient_end);
                 }
                 let pressure = lambda[row];
-                if integrator == Integrator::EnergyMomentum {
+                if derivative == Derivative::DiscreteGradient {
                     let change = weight * (at_end.map_or(0.0, |m| m.gap) - at_start.map_or(0.0, |m| m.gap));
                     if let Some(middle) = at_middle {
                         chain.add_gradient(middle.facet, z_mid, weight, gradient);
@@ -473,9 +419,9 @@ impl ContactKernel for NodeToSegment {
                         Configuration::End => (at_end, &*z_1),
                     };
                     if let Some(Measure { facet, .. }) = at {
-                        chain.add_gradient(facet, z, placement.weight * weight, bar);
+                        chain.add_gradient(facet, z, weight, bar);
                         if pressure != 0.0 {
-                            chain.add_hessian(facet, z, placement.weight * placement.share * weight * pressure, tangent);
+                            chain.add_hessian(facet, z, placement.share * weight * pressure, tangent);
                         }
                     }
                 }
@@ -552,7 +498,7 @@ mod tests {
             let kernel = node_on_chain(&q_0);
             let (from, to) = (with_ends(&q_0, &q_0), with_ends(&q_1, &q_0));
             let lambda = [1.0, 2.0, 3.0];
-            let out = evaluated(&kernel, Integrator::EnergyMomentum, &to, &lambda);
+            let out = evaluated(&kernel, Derivative::DiscreteGradient, &to, &lambda);
             prop_assert_eq!(&out.gap, &kernel.gap(&to));
             let rows = dense_rows(&kernel, &out.gradient_bar, 14);
             let (start, moved) = (kernel.start_gap(), difference(&to, &from));
@@ -565,8 +511,8 @@ mod tests {
             let middle: Vec<f64> = from.iter().zip(&to).map(|(a, b)| 0.5 * (a + b)).collect();
             let size = 1.0 + out.gradient_bar.iter().map(|g| g.abs()).sum::<f64>();
             prop_assert!(unbalance(&rows, &middle) < 1e-14 * size);
-            for (integrator, arms) in [(Integrator::Midpoint, &middle), (Integrator::Trapezoidal, &to)] {
-                let out = evaluated(&kernel, integrator, &to, &lambda);
+            for (derivative, arms) in [(Derivative::Gradient(Configuration::Middle), &middle), (Derivative::AT_END, &to)] {
+                let out = evaluated(&kernel, derivative, &to, &lambda);
                 prop_assert!(unbalance(&dense_rows(&kernel, &out.gradient_bar, 14), arms) < 1e-13);
                 prop_assert!(unbalance(&dense_rows(&kernel, &out.gradient_end, 14), &to) < 1e-13);
             }
@@ -604,8 +550,8 @@ mod tests {
             }
             let mut lambda = [0.0; 3];
             lambda[row] = 1.5;
-            for &integrator in Integrator::ALL {
-                let out = evaluated(&kernel, integrator, &to, &lambda);
+            for derivative in Derivative::ALL {
+                let out = evaluated(&kernel, derivative, &to, &lambda);
                 let p = (0..kernel.patches().len()).find(|&p| kernel.patches().rows(p)[0] as usize == row).unwrap();
                 let (nodes, unknowns) = (kernel.patches().nodes(p), kernel.patches().unknowns(p));
                 let tangent = &out.tangent[kernel.patches().tangent_range(p)];
@@ -614,7 +560,7 @@ mod tests {
                     let at = |shift: f64| {
                         let mut moved = to.clone();
                         moved[2 * nodes[column / 2] as usize + column % 2] += shift * step;
-                        let out = evaluated(&kernel, integrator, &moved, &lambda);
+                        let out = evaluated(&kernel, derivative, &moved, &lambda);
                         out.gradient_bar[kernel.patches().gradient_range(p)].iter().map(|g| 1.5 * g).collect::<Vec<_>>()
                     };
                     let (a, b, c, d) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
@@ -622,7 +568,7 @@ mod tests {
                         let expected = (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * step);
                         let ours = tangent[i * unknowns + column];
                         // Differences of a width of 5e-3 of the increment; round-off 1e-13 over a step of 5e-6 at least.
-                        prop_assert!((ours - expected).abs() < 1e-6 * size, "{} [{i}][{column}] {ours} {expected}", integrator.name());
+                        prop_assert!((ours - expected).abs() < 1e-6 * size, "{derivative:?} [{i}][{column}] {ours} {expected}");
                     }
                 }
             }
@@ -640,7 +586,7 @@ mod tests {
             kernel.begin_step(&q_0);
             let count = kernel.secondary().nodes().len();
             let lambda: Vec<f64> = (0..count).map(|node| 1.0 + 0.5 * (node as f64).sin()).collect();
-            let out = evaluated(&kernel, Integrator::EnergyMomentum, &q_1, &lambda);
+            let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
             assert_eq!(out.coverage, vec![1.0; count]);
             let rows = dense_rows(&kernel, &out.gradient_bar, q.len());
             let (start, moved) = (kernel.start_gap(), difference(&q_1, &q_0));

@@ -15,11 +15,11 @@
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
 
-use super::ContactKernel;
 use super::chain::Chain;
+use super::kernel::ContactKernel;
 use super::patches::Evaluation;
 use super::surface::Sides;
-use crate::integrators::Integrator;
+use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
 /// Shape of a rigid obstacle at its undisplaced place.
@@ -227,26 +227,26 @@ impl RigidContact {
     }
 
     /// Force gradient of a step and its tangent for the node of that row, without its weight.
-    fn step_gradient(&self, integrator: Integrator, row: usize, q_1: &[f64]) -> StepGradient {
+    fn step_gradient(&self, derivative: Derivative, row: usize, q_1: &[f64]) -> StepGradient {
         let [start, middle, end] = self.translations;
-        match integrator {
-            Integrator::EnergyMomentum => {
+        match derivative {
+            Derivative::DiscreteGradient => {
                 let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
                 self.shape.step_gradient(x_0, self.position(row, q_1, end), self.sides.facet_size)
             }
-            Integrator::Midpoint => {
+            Derivative::Gradient(at @ Configuration::Middle) => {
                 let x_1 = self.position(row, q_1, [0.0; 2]);
-                self.plain(std::array::from_fn(|i| 0.5 * (self.start[row][i] + x_1[i]) - middle[i]), 0.5, 1.0)
+                self.plain(std::array::from_fn(|i| 0.5 * (self.start[row][i] + x_1[i]) - middle[i]), at)
             }
-            Integrator::Trapezoidal => self.plain(self.position(row, q_1, end), 1.0, 0.5),
+            Derivative::Gradient(at @ Configuration::End) => self.plain(self.position(row, q_1, end), at),
         }
     }
 
-    /// Plain gradient at a point, `share` its derivative with respect to the end point, with a weight.
-    fn plain(&self, x: [f64; 2], share: f64, weight: f64) -> StepGradient {
+    /// Plain gradient at a point that is the node's place in a configuration of the step.
+    fn plain(&self, x: [f64; 2], at: Configuration) -> StepGradient {
         StepGradient {
-            bar: self.shape.distance(x).map_or([0.0; 2], |distance| distance.normal.map(|n| weight * n)),
-            tangent: self.shape.curvature(x).map(|row| row.map(|h| weight * share * h)),
+            bar: self.shape.distance(x).map_or([0.0; 2], |distance| distance.normal),
+            tangent: self.shape.curvature(x).map(|row| row.map(|h| at.share() * h)),
         }
     }
 
@@ -278,13 +278,13 @@ impl ContactKernel for RigidContact {
         self.gaps(self.translations[0], |row| self.start[row])
     }
 
-    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
         out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
         for row in 0..self.sides.patches.len() {
             let weight = self.sides.weights[row];
             let (end, step) =
-                (self.shape.distance(self.position(row, q_1, self.translations[2])), self.step_gradient(integrator, row, q_1));
+                (self.shape.distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
             out.live[row] = true;
             let normal = end.map_or([0.0; 2], |end| end.normal);
             for i in 0..2 {
@@ -301,19 +301,20 @@ impl ContactKernel for RigidContact {
         }
     }
 
-    fn obstacle_force_into(&self, integrator: Integrator, q_1: &[f64], lambda_0: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [start, _, end] = self.translations;
         let mut work = 0.0;
         for row in 0..self.sides.patches.len() {
             let node = 2 * self.sides.secondary.nodes()[row] as usize;
-            let step = self.step_gradient(integrator, row, q_1);
-            let before = if integrator == Integrator::Trapezoidal {
-                self.plain([self.start[row][0] - start[0], self.start[row][1] - start[1]], 1.0, 0.5).bar
-            } else {
+            let step = self.step_gradient(derivative, row, q_1);
+            let at_start = if before[row] == 0.0 {
                 [0.0; 2]
+            } else {
+                let distance = self.shape.distance([self.start[row][0] - start[0], self.start[row][1] - start[1]]);
+                distance.map_or([0.0; 2], |distance| distance.normal)
             };
             for i in 0..2 {
-                let f = self.sides.weights[row] * (lambda[row] * step.bar[i] + lambda_0[row] * before[i]);
+                let f = self.sides.weights[row] * (lambda[row] * step.bar[i] + before[row] * at_start[i]);
                 force[node + i] += f;
                 work += f * (end[i] - start[i]);
             }
@@ -390,10 +391,10 @@ mod tests {
             for obstacle in obstacles() {
                 let kernel = contact(&obstacle, &q_0, &translations);
                 let lambda = [1.5, -0.5];
-                let out = evaluated(&kernel, Integrator::EnergyMomentum, &q_1, &lambda);
+                let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
                 prop_assert_eq!(&out.gap, &kernel.gap(&q_1));
                 let mut force = vec![0.0; 4];
-                let by_motion = kernel.obstacle_force_into(Integrator::EnergyMomentum, &q_1, &[9.0; 2], &lambda, &mut force);
+                let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &[0.0; 2], &lambda, &mut force);
                 let start = kernel.start_gap();
                 let by_gaps: f64 = (0..2).map(|k| lambda[k] * (out.gap[k] - start[k])).sum();
                 let work = product(&force, &difference(&q_1, &q_0));
@@ -414,7 +415,7 @@ mod tests {
             let force = |obstacle: &Obstacle| {
                 let mut force = vec![0.0; 4];
                 let kernel = contact(obstacle, &q_0, &[[0.0; 2]; 3]);
-                kernel.obstacle_force_into(Integrator::EnergyMomentum, &q_1, &[0.0; 2], &[1.0; 2], &mut force);
+                kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &[0.0; 2], &[1.0; 2], &mut force);
                 force
             };
             for obstacle in &obstacles[1..3] {
@@ -441,8 +442,8 @@ mod tests {
                     }),
                     _ => false,
                 };
-                for &integrator in Integrator::ALL {
-                    let out = evaluated(&kernel, integrator, &q_1, &lambda);
+                for derivative in Derivative::ALL {
+                    let out = evaluated(&kernel, derivative, &q_1, &lambda);
                     for row in 0..2 {
                         let [start, middle, end] = translations;
                         let x_0 = [q_0[2 * row] - start[0], q_0[2 * row + 1] - start[1]];
@@ -457,14 +458,14 @@ mod tests {
                             let at = |shift: f64| {
                                 let mut moved = q_1;
                                 moved[2 * row + k] += shift;
-                                evaluated(&kernel, integrator, &moved, &lambda).gradient_bar[2 * row..2 * row + 2].to_vec()
+                                evaluated(&kernel, derivative, &moved, &lambda).gradient_bar[2 * row..2 * row + 2].to_vec()
                             };
                             let (high, low) = (at(step), at(-step));
                             for i in 0..2 {
                                 let expected = lambda[row] * (high[i] - low[i]) / (2.0 * step);
                                 let ours = out.tangent[4 * row + 2 * i + k];
                                 // Second order in 1e-5 with third derivatives below 1e4 (distances 0.05 at least); round-off 1e-16/1e-5.
-                                prop_assert!((ours - expected).abs() < 1e-5, "{obstacle:?} {}: {ours} {expected}", integrator.name());
+                                prop_assert!((ours - expected).abs() < 1e-5, "{obstacle:?} {derivative:?}: {ours} {expected}");
                             }
                         }
                     }

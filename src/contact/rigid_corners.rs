@@ -10,7 +10,7 @@ use super::rigid::Obstacle;
 use super::surface::Sides;
 use super::window::{Outlook, Travel};
 use super::{Candidates, ContactKernel};
-use crate::integrators::Integrator;
+use crate::integrators::Derivative;
 
 /// Contact of an obstacle's corners with a surface.
 #[derive(Clone, Debug)]
@@ -122,9 +122,9 @@ impl ContactKernel for RigidCorners {
         self.inner.start_gap()
     }
 
-    fn evaluate(&self, integrator: Integrator, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         let mut all = Evaluation::default();
-        self.inner.evaluate(integrator, &self.positions(q_1, 2), lambda, &mut all);
+        self.inner.evaluate(derivative, &self.positions(q_1, 2), lambda, &mut all);
         out.prepare(&self.sides.patches, self.sides.weights.len());
         out.gap.copy_from_slice(&all.gap);
         out.coverage.copy_from_slice(&all.coverage);
@@ -147,14 +147,14 @@ impl ContactKernel for RigidCorners {
         }
     }
 
-    fn obstacle_force_into(&self, integrator: Integrator, q_1: &[f64], lambda_0: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let mut sum = vec![0.0; self.start.len()];
-        let mut add = |q: &[f64], lambda: &[f64]| {
+        let mut add = |derivative: Derivative, q: &[f64], lambda: &[f64]| {
             if lambda.iter().all(|lambda| *lambda == 0.0) {
                 return;
             }
             let mut all = Evaluation::default();
-            self.inner.evaluate(integrator, q, lambda, &mut all);
+            self.inner.evaluate(derivative, q, lambda, &mut all);
             let patches = self.inner.patches();
             for p in (0..patches.len()).filter(|&p| all.live[p]) {
                 let gradients = all.gradient_bar[patches.gradient_range(p)].chunks_exact(patches.unknowns(p));
@@ -165,10 +165,8 @@ impl ContactKernel for RigidCorners {
                 }
             }
         };
-        add(&self.positions(q_1, 2), lambda);
-        if integrator == Integrator::Trapezoidal {
-            add(&self.start, lambda_0);
-        }
+        add(derivative, &self.positions(q_1, 2), lambda);
+        add(Derivative::AT_END, &self.start, before);
         let (nodes, corners) = sum.split_at(self.components);
         force.iter_mut().zip(nodes).for_each(|(force, f)| *force += f);
         let [from, _, to] = self.translations;

@@ -15,13 +15,14 @@ use std::ops::ControlFlow;
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
+use serde::{Deserialize, Serialize};
 
 use super::pair::PerNode;
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Window};
 
 /// A list of facet pairs that contains every pair within a margin, valid for a bounded relative motion.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidates {
     pairs: Vec<[u32; 2]>,
     spare: f64,

@@ -11,7 +11,7 @@
 //! first that does not vanish in the reference positions (two polygons through one curve), written in the frame of the primary facet: `J`
 //! turns by a right angle, so a turn `R` of all positions gives `R Phi_A`. Hence the forces have no resultant, and no moment while `Phi =
 //! 0`: linear constraints that hold at both ends of a step hold in its middle, where the moment is taken. Energy and both momenta are exact
-//! for every integrator's own force placement, with nothing to correct.
+//! wherever a scheme evaluates its forces, with nothing to correct.
 //!
 //! Each secondary node has two rows. Nodes with (nearly) no overlap are not tied. For the plane: in space the offset needs a facet's frame.
 
@@ -20,7 +20,7 @@ use super::patches::Evaluation;
 use super::search::Candidates;
 use super::surface::Sides;
 use super::{ContactKernel, Outlook};
-use crate::integrators::Integrator;
+use crate::integrators::Derivative;
 use crate::math::tolerances::SLIVER;
 
 /// Rows of a secondary node.
@@ -162,16 +162,13 @@ impl ContactKernel for Tie {
         self.start_gap.clone()
     }
 
-    fn evaluate(&self, integrator: Integrator, q_1: &[f64], _lambda: &[f64], out: &mut Evaluation) {
-        let weight = integrator.placement().weight;
+    fn evaluate(&self, _derivative: Derivative, q_1: &[f64], _lambda: &[f64], out: &mut Evaluation) {
         out.prepare(&self.sides.patches, self.sides.weights.len());
         for (p, pair) in self.pairs.iter().enumerate().take(self.sides.patches.len()) {
             out.live[p] = true;
             let rows = pair.gradient.as_flattened();
             out.gradient_end[self.sides.patches.gradient_range(p)].copy_from_slice(rows);
-            for (bar, g) in out.gradient_bar[self.sides.patches.gradient_range(p)].iter_mut().zip(rows) {
-                *bar = weight * g;
-            }
+            out.gradient_bar[self.sides.patches.gradient_range(p)].copy_from_slice(rows);
         }
         out.gap = self.gap(q_1);
         out.coverage.copy_from_slice(&self.coverage);
@@ -243,7 +240,7 @@ mod tests {
     fn forces_have_no_resultant_and_no_moment_where_the_constraints_hold() {
         let (tie, q) = tied_rings();
         let turned_both = turned(&q, usize::MAX, 0.4, 0.0);
-        let out = evaluated(&tie, Integrator::EnergyMomentum, &turned_both, &[1.0; 80]);
+        let out = evaluated(&tie, Derivative::DiscreteGradient, &turned_both, &[1.0; 80]);
         assert!(unbalance(&dense_rows(&tie, &out.gradient_bar, q.len()), &turned_both) < 1e-15);
         let torn = turned(&q, 40, 0.1, 0.01);
         let rows = dense_rows(&tie, &out.gradient_bar, q.len());
@@ -260,7 +257,7 @@ mod tests {
         let (mut tie, q) = tied_rings();
         tie.begin_step(&q);
         let q_1 = turned(&q, 40, 0.2, 0.05);
-        let out = evaluated(&tie, Integrator::EnergyMomentum, &q_1, &[1.0; 80]);
+        let out = evaluated(&tie, Derivative::DiscreteGradient, &q_1, &[1.0; 80]);
         let (start, moved) = (tie.start_gap(), difference(&q_1, &q));
         for (k, row) in dense_rows(&tie, &out.gradient_bar, q.len()).iter().enumerate() {
             assert!((product(row, &moved) - (out.gap[k] - start[k])).abs() < 1e-15);

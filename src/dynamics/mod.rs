@@ -1,40 +1,25 @@
-//! Floor 5: model, numbering, supports, residual and tangent of one step, Newton, time loop, ledger.
+//! Floor 5: models, their equations, steps, runs. The rooms go one way: `model`, `parts`, `step`, `run`; each names only those before it.
 
-mod accept;
-mod amplitude;
-mod balance;
-mod contact_quantities;
-mod diagnosis;
-mod error;
-mod failed;
-mod fields;
-mod findings;
-mod halvings;
-mod impact;
-mod ledger;
-mod loads;
 mod model;
-mod newton;
-mod pairs;
-mod predictor;
-mod quantities;
-mod report;
-mod run_findings;
-mod settle;
-mod simulation;
-mod system;
-mod time_loop;
+mod parts;
+mod run;
+mod step;
 
-pub use amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction};
-pub use error::{ModelError, StepError};
-pub use fields::{BodyFields, ContactFields};
-pub use halvings::Halving;
-pub use ledger::{ContactTotals, LedgerRow, ProbeValues};
-pub use model::{
-    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, Enforcement, InitialVelocity, Load, LoadKind, Model,
-    ObstacleDefinition, Prescription, SelfContactDefinition, Support, TieDefinition, UpdateRule,
-};
-pub use pairs::{LargeMotion, MotionKind};
-pub use report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
-pub use run_findings::{RunFinding, RunFindingKind};
-pub use simulation::{Options, PhaseTimes, SettleReport, Simulation, State, Statistics};
+pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
+pub use model::definitions::{BodyDefinition, InitialVelocity, Load, LoadKind, Model, Prescription, Support};
+pub use model::error::{ModelError, StepError};
+pub use model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+pub use model::overlaps::{Overlap, OverlapKind};
+pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Refusal, Sums};
+pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY};
+pub use parts::spring::SpringDefinition;
+pub use run::fields::{BodyFields, ContactFields};
+pub use run::halvings::Halving;
+pub use run::ledger::{ContactTotals, LedgerRow, ProbeValues, Reaction};
+pub use run::options::{Options, SettleReport, Statistics};
+pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
+pub use run::run_findings::{RunFinding, RunFindingKind};
+pub use run::simulation::Simulation;
+pub use run::state::State;
+pub use step::counters::PhaseTimes;
+pub use step::large_motion::{LargeMotion, MotionKind};

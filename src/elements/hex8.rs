@@ -2,7 +2,7 @@
 //!
 //! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a) / 8` (Hughes, The Finite Element Method, 2000, section 3.5).
 
-use super::{CellKind, ReferenceCell};
+use super::reference_cell::{CellRow, ReferenceCell, gradients, quadrature, shape};
 
 const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
@@ -15,14 +15,25 @@ const CORNERS: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
-pub(super) const FACETS: [&[usize]; 6] = [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
+const FACETS: [&[usize]; 6] = [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
+
+pub(super) static ROW: CellRow = CellRow {
+    name: "hex8",
+    summary: "trilinear hexahedron with 8 nodes and 2 x 2 x 2 Gauss points",
+    dimension: 3,
+    nodes: 8,
+    facets: &FACETS,
+    exact_power: 3,
+    vtk_type: 12,
+    quadrature: quadrature::<Hex8, 3, 8, 8>,
+    shape: shape::<Hex8, 3, 8, 8>,
+    gradients: gradients::<Hex8, 3, 8, 8>,
+};
 
 /// The trilinear hexahedron.
 pub struct Hex8;
 
 impl ReferenceCell<3, 8, 8> for Hex8 {
-    const KIND: CellKind = CellKind::Hex8;
-
     fn quadrature() -> [([f64; 3], f64); 8] {
         CORNERS.map(|corner| (corner.map(|c| c / 3f64.sqrt()), 1.0))
     }

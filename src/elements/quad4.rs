@@ -2,18 +2,29 @@
 //!
 //! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a) / 4` (Hughes, The Finite Element Method, 2000, section 3.2).
 
-use super::{CellKind, ReferenceCell};
+use super::reference_cell::{CellRow, ReferenceCell, gradients, quadrature, shape};
 
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-pub(super) const FACETS: [&[usize]; 4] = [&[0, 1], &[1, 2], &[2, 3], &[3, 0]];
+const FACETS: [&[usize]; 4] = [&[0, 1], &[1, 2], &[2, 3], &[3, 0]];
+
+pub(super) static ROW: CellRow = CellRow {
+    name: "quad4",
+    summary: "bilinear quadrilateral with 4 nodes and 2 x 2 Gauss points, plane strain",
+    dimension: 2,
+    nodes: 4,
+    facets: &FACETS,
+    exact_power: 3,
+    vtk_type: 9,
+    quadrature: quadrature::<Quad4, 2, 4, 4>,
+    shape: shape::<Quad4, 2, 4, 4>,
+    gradients: gradients::<Quad4, 2, 4, 4>,
+};
 
 /// The bilinear quadrilateral.
 pub struct Quad4;
 
 impl ReferenceCell<2, 4, 4> for Quad4 {
-    const KIND: CellKind = CellKind::Quad4;
-
     fn quadrature() -> [([f64; 2], f64); 4] {
         CORNERS.map(|corner| (corner.map(|c| c / 3f64.sqrt()), 1.0))
     }

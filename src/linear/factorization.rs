@@ -12,11 +12,13 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::elimination_order::{Account, EliminationOrder};
 use super::error::LinearError;
 use super::multifrontal::Multifrontal;
 use super::ordering::{Order, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
-use super::pattern::{Couplings, Pattern};
+use super::pattern::Pattern;
+use super::scaling::{all_finite, largest, reciprocal, reciprocal_root};
 use super::symbolic::Symbolic;
 use super::watch::Watch;
 use crate::math::tolerances;
@@ -39,36 +41,6 @@ const REVIEW: usize = 50;
 /// Refinements at most. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
 
-/// An order of elimination, which outlives changes of the pattern, and the blocks that the factors have room for: which ones are in use
-/// depends on the matrices before.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct EliminationOrder {
-    /// The order that was found best.
-    found: Arc<Order>,
-    /// Work of a factorisation when the order was made.
-    best: f64,
-    /// The couplings whose blocks are in the structure; none before the first matrix.
-    kept: Arc<Couplings>,
-    /// Work of a factorisation when `kept` was that of one matrix alone, and the factorisations since then.
-    least: f64,
-    uses: usize,
-    /// Work done in excess of `best` since the order was made.
-    wasted: f64,
-}
-
-impl EliminationOrder {
-    /// Whether the order, and a structure in it, is that of a pattern's vertices.
-    fn fits(&self, pattern: &Pattern) -> bool {
-        self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()
-    }
-
-    /// The structure of the factors in this order, with these blocks of a pattern.
-    fn structure(&self, pattern: &Pattern, couplings: &Couplings) -> Symbolic {
-        let restricted = pattern.restricted(couplings);
-        Symbolic::new(&restricted, &anchored(&restricted, &self.found.repaired(&restricted)))
-    }
-}
-
 /// How much has been done: the same on every run and every machine with the same instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
@@ -86,6 +58,7 @@ pub struct Work {
 /// factors computed for many values.
 pub struct Factorization {
     order: EliminationOrder,
+    account: Account,
     /// Whether `order` was put in place for the pattern that comes.
     restored: bool,
     pattern: Pattern,
@@ -107,43 +80,6 @@ pub struct Factorization {
     null_vector: Option<Vec<f64>>,
 }
 
-/// The largest power of two that is at most `x > 0`, as its exponent.
-fn exponent(x: f64) -> i32 {
-    (x.to_bits() >> 52) as i32 - 1023
-}
-
-/// `2^n`, as far as that is a normal number.
-fn power_of_two(n: i32) -> f64 {
-    f64::from_bits(((n.clamp(-1022, 1023) + 1023) as u64) << 52)
-}
-
-/// A power of two near `1/sqrt(x)`; 1 for zero.
-fn reciprocal_root(x: f64) -> f64 {
-    if x > 0.0 { power_of_two(-exponent(x).div_euclid(2)) } else { 1.0 }
-}
-
-/// A power of two near `1/x`; 1 for zero.
-fn reciprocal(x: f64) -> f64 {
-    if x > 0.0 { power_of_two(-exponent(x)) } else { 1.0 }
-}
-
-/// Largest absolute value; NaN if there is one.
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |largest: f64, x| if x.abs() <= largest { largest } else { x.abs() })
-}
-
-/// Whether no value is infinite or not a number, without a branch per value.
-fn all_finite(values: &[f64]) -> bool {
-    let (groups, rest) = values.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for group in groups {
-        for (sum, x) in sums.iter_mut().zip(group) {
-            *sum += 0.0 * x;
-        }
-    }
-    sums.iter().sum::<f64>() + rest.iter().map(|x| 0.0 * x).sum::<f64>() == 0.0
-}
-
 impl Factorization {
     /// For matrices of a pattern.
     ///
@@ -152,6 +88,7 @@ impl Factorization {
     pub fn new(pattern: &Pattern) -> Result<Self, LinearError> {
         let mut factorization = Factorization {
             order: EliminationOrder::default(),
+            account: Account::default(),
             restored: false,
             pattern: Pattern::new(&[], std::iter::empty()),
             symbolic: Symbolic::default(),
@@ -219,8 +156,8 @@ impl Factorization {
         let ordered = self.order.found.vertices.len() == pattern.vertices();
         // When the old order has cost in vain what a new one is worth.
         let price = DISSECTION * present.count() as f64;
-        let reorder = !ordered || self.order.wasted >= price;
-        if !reorder && self.order.fits(pattern) && self.order.uses < COME_BACK {
+        let reorder = !ordered || self.account.wasted >= price;
+        if !reorder && self.order.fits(pattern) && self.account.uses < COME_BACK {
             let kept = present.joined(&self.order.kept);
             let symbolic = self.order.structure(pattern, &kept);
             if symbolic.operations <= WORTH_KEEPING * self.order.least {
@@ -231,7 +168,7 @@ impl Factorization {
         }
         if !reorder && present == *self.order.kept {
             // Looked for, and none is zero.
-            self.order.uses = 0;
+            self.account.uses = 0;
             return Ok(());
         }
         if ordered {
@@ -257,9 +194,9 @@ impl Factorization {
             }
             self.work.dissections += 1;
             // The first matrix is often that of bodies that do not touch yet: the next structure is worth another order.
-            self.order.wasted = if ordered { 0.0 } else { f64::INFINITY };
+            self.account.wasted = if ordered { 0.0 } else { f64::INFINITY };
         }
-        (self.order.least, self.order.uses) = (self.symbolic.operations, 0);
+        (self.order.least, self.account.uses) = (self.symbolic.operations, 0);
         self.order.kept = Arc::new(present);
         self.use_structure()
     }
@@ -277,9 +214,15 @@ impl Factorization {
         &self.order
     }
 
-    /// Puts an earlier order of elimination in place; [`Self::renew`] must follow.
-    pub fn restore_order(&mut self, order: &EliminationOrder) {
+    /// What has been counted since it is.
+    pub fn account(&self) -> Account {
+        self.account
+    }
+
+    /// Puts an earlier order of elimination in place with its account; [`Self::renew`] must follow.
+    pub fn restore_order(&mut self, order: &EliminationOrder, account: Account) {
         self.order = order.clone();
+        self.account = account;
         self.restored = true;
     }
 
@@ -313,14 +256,14 @@ impl Factorization {
         if !all_finite(values) {
             return Err(LinearError::NotFinite);
         }
-        let is_due = self.order.uses >= REVIEW || !self.order.fits(&self.pattern);
+        let is_due = self.account.uses >= REVIEW || !self.order.fits(&self.pattern);
         if is_due || self.left_out.iter().any(|range| values[range.start as usize..range.end as usize].iter().any(|&x| x != 0.0)) {
             self.adapt(values)?;
         }
         self.work.factorizations += 1;
         self.work.operations += self.symbolic.operations;
-        self.order.uses += 1;
-        self.order.wasted += (self.symbolic.operations - self.order.best).max(0.0);
+        self.account.uses += 1;
+        self.account.wasted += (self.symbolic.operations - self.order.best).max(0.0);
         self.equilibrate(values);
         self.fallen_back = false;
         self.null_vector = None;

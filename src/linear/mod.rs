@@ -4,23 +4,35 @@
 //! pattern is symmetric, its values are not. Who assembles asks the [`Pattern`] once where each block stands and then adds to a flat
 //! array of values; who solves hands the values to a [`Factorization`]. What is behind the latter may change without notice above.
 
+mod aligned;
+mod assembly;
 mod dense;
+mod elimination_order;
 mod error;
 mod factorization;
 #[cfg(test)]
 mod fixtures;
+mod fronts;
 mod multifrontal;
 mod node_matrix;
 mod ordering;
 mod partial_pivoting;
 mod pattern;
+mod places;
+mod scaling;
+mod strips;
+mod substitution;
 mod symbolic;
 #[cfg(test)]
 mod tests;
+mod tiles;
+mod tree;
+mod triangular;
 mod watch;
 
+pub use elimination_order::{Account, EliminationOrder};
 pub use error::LinearError;
-pub use factorization::{EliminationOrder, Factorization, Work};
+pub use factorization::{Factorization, Work};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern};
 pub use watch::Watch;

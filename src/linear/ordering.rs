@@ -13,6 +13,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 use feral_metis::{CscPattern, MetisOptions, metis_order_full};
+use serde::{Deserialize, Serialize};
 
 use super::pattern::Pattern;
 use super::watch::Watch;
@@ -88,7 +89,7 @@ impl Graph {
 }
 
 /// An order of elimination with its elimination tree, whose vertices are named by their places in the order.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Order {
     /// Vertices in their order.
     pub(super) vertices: Vec<u32>,

@@ -6,6 +6,8 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 /// Pattern of a sparse matrix on a graph.
 #[derive(Clone, Debug)]
 pub struct Pattern {
@@ -332,7 +334,7 @@ impl Pattern {
 
 /// Couplings of a graph's vertices, every pair from both sides and each vertex with itself. They are named by their vertices, so that they
 /// mean the same in every pattern.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Couplings {
     /// Per vertex, the range of its neighbors.
     starts: Vec<usize>,

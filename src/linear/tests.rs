@@ -119,9 +119,10 @@ fn every_unknown_is_eliminated_once_and_every_multiplier_after_its_anchor() {
         assert!(place[system.pattern.first_unknown(m)] > place[system.pattern.first_unknown(anchor)]);
     }
     // Every entry of the matrix goes somewhere once.
-    let inside: usize = symbolic.inside.iter().map(|e| system.pattern.size(e.row as usize) * system.pattern.size(e.column as usize)).sum();
+    let inside: usize =
+        symbolic.places.inside.iter().map(|e| system.pattern.size(e.row as usize) * system.pattern.size(e.column as usize)).sum();
     let beside: usize =
-        symbolic.beside.iter().map(|e| 2 * system.pattern.size(e.pivot as usize) * system.pattern.size(e.other as usize)).sum();
+        symbolic.places.beside.iter().map(|e| 2 * system.pattern.size(e.pivot as usize) * system.pattern.size(e.other as usize)).sum();
     assert_eq!(inside + beside, system.pattern.values());
 }
 
@@ -312,12 +313,41 @@ fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
         factorization.solve(&dense.values, &mut x).unwrap();
         x
     };
-    let order = factorization.order().clone();
+    let (order, account) = (factorization.order().clone(), factorization.account());
     let x = solve(&mut factorization);
     let mut other = Factorization::new(&dense.pattern).unwrap();
-    other.restore_order(&order);
+    other.restore_order(&order, account);
     other.renew(&dense.pattern).unwrap();
     assert_eq!(solve(&mut other), x);
+}
+
+/// Surfaces that slide make an order worse than its best, so that every factorization is booked: in numbers, not in a new order. From an
+/// order with its account all goes on as it did, also where that decides on a new order.
+#[test]
+fn what_is_counted_leaves_the_order_as_it_is() {
+    let systems: Vec<System> = (0..12).map(|shift| tied::<2>(40, 6, shift, 0.05)).collect();
+    let mut factorization = Factorization::new(&systems[0].pattern).unwrap();
+    let step = |factorization: &mut Factorization, system: &System| {
+        factorization.renew(&system.pattern).unwrap();
+        (0..4).for_each(|_| factorization.factorize(&system.values).unwrap());
+        (factorization.order().clone(), factorization.account(), factorization.operations())
+    };
+    let mut kept: Vec<_> = systems.iter().map(|system| step(&mut factorization, system)).collect();
+    let (order, account, _) = kept.pop().unwrap();
+    assert!(kept.iter().any(|(_, account, _)| account.wasted > 0.0), "an order becomes worse than its best");
+    for _ in 0..3 {
+        factorization.factorize(&systems[11].values).unwrap();
+        assert!(*factorization.order() == order && Arc::ptr_eq(&factorization.order().found, &order.found));
+    }
+    assert!(factorization.account() != account, "and what that costs is counted");
+    for from in 0..kept.len() {
+        let mut other = Factorization::new(&systems[from].pattern).unwrap();
+        other.restore_order(&kept[from].0, kept[from].1);
+        other.renew(&systems[from].pattern).unwrap();
+        for at in from + 1..kept.len() {
+            assert!(step(&mut other, &systems[at]) == kept[at], "from {from}, at {at}");
+        }
+    }
 }
 
 /// The same matrix on a pattern with more couplings, whose blocks are zero.

@@ -5,7 +5,9 @@
 //! `x = det C - 1 = 2 tr E + 4 II(E) + 8 det E`, `ln J = ln(1 + x)/2` and `tr E - ln J = (x - ln(1 + x))/2 - 2 II(E) - 4 det E`.
 //! The remainder of the discrete gradient has a closed form without cancellation (see [`Law::remainder`] below).
 
-use super::{DENSITY, Increment, Law, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
+use super::law::{Increment, Law};
+use super::material::{Material, MaterialError};
+use super::row::{DENSITY, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
 use crate::math::lanes::Real;
 use crate::math::tensor::Tensor;
 
@@ -16,13 +18,44 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     construct: |values| {
         let (lambda, mu) = lame(values[0], values[1]);
-        Laws::new(NeoHookean { lambda, mu }, values[0])
+        Laws::new(Lame { lambda, mu }, values[0])
     },
 };
 
+/// Constants of the compressible neo-Hookean law at zero strain.
+///
+/// ```
+/// # use conserva::materials::NeoHookean;
+/// let steel = NeoHookean { youngs_modulus: 2.1e11, poisson_ratio: 0.3, density: 7800.0 }.material()?;
+/// assert_eq!(steel.density(), 7800.0);
+///
+/// let error = NeoHookean { youngs_modulus: 2.1e11, poisson_ratio: 0.6, density: 7800.0 }.material().unwrap_err();
+/// assert_eq!(error.to_string(), "`poisson_ratio` of `neo_hookean` must be greater than -1 and less than 0.5, but is 0.6");
+/// # Ok::<(), conserva::materials::MaterialError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeoHookean {
+    /// Young's modulus `[stress]`.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Mass per undeformed volume `[mass/volume]`.
+    pub density: f64,
+}
+
+impl NeoHookean {
+    /// The material with these constants.
+    ///
+    /// # Errors
+    /// A constant outside its range.
+    pub fn material(self) -> Result<Material, MaterialError> {
+        Material::new(&ROW, &[self.youngs_modulus, self.poisson_ratio, self.density])
+    }
+}
+
 /// The law with Lame's constants `[stress]`.
 #[derive(Clone, Copy, Debug)]
-struct NeoHookean {
+struct Lame {
     lambda: f64,
     mu: f64,
 }
@@ -41,7 +74,7 @@ fn cofactor_of_c<T: Tensor>(strain: &T) -> T {
     if T::PLANE { plane } else { plane + strain.cofactor() * 4.0 }
 }
 
-impl NeoHookean {
+impl Lame {
     /// Stress for given `det C` (its inverse), `ln J` and `cof C`:
     /// `S = mu (I - C^-1) + lambda ln J C^-1`, and `det C (I - C^-1) = 2 E + 4 (II I - cof E) + 8 det E I`, free of cancellation.
     #[inline(always)]
@@ -62,7 +95,7 @@ impl NeoHookean {
     }
 }
 
-impl Law for NeoHookean {
+impl Law for Lame {
     #[inline(always)]
     fn energy<T: Tensor>(&self, strain: &T) -> T::Scalar {
         let x = growth(strain);

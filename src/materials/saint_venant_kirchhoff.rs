@@ -4,7 +4,9 @@
 //! Quadratic in `E`, so the stress at the mean strain already is the discrete gradient and the remainder is zero.
 //! Not for strong compression: the energy stays finite as `J -> 0`.
 
-use super::{DENSITY, Law, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
+use super::law::Law;
+use super::material::{Material, MaterialError};
+use super::row::{DENSITY, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
 use crate::math::lanes::Real;
 use crate::math::tensor::Tensor;
 
@@ -15,18 +17,49 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     construct: |values| {
         let (lambda, mu) = lame(values[0], values[1]);
-        Laws::new(SaintVenantKirchhoff { lambda, mu }, values[0])
+        Laws::new(Lame { lambda, mu }, values[0])
     },
 };
 
+/// Constants of the Saint Venant-Kirchhoff law at zero strain.
+///
+/// ```
+/// # use conserva::materials::SaintVenantKirchhoff;
+/// let steel = SaintVenantKirchhoff { youngs_modulus: 2.1e11, poisson_ratio: 0.3, density: 7800.0 }.material()?;
+/// assert_eq!(steel.density(), 7800.0);
+///
+/// let error = SaintVenantKirchhoff { youngs_modulus: 2.1e11, poisson_ratio: 0.6, density: 7800.0 }.material().unwrap_err();
+/// assert_eq!(error.to_string(), "`poisson_ratio` of `saint_venant_kirchhoff` must be greater than -1 and less than 0.5, but is 0.6");
+/// # Ok::<(), conserva::materials::MaterialError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SaintVenantKirchhoff {
+    /// Young's modulus `[stress]`.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Mass per undeformed volume `[mass/volume]`.
+    pub density: f64,
+}
+
+impl SaintVenantKirchhoff {
+    /// The material with these constants.
+    ///
+    /// # Errors
+    /// A constant outside its range.
+    pub fn material(self) -> Result<Material, MaterialError> {
+        Material::new(&ROW, &[self.youngs_modulus, self.poisson_ratio, self.density])
+    }
+}
+
 /// The law with Lame's constants `[stress]`.
 #[derive(Clone, Copy, Debug)]
-struct SaintVenantKirchhoff {
+struct Lame {
     lambda: f64,
     mu: f64,
 }
 
-impl Law for SaintVenantKirchhoff {
+impl Law for Lame {
     #[inline(always)]
     fn energy<T: Tensor>(&self, strain: &T) -> T::Scalar {
         let trace = strain.trace();

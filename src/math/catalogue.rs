@@ -29,6 +29,14 @@ impl Interval {
                 Interval::Closed(low, high) => low <= value && value <= high,
             }
     }
+
+    /// A value inside the interval.
+    ///
+    /// # Errors
+    /// The interval and the value, when it is not.
+    pub fn check(self, value: f64) -> Result<f64, OutOfRange> {
+        if self.contains(value) { Ok(value) } else { Err(OutOfRange { range: self, value }) }
+    }
 }
 
 impl std::fmt::Display for Interval {
@@ -42,6 +50,23 @@ impl std::fmt::Display for Interval {
         }
     }
 }
+
+/// A value outside the interval of its parameter; prints as the end of a sentence that begins with what the value is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutOfRange {
+    /// Admissible values.
+    pub range: Interval,
+    /// The value.
+    pub value: f64,
+}
+
+impl std::fmt::Display for OutOfRange {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "must be {}, but is {:?}", self.range, self.value)
+    }
+}
+
+impl std::error::Error for OutOfRange {}
 
 /// One named number that a catalogue row is constructed from.
 #[derive(Clone, Copy, Debug)]

@@ -138,6 +138,12 @@ pub const LINEAR_REFINED: f64 = 1e-13;
 /// 1e-14 to 1e-16, so this is a sign of growth in them.
 pub const LINEAR_FALLBACK: f64 = 1e-10;
 
+/// Pivots below this, in a matrix scaled to entries of order one, are no pivots.
+pub const LINEAR_PIVOT: f64 = 1e-10;
+
+/// What replaces a pivot that is none: the root of the round-off, which weighs the change of the matrix against growth in the factors.
+pub const LINEAR_REPLACEMENT: f64 = 1e-8;
+
 /// Image of a unit vector under a matrix with entries of order one that counts as zero: the round-off of a row's sum.
 pub const LINEAR_SINGULAR: f64 = 1e-14;
 
@@ -159,3 +165,52 @@ pub const PLANE: f64 = 1e-12;
 /// Range of the values of a plot or a picture, relative to their size, below which they are shown as one constant: their differences are
 /// round-off, and a scale stretched over them would show noise.
 pub const FLAT: f64 = 1e-9;
+
+/// Size of the values of a plot below which they count as zero: what is next to nothing has no accurate power of ten.
+pub const NOTHING: f64 = 1e-290;
+
+/// Share of a plot's range by which a value may lie outside it and is still drawn: round-off of the range.
+pub const PLOT_END: f64 = 1e-9;
+
+/// Thickness of what a picture shows, relative to its length: a body without any still has a frame.
+pub const PICTURE_THICKNESS: f64 = 1e-3;
+
+/// Step of a difference quotient of a time function, relative to the time: the third root of round-off, where truncation and round-off of a
+/// central difference are equal.
+pub const TIME_DIFFERENCE: f64 = 6e-6;
+
+/// Time below which [`TIME_DIFFERENCE`] is not relative any more `[time]`.
+pub const SMALL_TIME: f64 = 1e-3;
+
+/// Distance of two moments, relative to the step, within which they are one: sums of some thousand steps.
+pub const SAME_MOMENT: f64 = 1e-9;
+
+/// Part of the gap tolerance by which an inactive constraint must be violated on the frozen linearisation to become active.
+pub const CLEARLY: f64 = 1e-3;
+
+/// Least damping of a body in `settle` over the stiffness of its slowest elastic motion.
+pub const LEAST_DAMPING: f64 = 1e-8;
+
+/// Motion in a step of `settle`, in facets, below which a body is not expected to move in the next one.
+pub const STANDS: f64 = 1e-3;
+
+/// Resultant over the sum of forces that counts as balanced when a failure is explained: far above round-off.
+pub const EXPLAINED: f64 = 1e-6;
+
+/// Largest part of a motion of a singular system that may differ from the rigid one that it is called.
+pub const RIGID: f64 = 1e-5;
+
+/// Relative difference below which two values of a finding are as good as equal: the first of them is told, whatever round-off says.
+pub const EQUAL: f64 = 1e-6;
+
+/// Difference of an angle from a number of quarter turns, in quarter turns, below which it is that number: the last bit of a conversion.
+pub const QUARTER_TURN: f64 = 1e-12;
+
+/// Relative difference that `expect_close` allows when none is given.
+pub const CLOSE: f64 = 1e-9;
+
+/// Largest relative difference of a run from the same one moved when none is given: round-off of some hundred steps of a collision.
+pub const INVARIANT: f64 = 1e-7;
+
+/// Relative error below which an order of convergence is not read from differences: round-off.
+pub const ORDER_ROUND_OFF: f64 = 1e-13;

@@ -9,7 +9,7 @@
 use super::error::rounded;
 use super::topology::{corner, edges};
 use super::{Boundary, Facet, Mesh, MeshError};
-use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
+use crate::elements::CellKind;
 use crate::math::tolerances::DEGENERATE_CELL;
 
 /// How good the cells of a mesh are.
@@ -60,18 +60,11 @@ struct Samples {
 
 impl Samples {
     fn new(kind: CellKind) -> Samples {
-        match kind {
-            CellKind::Quad4 => Samples::of::<2, 4, 4, Quad4>(),
-            CellKind::Hex8 => Samples::of::<3, 8, 8, Hex8>(),
-        }
-    }
-
-    fn of<const D: usize, const A: usize, const Q: usize, C: ReferenceCell<D, A, Q>>() -> Samples {
-        let gradients = |xi: [f64; D]| C::gradients(xi).iter().map(|g| std::array::from_fn(|i| if i < D { g[i] } else { 0.0 })).collect();
-        let at_corner = |local: usize| gradients(std::array::from_fn(|i| if corner(local)[i] { 1.0 } else { -1.0 }));
+        let row = kind.row();
+        let at_corner = |local: usize| (row.gradients)(corner(local).map(|is_far| if is_far { 1.0 } else { -1.0 }));
         Samples {
-            quadrature: C::quadrature().into_iter().map(|(xi, weight)| (weight, gradients(xi))).collect(),
-            corners: (0..A).map(at_corner).collect(),
+            quadrature: (row.quadrature)().into_iter().map(|(xi, weight)| (weight, (row.gradients)(xi))).collect(),
+            corners: (0..row.nodes).map(at_corner).collect(),
         }
     }
 }

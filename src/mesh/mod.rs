@@ -4,6 +4,7 @@
 //! plane), so that readers, generators and writers need no dimension parameter. Kernels take what they need from it once.
 
 mod check;
+mod cures;
 mod error;
 mod generators;
 mod gmsh;

@@ -2,7 +2,7 @@
 //!
 //! Everything is scaled by the factor first, so that the spacing is found among numbers of ordinary size.
 
-use crate::math::tolerances::FLAT;
+use crate::math::tolerances::{FLAT, NOTHING};
 
 /// Ticks and labels for an interval of values.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +28,7 @@ impl Axis {
     }
 
     fn new([low, high]: [f64; 2], count: usize) -> Self {
-        // What is next to nothing has no accurate power of ten: it counts as zero.
-        let size = Some(low.abs().max(high.abs())).filter(|&size| size > 1e-290).unwrap_or(0.0);
+        let size = Some(low.abs().max(high.abs())).filter(|&size| size > NOTHING).unwrap_or(0.0);
         let magnitude = size.log10().floor() as i32;
         let exponent = if size == 0.0 || (-3..5).contains(&magnitude) { 0 } else { magnitude };
         let factor = 10f64.powi(exponent);

@@ -4,6 +4,7 @@
 //! holds two by four dots; with colors a letter has that of the last curve through it.
 
 use super::axis::Axis;
+use crate::math::tolerances::PLOT_END;
 
 /// Letters of the drawing.
 const WIDTH: usize = 72;
@@ -95,7 +96,8 @@ pub fn braille_plot(title: &str, variable: &str, x: &[f64], columns: &[(&str, &[
 /// The one of `count` dots between two values that a value falls on.
 fn place(value: f64, low: f64, high: f64, count: usize) -> Option<usize> {
     let share = (value - low) / (high - low);
-    (share.is_finite() && (-1e-9..=1.0 + 1e-9).contains(&share)).then(|| ((share * (count - 1) as f64).round() as usize).min(count - 1))
+    (share.is_finite() && (-PLOT_END..=1.0 + PLOT_END).contains(&share))
+        .then(|| ((share * (count - 1) as f64).round() as usize).min(count - 1))
 }
 
 #[cfg(test)]

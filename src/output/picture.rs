@@ -11,6 +11,7 @@ use super::axis::Axis;
 use super::colormap::viridis;
 use super::contours::{Patch, simplified};
 use crate::dynamics::BodyFields;
+use crate::math::tolerances::PICTURE_THICKNESS;
 
 /// A nodal field that a picture can show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -236,7 +237,7 @@ impl Bounds {
         let size = [high[0] - low[0], high[1] - low[1]];
         let longest = size[0].max(size[1]);
         if longest > 0.0 && longest.is_finite() {
-            Bounds { low, size: size.map(|side| side.max(1e-3 * longest)) }
+            Bounds { low, size: size.map(|side| side.max(PICTURE_THICKNESS * longest)) }
         } else {
             Bounds { low: [0.0; 2], size: [1.0; 2] }
         }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::RunFiles;
 use crate::dynamics::{BodyFields, LedgerRow};
@@ -45,7 +45,7 @@ fn body(name: &str, mesh: Mesh, displacement: impl Fn([f64; 3]) -> [f64; 3], str
         contact_force: points.iter().map(|x| [0.0, x[0].min(0.0), 0.0]).collect(),
         contact_active: points.iter().map(|x| f64::from(u8::from(x[0] > 0.0))).collect(),
         contact_gap: points.iter().map(|x| if x[0] > 0.0 { 0.0 } else { f64::NAN }).collect(),
-        mesh: Rc::new(mesh),
+        mesh: Arc::new(mesh),
     }
 }
 

@@ -13,21 +13,12 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
 use crate::dynamics::BodyFields;
-use crate::elements::CellKind;
 
 /// Bytes that are compressed together. VTK's own default, and a multiple of every scalar's size as meshio needs it.
 const BLOCK: usize = 32768;
 
 /// Speed against size: level 6 makes files 8 % smaller in two to four times the time (bearing and a block of 144 000 cells).
 const LEVEL: Compression = Compression::fast();
-
-/// VTK's number of a cell type.
-fn cell_type(kind: CellKind) -> u8 {
-    match kind {
-        CellKind::Quad4 => 9,
-        CellKind::Hex8 => 12,
-    }
-}
 
 /// A named array as it goes into the file.
 #[derive(Debug)]
@@ -86,7 +77,7 @@ impl Grid {
             *end += cell.len() as i64;
             Some(*end)
         });
-        let types = cells().map(|(kind, _)| cell_type(kind)).collect();
+        let types = cells().map(|(kind, _)| kind.row().vtk_type).collect();
         let points = bodies.iter().map(|body| body.mesh.points.len()).sum();
         let body = bodies.iter().enumerate().flat_map(|(index, body)| std::iter::repeat_n(index as i64, body.mesh.cell_count()));
         Grid {

@@ -3,23 +3,18 @@
 // Each test program uses its part of it.
 #![allow(dead_code)]
 
-use std::rc::Rc;
-
-use conserva::dynamics::{
-    BodyBoundary, BodyDefinition, ContactDefinition, InitialVelocity, LedgerRow, Load, LoadKind, Model, Options, Simulation, Support,
-    TimeFunction,
-};
-use conserva::integrators::Integrator;
+use conserva::dynamics::{BodyBoundary, LedgerRow, LoadKind, Model, Options, Simulation, TimeFunction};
+use conserva::integrators::Scheme;
 use conserva::materials::{CATALOGUE, Material};
 use conserva::mesh::Mesh;
 
-/// A material of the catalogue by name: Young's modulus, Poisson's ratio, density.
+/// A material of the catalogue by the name of its law: Young's modulus, Poisson's ratio, density.
 pub fn material(name: &str, values: [f64; 3]) -> Material {
     let row = CATALOGUE.iter().find(|row| row.name == name).expect("the catalogue has it");
-    Material::new(row, &values)
+    Material::new(row, &values).expect("the constants are in their ranges")
 }
 
-/// A model that is put together line by line.
+/// A model of which everything is known to be there: [`Model`]'s own methods, without their errors.
 #[derive(Default)]
 pub struct Builder {
     /// The model so far.
@@ -29,40 +24,39 @@ pub struct Builder {
 impl Builder {
     /// Adds a body; returns its number.
     pub fn body(&mut self, name: &str, mesh: Mesh, material: &Material) -> usize {
-        self.model.bodies.push(BodyDefinition { name: name.into(), mesh: Rc::new(mesh), material: material.clone() });
-        self.model.bodies.len() - 1
+        self.model.add_body(name, mesh, material)
     }
 
     /// A boundary of a body.
     pub fn boundary(&self, body: usize, name: &str) -> BodyBoundary {
-        BodyBoundary { body, boundary: self.model.bodies[body].mesh.boundary(name).expect("the mesh has it").clone() }
+        self.model.boundary(body, name).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// Holds components of a boundary.
     pub fn fix(&mut self, body: usize, name: &str, components: [bool; 3]) {
         let on = self.boundary(body, name);
-        self.model.supports.push(Support { on, components });
+        self.model.fix(on, components);
     }
 
     /// Loads a boundary.
     pub fn load(&mut self, body: usize, name: &str, kind: LoadKind, amplitude: impl TimeFunction + 'static) {
         let on = self.boundary(body, name);
-        self.model.loads.push(Load { kind, on, amplitude: Rc::new(amplitude) });
+        self.model.load(on, kind, amplitude);
     }
 
     /// Mortar contact with the rule `gap`.
     pub fn contact(&mut self, secondary: (usize, &str), primary: (usize, &str)) {
         let (secondary, primary) = (self.boundary(secondary.0, secondary.1), self.boundary(primary.0, primary.1));
-        self.model.contacts.push(ContactDefinition::new("contact", secondary, primary));
+        self.model.add_contact("contact", secondary, primary);
     }
 
     /// Throws a body.
     pub fn throw(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
-        self.model.initial_velocities.push(InitialVelocity { body, linear, angular });
+        self.model.throw(body, linear, angular);
     }
 
     /// The simulation of the model.
-    pub fn simulate(&self, integrator: Integrator, dt: f64) -> Simulation {
+    pub fn simulate(&self, integrator: &'static Scheme, dt: f64) -> Simulation {
         Simulation::new(&self.model, Options::new(integrator, dt)).expect("the model is sound")
     }
 }

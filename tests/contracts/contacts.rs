@@ -4,37 +4,39 @@
 //! Exact laws: both momenta are constant; the ledger closes in every step; `gap` only loses energy, and books it; everything else keeps it
 //! over the whole run (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002).
 
-use conserva::dynamics::{ContactMethod, Enforcement, LedgerRow, UpdateRule};
-use conserva::integrators::Integrator;
+use conserva::contact::{ContactMethod, METHODS, MORTAR, NODE_TO_SEGMENT};
+use conserva::dynamics::{Enforcement, GAP, LedgerRow, PERSISTENCY, UPDATE_RULES, UpdateRule};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::{rectangle, ring};
 
-use crate::common::{Builder, drift, material, run, worst};
+use crate::common::{Builder, drift, run, worst};
 
 const ENFORCEMENTS: [Enforcement; 3] =
     [Enforcement::Multiplier, Enforcement::AugmentedLagrange { factor: 100.0 }, Enforcement::Penalty { factor: 1.0 }];
 
-fn collide(method: ContactMethod, update: UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
-    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+fn collide(method: &'static ContactMethod, update: &'static UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
     let outer = builder.body("outer ring", ring(1.0, 1.5, [2, 36], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     let inner = builder.body("inner ring", ring(0.5, 0.95, [2, 28], [0.0; 2], 0.1).expect("the mesh is sound"), &steel);
     builder.contact((inner, "outer"), (outer, "inner"));
-    let contact = &mut builder.model.contacts[0];
+    let contact = &mut builder.model.interactions[0];
     (contact.method, contact.update, contact.enforcement) = (method, update, enforcement);
     builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
-    run(&mut builder.simulate(Integrator::EnergyMomentum, 0.001), 0.05)
+    run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.05)
 }
 
 #[test]
 fn every_method_with_every_enforcement_and_rule_keeps_what_it_promises() {
-    for &method in ContactMethod::ALL {
+    for &method in METHODS {
         for enforcement in ENFORCEMENTS {
-            for &update in UpdateRule::ALL {
+            for &update in UPDATE_RULES {
                 let penalty = matches!(enforcement, Enforcement::Penalty { .. });
-                if penalty && update != UpdateRule::Gap {
+                if penalty && update != &GAP {
                     continue; // The update rule is not used.
                 }
-                let case = format!("{} {enforcement:?} {}", method.name(), update.name());
+                let case = format!("{} {enforcement:?} {}", method.name, update.name);
                 let rows = collide(method, update, enforcement);
                 let energy = rows[0].total();
                 let touching = rows.iter().filter(|row| row.active > 0).count();
@@ -46,7 +48,7 @@ fn every_method_with_every_enforcement_and_rule_keeps_what_it_promises() {
                 // Momenta are of order 2e-2: density 1e-3, area 2, speed 8.
                 let (linear, angular) = (drift(&rows, |row| row.momentum), drift(&rows, |row| row.angular_momentum));
                 assert!(linear < 1e-13 && angular < 1e-13, "{case}: momenta drift by {linear:.1e}, {angular:.1e}");
-                if update == UpdateRule::Gap && !penalty {
+                if !update.keeps_energy && !penalty {
                     for pair in rows.windows(2) {
                         assert!(pair[1].total() <= pair[0].total() + 1e-11 * energy, "{case}: energy grows at {}", pair[1].time);
                     }
@@ -62,8 +64,8 @@ fn every_method_with_every_enforcement_and_rule_keeps_what_it_promises() {
 /// Augmented Lagrange finds what solving for the multipliers finds: another way to the same step.
 #[test]
 fn augmented_lagrange_moves_as_multipliers_do() {
-    for update in [UpdateRule::Gap, UpdateRule::Persistency] {
-        let last = |enforcement| collide(ContactMethod::Mortar, update, enforcement).pop().expect("there are steps");
+    for update in [&GAP, &PERSISTENCY] {
+        let last = |enforcement| collide(&MORTAR, update, enforcement).pop().expect("there are steps");
         let (solved, augmented) = (last(Enforcement::Multiplier), last(Enforcement::AugmentedLagrange { factor: 100.0 }));
         // Both end within Newton's tolerances; collisions of slender bodies multiply differences.
         let difference = (solved.strain - augmented.strain).abs();
@@ -76,18 +78,18 @@ fn augmented_lagrange_moves_as_multipliers_do() {
 #[test]
 fn two_passes_of_node_to_segment_contact_conserve() {
     for enforcement in [Enforcement::AugmentedLagrange { factor: 100.0 }, Enforcement::Penalty { factor: 1.0 }] {
-        let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+        let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
         let mut builder = Builder::default();
         let outer = builder.body("outer ring", ring(1.0, 1.5, [2, 36], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
         let inner = builder.body("inner ring", ring(0.5, 0.95, [2, 28], [0.0; 2], 0.1).expect("the mesh is sound"), &steel);
         builder.contact((inner, "outer"), (outer, "inner"));
         builder.contact((outer, "inner"), (inner, "outer"));
-        for (contact, name) in builder.model.contacts.iter_mut().zip(["there", "and back"]) {
-            (contact.name, contact.method) = (name.into(), ContactMethod::NodeToSegment);
-            (contact.update, contact.enforcement) = (UpdateRule::Persistency, enforcement);
+        for (contact, name) in builder.model.interactions.iter_mut().zip(["there", "and back"]) {
+            (contact.name, contact.method) = (name.into(), &NODE_TO_SEGMENT);
+            (contact.update, contact.enforcement) = (&PERSISTENCY, enforcement);
         }
         builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
-        let rows = run(&mut builder.simulate(Integrator::EnergyMomentum, 0.001), 0.03);
+        let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.03);
         let energy = rows[0].total();
         assert!(rows.iter().filter(|row| row.active > 0).count() >= 2, "{enforcement:?}: it meets");
         assert!(worst(&rows, |row| row.total() - energy) < 1e-10 * energy, "{enforcement:?}");
@@ -101,15 +103,15 @@ fn two_passes_of_node_to_segment_contact_conserve() {
 /// exchanged as in the collision of two equal bars.
 #[test]
 fn equal_blocks_collide_face_to_face() {
-    for &update in UpdateRule::ALL {
-        let rubber = material("neo_hookean", [100.0, 0.0, 1.0]);
+    for &update in UPDATE_RULES {
+        let rubber = NeoHookean { youngs_modulus: 100.0, poisson_ratio: 0.0, density: 1.0 }.material().expect("in range");
         let mut builder = Builder::default();
         let block = |x: f64| rectangle([1.0, 0.1], [20, 2], [x, 0.0]).expect("the mesh is sound");
         let (left, right) = (builder.body("left", block(0.0), &rubber), builder.body("right", block(1.013), &rubber));
         builder.contact((left, "right"), (right, "left"));
-        builder.model.contacts[0].update = update;
+        builder.model.interactions[0].update = update;
         builder.throw(left, [1.0, 0.0, 0.0], [0.0; 3]);
-        let rows = run(&mut builder.simulate(Integrator::EnergyMomentum, 0.002), 0.4);
+        let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.002), 0.4);
         let energy = rows[0].total();
         assert!(rows.iter().any(|row| row.active > 0) && rows[rows.len() - 1].active == 0, "{update:?}: they meet and part");
         assert!(worst(&rows, |row| row.energy_defect) < 1e-11 * energy, "{update:?}");

@@ -5,10 +5,11 @@
 //! formulas.
 
 use conserva::dynamics::{Hat, LedgerRow, LoadKind, Simulation};
-use conserva::integrators::Integrator;
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::ring;
 
-use crate::common::{Builder, material, run, worst};
+use crate::common::{Builder, run, worst};
 
 /// Strain energy of the settled press fit, by the prototype.
 const SETTLED_STRAIN: f64 = 3.063631052984e-01;
@@ -20,7 +21,7 @@ const SPUN_ANGULAR_MOMENTUM: f64 = 2.460185529e-02;
 const IMPULSE: f64 = 0.5 * 0.1 * 0.5;
 
 fn bearing(held: bool, dt: f64) -> Simulation {
-    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
     let outer = builder.body("outer ring", ring(1.0, 1.5, [10, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     let inner = builder.body("inner ring", ring(0.5, 1.002, [10, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
@@ -29,7 +30,7 @@ fn bearing(held: bool, dt: f64) -> Simulation {
     }
     builder.contact((inner, "outer"), (outer, "inner"));
     builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
-    builder.simulate(Integrator::EnergyMomentum, dt)
+    builder.simulate(&ENERGY_MOMENTUM, dt)
 }
 
 fn relative(value: f64, expected: f64) -> f64 {

@@ -6,36 +6,38 @@
 //! IJNME 53, 2002).
 
 use conserva::contact::Obstacle;
-use conserva::dynamics::{Enforcement, LedgerRow, ObstacleDefinition, UpdateRule};
-use conserva::integrators::Integrator;
+use conserva::dynamics::{Enforcement, GAP, Interaction, LedgerRow, PERSISTENCY, UpdateRule, VELOCITY};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::math::tolerances::CORNER_SLACK;
 use conserva::mesh::ring;
 
-use crate::common::{Builder, drift, material, run, worst};
+use crate::common::{Builder, drift, run, worst};
 
-const RULES: [(UpdateRule, Enforcement); 4] = [
-    (UpdateRule::Gap, Enforcement::Multiplier),
-    (UpdateRule::Persistency, Enforcement::Multiplier),
-    (UpdateRule::Velocity, Enforcement::Multiplier),
-    (UpdateRule::Gap, Enforcement::Penalty { factor: 1.0 }),
+const RULES: [(&'static UpdateRule, Enforcement); 4] = [
+    (&GAP, Enforcement::Multiplier),
+    (&PERSISTENCY, Enforcement::Multiplier),
+    (&VELOCITY, Enforcement::Multiplier),
+    (&GAP, Enforcement::Penalty { factor: 1.0 }),
 ];
 
 /// Length of a facet of the ring, 2 sin(pi / 40), rounded up.
 const FACET: f64 = 0.157;
 
 /// A ring of radius 1 at the origin, thrown at 2 and 5, spinning at 3, with gravity.
-fn bounce(obstacle: Obstacle, gravity: f64, rule: (UpdateRule, Enforcement), until: f64) -> Vec<LedgerRow> {
+fn bounce(obstacle: Obstacle, gravity: f64, rule: (&'static UpdateRule, Enforcement), until: f64) -> Vec<LedgerRow> {
     // Corners of an obstacle have constraints of their own, which leave this share of a facet alone; nodes do not penetrate.
     let corners = if matches!(obstacle, Obstacle::Polyline { .. }) { CORNER_SLACK * FACET } else { 0.0 };
     let mut builder = Builder::default();
     let mesh = ring(0.7, 1.0, [2, 40], [0.0; 2], 0.0).expect("the mesh is sound");
-    let body = builder.body("ring", mesh, &material("neo_hookean", [1e4, 0.3, 1.0]));
+    let body =
+        builder.body("ring", mesh, &NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range"));
     let outer = builder.boundary(body, "outer");
-    let definition = ObstacleDefinition::new("ground", outer, obstacle);
-    builder.model.obstacles.push(ObstacleDefinition { update: rule.0, enforcement: rule.1, ..definition });
+    let definition = Interaction::obstacle("ground", outer, obstacle);
+    builder.model.add_interaction(Interaction { update: rule.0, enforcement: rule.1, ..definition });
     builder.model.gravity = [0.0, -gravity, 0.0];
     builder.throw(body, [2.0, 5.0, 0.0], [0.0, 0.0, 3.0]);
-    let rows = run(&mut builder.simulate(Integrator::EnergyMomentum, 0.004), until);
+    let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.004), until);
 
     let closings = rows.windows(2).filter(|pair| pair[1].active > 0 && pair[0].active == 0).count();
     assert!(closings >= 2, "{rule:?}: it bounces {closings} times");

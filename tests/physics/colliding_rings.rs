@@ -4,20 +4,21 @@
 //! t = 1; the outer boundary of the second is secondary. Exact laws: momenta, and the ledger with the loss of the rule `gap`. Meshes of 2
 //! x 50 cells instead of 4 x 100.
 
-use conserva::integrators::Integrator;
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::SaintVenantKirchhoff;
 use conserva::mesh::ring;
 
-use crate::common::{Builder, drift, material, run, worst};
+use crate::common::{Builder, drift, run, worst};
 
 #[test]
 fn they_meet_and_part_and_the_ledger_closes() {
-    let stuff = material("saint_venant_kirchhoff", [2250.0, 0.125, 0.1]);
+    let stuff = SaintVenantKirchhoff { youngs_modulus: 2250.0, poisson_ratio: 0.125, density: 0.1 }.material().expect("in range");
     let mut builder = Builder::default();
     let first = builder.body("first", ring(8.0, 10.0, [2, 50], [-5.0, 0.0], 0.0).expect("the mesh is sound"), &stuff);
     let second = builder.body("second", ring(10.0, 12.0, [2, 50], [15.8, -16.0], 0.0).expect("the mesh is sound"), &stuff);
     builder.contact((second, "outer"), (first, "outer"));
     builder.throw(first, [20.0, 0.0, 0.0], [0.0; 3]);
-    let rows = run(&mut builder.simulate(Integrator::EnergyMomentum, 0.01), 1.0);
+    let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.01), 1.0);
     let (start, end) = (&rows[0], &rows[rows.len() - 1]);
     let energy = start.total();
 

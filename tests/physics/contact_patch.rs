@@ -5,10 +5,11 @@
 //! `a E' (a^2 - 1)/2 = -t` with `E' = E/(1 - nu^2)` (Saint Venant-Kirchhoff, plane strain, free to widen).
 
 use conserva::dynamics::{Constant, LoadKind, Simulation};
-use conserva::integrators::Integrator;
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::SaintVenantKirchhoff;
 use conserva::mesh::rectangle;
 
-use crate::common::{Builder, material};
+use crate::common::Builder;
 
 const TRACTION: f64 = 50.0;
 const MODULUS: f64 = 1000.0;
@@ -26,7 +27,7 @@ struct Case {
 
 /// Two blocks of width 3 and heights 1 and 2, turned as a whole by an angle.
 fn pressed(case: Case) -> Simulation {
-    let stuff = material("saint_venant_kirchhoff", [MODULUS, case.poisson, 1.0]);
+    let stuff = SaintVenantKirchhoff { youngs_modulus: MODULUS, poisson_ratio: case.poisson, density: 1.0 }.material().expect("in range");
     let mut builder = Builder::default();
     let turned = |size: [f64; 2], cells: [usize; 2], bottom: f64| {
         rectangle(size, cells, [0.0, bottom]).and_then(|mesh| mesh.rotate(case.angle, [0.0; 3])).expect("the mesh is sound")
@@ -47,7 +48,7 @@ fn pressed(case: Case) -> Simulation {
     let (secondary, primary) =
         if case.lower_is_secondary { ((lower, "top"), (upper, "bottom")) } else { ((upper, "bottom"), (lower, "top")) };
     builder.contact(secondary, primary);
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.01);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.01);
     sim.settle().unwrap_or_else(|error| panic!("{case:?}: {error}"));
     sim
 }

@@ -4,39 +4,33 @@
 //! are mirror images, so the momentum across stays zero. The inner wall does not pass through itself: the hose stays as high as its two
 //! walls.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
-use conserva::contact::Obstacle;
-use conserva::dynamics::{ContactMethod, Enforcement, ObstacleDefinition, Ramp, SelfContactDefinition, UpdateRule};
-use conserva::integrators::Integrator;
+use conserva::contact::{MORTAR, NODE_TO_SEGMENT, Obstacle};
+use conserva::dynamics::{Interaction, Partner, Ramp};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::ring;
 
-use crate::common::{Builder, material, run, worst};
+use crate::common::{Builder, run, worst};
 
 #[test]
 fn the_inner_wall_touches_itself_and_the_ledger_closes() {
-    for method in [ContactMethod::Mortar, ContactMethod::NodeToSegment] {
+    for method in [&MORTAR, &NODE_TO_SEGMENT] {
         let mut builder = Builder::default();
         let mesh = ring(0.8, 1.0, [2, 48], [0.0; 2], 0.05).expect("the mesh is sound");
-        let hose = builder.body("hose", mesh, &material("neo_hookean", [1e3, 0.3, 0.1]));
+        let hose =
+            builder.body("hose", mesh, &NeoHookean { youngs_modulus: 1e3, poisson_ratio: 0.3, density: 0.1 }.material().expect("in range"));
         for (name, side) in [("upper plane", 1.0), ("lower plane", -1.0)] {
             let outer = builder.boundary(hose, "outer");
             let plane = Obstacle::HalfPlane { point: [0.0, 1.001 * side], normal: [0.0, -side] };
             let press = Ramp { start: 0.0, end: 1.0, value: -0.81 * side };
-            builder
-                .model
-                .obstacles
-                .push(ObstacleDefinition { motion: [None, Some(Rc::new(press))], ..ObstacleDefinition::new(name, outer, plane) });
+            let partner = Partner::Obstacle { shape: plane, motion: [None, Some(Arc::new(press))] };
+            builder.model.add_interaction(Interaction::new(name, outer, partner));
         }
         let surface = builder.boundary(hose, "inner");
-        builder.model.self_contacts.push(SelfContactDefinition {
-            name: "inner wall".into(),
-            surface,
-            method,
-            update: UpdateRule::Gap,
-            enforcement: Enforcement::Multiplier,
-        });
-        let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.005);
+        builder.model.add_interaction(Interaction { method, ..Interaction::new("inner wall", surface, Partner::Itself) });
+        let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.005);
         let rows = run(&mut sim, 1.0);
         let last = &rows[rows.len() - 1];
         let work: f64 = rows[1..].iter().map(|row| row.load_work).sum();

@@ -3,14 +3,16 @@
 //! Exact laws: both momenta are constant; `gap` books what closings lose, `persistency` and `velocity` lose nothing (Hesch and Betsch,
 //! IUTAM Bookseries 3, 2007).
 
-use conserva::dynamics::{ContactMethod, Enforcement, Hat, LedgerRow, LoadKind, UpdateRule};
-use conserva::integrators::Integrator;
+use conserva::contact::{ContactMethod, MORTAR, NODE_TO_SEGMENT};
+use conserva::dynamics::{Enforcement, GAP, Hat, LedgerRow, LoadKind, PERSISTENCY, UpdateRule, VELOCITY};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::ring;
 
-use crate::common::{Builder, drift, material, run, worst};
+use crate::common::{Builder, drift, run, worst};
 
-fn hop(inner_is_secondary: bool, update: UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
-    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+fn hop(inner_is_secondary: bool, update: &'static UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
     let outer = builder.body("outer ring", ring(1.0, 1.5, [3, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     let inner = builder.body("inner ring", ring(0.5, 0.95, [3, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
@@ -20,20 +22,20 @@ fn hop(inner_is_secondary: bool, update: UpdateRule, enforcement: Enforcement) -
     } else {
         builder.contact(race, journal)
     }
-    let contact = &mut builder.model.contacts[0];
-    (contact.method, contact.update, contact.enforcement) = (ContactMethod::NodeToSegment, update, enforcement);
+    let contact = &mut builder.model.interactions[0];
+    (contact.method, contact.update, contact.enforcement) = (&NODE_TO_SEGMENT, update, enforcement);
     builder.throw(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
-    run(&mut builder.simulate(Integrator::EnergyMomentum, 0.001), 0.12)
+    run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.12)
 }
 
 #[test]
 fn rings_with_clearance_keep_energy_and_momenta() {
     for inner_is_secondary in [true, false] {
         for (update, enforcement) in [
-            (UpdateRule::Gap, Enforcement::Multiplier),
-            (UpdateRule::Persistency, Enforcement::Multiplier),
-            (UpdateRule::Velocity, Enforcement::Multiplier),
-            (UpdateRule::Gap, Enforcement::Penalty { factor: 1.0 }),
+            (&GAP, Enforcement::Multiplier),
+            (&PERSISTENCY, Enforcement::Multiplier),
+            (&VELOCITY, Enforcement::Multiplier),
+            (&GAP, Enforcement::Penalty { factor: 1.0 }),
         ] {
             let rows = hop(inner_is_secondary, update, enforcement);
             let name = format!("{update:?} {enforcement:?} inner {inner_is_secondary}");
@@ -56,7 +58,7 @@ fn rings_with_clearance_keep_energy_and_momenta() {
             assert!(drift(&rows, |row| row.momentum) < 1e-13, "{name}: {:.1e}", drift(&rows, |row| row.momentum));
             assert!(drift(&rows, |row| row.angular_momentum) < 1e-13, "{name}: {:.1e}", drift(&rows, |row| row.angular_momentum));
             let change = rows[rows.len() - 1].total() - energy;
-            if (update, enforcement) == (UpdateRule::Gap, Enforcement::Multiplier) {
+            if (update, enforcement) == (&GAP, Enforcement::Multiplier) {
                 assert!((change - booked).abs() < 1e-10 * energy && booked < 0.0 && booked > -0.5 * energy, "{name}: {booked}");
                 assert!(worst(&rows, |row| row.max_penetration) < 1e-10, "{name}");
             } else {
@@ -67,17 +69,17 @@ fn rings_with_clearance_keep_energy_and_momenta() {
 }
 
 /// The bearing with clearance: a journal, pressed down by its weight, is spun up in a held race by an impulse of 0.01.
-fn spun_up(method: ContactMethod, radius: f64) -> LedgerRow {
-    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+fn spun_up(method: &'static ContactMethod, radius: f64) -> LedgerRow {
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
     let outer = builder.body("outer ring", ring(1.0, 1.5, [3, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     let inner = builder.body("inner ring", ring(0.5, radius, [3, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     builder.fix(outer, "outer", [true; 3]);
     builder.contact((inner, "outer"), (outer, "inner"));
-    builder.model.contacts[0].method = method;
+    builder.model.interactions[0].method = method;
     builder.model.gravity = [0.0, -50.0, 0.0];
     builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.2, peak: 0.1 });
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.0025);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.0025);
     // The corners of the larger journal overlap the race at first.
     sim.settle().unwrap_or_else(|error| panic!("{error}"));
     let rows = run(&mut sim, 0.5);
@@ -103,12 +105,9 @@ fn spun_up(method: ContactMethod, radius: f64) -> LedgerRow {
 /// journal of 0.995 turns freely, one of 0.998 has its corners caught in those of the race, although a round one would have clearance.
 #[test]
 fn a_journal_turns_or_is_caught_by_its_corners() {
-    for (method, radius, turns) in [
-        (ContactMethod::NodeToSegment, 0.995, true),
-        (ContactMethod::Mortar, 0.995, true),
-        (ContactMethod::NodeToSegment, 0.998, false),
-        (ContactMethod::Mortar, 0.998, true),
-    ] {
+    for (method, radius, turns) in
+        [(&NODE_TO_SEGMENT, 0.995, true), (&MORTAR, 0.995, true), (&NODE_TO_SEGMENT, 0.998, false), (&MORTAR, 0.998, true)]
+    {
         let momentum = spun_up(method, radius).angular_momentum[2];
         // Free: most of the impulse of 0.01 is left (the weight rattles over the corners). Caught: the race takes it.
         assert!(if turns { momentum > 5e-3 } else { momentum.abs() < 1e-3 }, "{method:?} {radius}: {momentum}");

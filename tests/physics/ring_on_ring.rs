@@ -4,22 +4,23 @@
 //! that the rest closes; the other rules and the penalty keep the energy through impact and release (Hesch and Betsch 2007; Laursen and
 //! Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002). The case is the prototype's own: clearance 0.05, speed 5, spin 20.
 
-use conserva::dynamics::{Enforcement, LedgerRow, UpdateRule};
-use conserva::integrators::Integrator;
+use conserva::dynamics::{Enforcement, GAP, LedgerRow, PERSISTENCY, UpdateRule, VELOCITY};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::NeoHookean;
 use conserva::mesh::ring;
 
-use crate::common::{Builder, drift, material, run, worst};
+use crate::common::{Builder, drift, run, worst};
 
-fn hop(update: UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
-    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+fn hop(update: &'static UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
     let outer = builder.body("outer ring", ring(1.0, 1.5, [3, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     let inner = builder.body("inner ring", ring(0.5, 0.95, [3, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     builder.contact((inner, "outer"), (outer, "inner"));
-    builder.model.contacts[0].update = update;
-    builder.model.contacts[0].enforcement = enforcement;
+    builder.model.interactions[0].update = update;
+    builder.model.interactions[0].enforcement = enforcement;
     builder.throw(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
-    let rows = run(&mut builder.simulate(Integrator::EnergyMomentum, 0.001), 0.12);
+    let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.12);
 
     let closings = rows.windows(2).filter(|pair| pair[1].active > 0 && pair[0].active == 0).count();
     let apart = rows.iter().filter(|row| row.active == 0).count();
@@ -34,7 +35,7 @@ fn hop(update: UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> {
 
 #[test]
 fn gap_loses_energy_at_closings_only_and_books_it() {
-    let rows = hop(UpdateRule::Gap, Enforcement::Multiplier);
+    let rows = hop(&GAP, Enforcement::Multiplier);
     let energy = rows[0].total();
     for pair in rows.windows(2) {
         // The loss is lambda Phi(q_0) >= 0 up to the gap tolerance of a closed node, 1e-12 h^2.
@@ -49,11 +50,9 @@ fn gap_loses_energy_at_closings_only_and_books_it() {
 
 #[test]
 fn the_other_rules_keep_the_energy_through_impact_and_release() {
-    for (update, enforcement) in [
-        (UpdateRule::Persistency, Enforcement::Multiplier),
-        (UpdateRule::Velocity, Enforcement::Multiplier),
-        (UpdateRule::Gap, Enforcement::Penalty { factor: 1.0 }),
-    ] {
+    for (update, enforcement) in
+        [(&PERSISTENCY, Enforcement::Multiplier), (&VELOCITY, Enforcement::Multiplier), (&GAP, Enforcement::Penalty { factor: 1.0 })]
+    {
         let rows = hop(update, enforcement);
         let energy = rows[0].total();
         let change = worst(&rows, |row| row.total() - energy);

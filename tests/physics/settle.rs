@@ -4,11 +4,12 @@
 //! `lambda^3 - lambda = 2 p/E`; a stack carries at every interface the weight of what lies above it.
 
 use conserva::contact::Obstacle;
-use conserva::dynamics::{Constant, ContactDefinition, LoadKind, ObstacleDefinition, SettleReport, Simulation};
-use conserva::integrators::Integrator;
+use conserva::dynamics::{Constant, Interaction, LoadKind, SettleReport, Simulation};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::{NeoHookean, SaintVenantKirchhoff};
 use conserva::mesh::{rectangle, ring};
 
-use crate::common::{Builder, material};
+use crate::common::Builder;
 
 /// Promised: the forces on every body balance to that part of them.
 const BALANCE: f64 = 1e-10;
@@ -38,7 +39,7 @@ fn elongation(load_over_modulus: f64) -> f64 {
 #[test]
 fn a_stiff_bystander_hides_no_imbalance() {
     const PRESSURE: f64 = 10.0;
-    let soft = material("saint_venant_kirchhoff", [200.0, 0.0, 1.0]);
+    let soft = SaintVenantKirchhoff { youngs_modulus: 200.0, poisson_ratio: 0.0, density: 1.0 }.material().expect("in range");
     for bystander in [0.0, 2e4, 2e6, 2e9] {
         let mut builder = Builder::default();
         let block = builder.body("block", rectangle([10.0, 10.0], [20, 20], [0.0, 0.01]).expect("the mesh is sound"), &soft);
@@ -47,13 +48,13 @@ fn a_stiff_bystander_hides_no_imbalance() {
         builder.fix(floor, "top", [true; 3]);
         builder.fix(block, "left", [true, false, false]);
         if bystander > 0.0 {
-            let stiff = material("saint_venant_kirchhoff", [bystander, 0.0, 1.0]);
+            let stiff = SaintVenantKirchhoff { youngs_modulus: bystander, poisson_ratio: 0.0, density: 1.0 }.material().expect("in range");
             let other = builder.body("bystander", rectangle([10.0, 1.0], [4, 1], [0.0, -10.0]).expect("the mesh is sound"), &stiff);
             builder.fix(other, "bottom", [true; 3]);
         }
         builder.load(block, "top", LoadKind::Traction([0.0, -PRESSURE, 0.0]), Constant(1.0));
         builder.contact((block, "bottom"), (floor, "top"));
-        let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.1);
+        let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.1);
         settle(&mut sim);
         let reaction = sim.contact("contact").expect("there is one").force[1];
         assert!((reaction / (10.0 * PRESSURE) - 1.0).abs() < BALANCE, "{bystander:e}: {reaction}");
@@ -72,13 +73,13 @@ fn a_stiff_bystander_hides_no_imbalance() {
 fn small_strains_are_as_exact_as_positions_can_be() {
     for load in [1e-6, 1e-4, 1e-2, 1.0, 100.0] {
         let mut builder = Builder::default();
-        let stuff = material("saint_venant_kirchhoff", [900.0, 0.0, 1.0]);
+        let stuff = SaintVenantKirchhoff { youngs_modulus: 900.0, poisson_ratio: 0.0, density: 1.0 }.material().expect("in range");
         let strip = builder.body("strip", rectangle([10.0, 0.5], [20, 1], [0.0; 2]).expect("the mesh is sound"), &stuff);
         builder.fix(strip, "left", [true, false, false]);
         builder.fix(strip, "top", [false, true, false]);
         builder.fix(strip, "bottom", [false, true, false]);
         builder.load(strip, "right", LoadKind::Traction([load, 0.0, 0.0]), Constant(1.0));
-        let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.05);
+        let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.05);
         settle(&mut sim);
         let fields = &sim.fields()[0];
         let tip = fields.mesh.points.iter().position(|point| point[0] == 10.0).expect("the strip ends there");
@@ -91,14 +92,14 @@ fn small_strains_are_as_exact_as_positions_can_be() {
 
 /// A block at a height above a wider one that is held below.
 fn drop_from(height: f64) -> (Simulation, SettleReport) {
-    let rubber = material("neo_hookean", [1e4, 0.3, 1.0]);
+    let rubber = NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let mut builder = Builder::default();
     let base = builder.body("base", rectangle([3.0, 1.0], [15, 5], [-1.5, -1.0]).expect("the mesh is sound"), &rubber);
     let block = builder.body("block", rectangle([1.0, 1.0], [6, 6], [-0.5, height]).expect("the mesh is sound"), &rubber);
     builder.fix(base, "bottom", [true; 3]);
     builder.model.gravity = [0.0, -10.0, 0.0];
     builder.contact((block, "bottom"), (base, "top"));
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.005);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.005);
     let report = settle(&mut sim);
     (sim, report)
 }
@@ -121,7 +122,7 @@ fn a_body_comes_to_rest_from_any_height() {
 
 /// Blocks of one size over a rigid floor, gaps of 0.01 between them, every block a number of offsets out of line.
 fn stack(count: usize, offset: f64, height: f64) -> Simulation {
-    let rubber = material("neo_hookean", [1e4, 0.3, 1.0]);
+    let rubber = NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let mut builder = Builder::default();
     builder.model.gravity = [0.0, -10.0, 0.0];
     for k in 0..count {
@@ -131,13 +132,13 @@ fn stack(count: usize, offset: f64, height: f64) -> Simulation {
         let bottom = builder.boundary(block, "bottom");
         if k == 0 {
             let plane = Obstacle::HalfPlane { point: [0.0; 2], normal: [0.0, 1.0] };
-            builder.model.obstacles.push(ObstacleDefinition::new("0", bottom, plane));
+            builder.model.add_interaction(Interaction::obstacle("0", bottom, plane));
         } else {
             let top = builder.boundary(block - 1, "top");
-            builder.model.contacts.push(ContactDefinition::new(&k.to_string(), bottom, top));
+            builder.model.add_interaction(Interaction::contact(&k.to_string(), bottom, top));
         }
     }
-    builder.simulate(Integrator::EnergyMomentum, 0.005)
+    builder.simulate(&ENERGY_MOMENTUM, 0.005)
 }
 
 #[test]
@@ -176,7 +177,7 @@ fn a_frictionless_stack_out_of_line_is_said_to_lack_guidance() {
 /// The same stack, guided.
 #[test]
 fn guidance_brings_a_stack_out_of_line_to_rest() {
-    let rubber = material("neo_hookean", [1e4, 0.3, 1.0]);
+    let rubber = NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let mut builder = Builder::default();
     builder.model.gravity = [0.0, -10.0, 0.0];
     for k in 0..5 {
@@ -187,10 +188,10 @@ fn guidance_brings_a_stack_out_of_line_to_rest() {
             builder.fix(block, "bottom", [false, true, false]);
         } else {
             let (bottom, top) = (builder.boundary(block, "bottom"), builder.boundary(block - 1, "top"));
-            builder.model.contacts.push(ContactDefinition::new(&k.to_string(), bottom, top));
+            builder.model.add_interaction(Interaction::contact(&k.to_string(), bottom, top));
         }
     }
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.005);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.005);
     settle(&mut sim);
     for k in 1..5 {
         let (force, weight) = (sim.contact(&k.to_string()).expect("there is one").force[1], 5.0 * (5 - k) as f64);
@@ -202,14 +203,14 @@ fn guidance_brings_a_stack_out_of_line_to_rest() {
 /// Steel in meters: round-off of the positions is 1e-7 of the weight at a node, but not in the sum of the forces on the block.
 #[test]
 fn round_off_at_nodes_does_not_hide_the_weight() {
-    let steel = material("neo_hookean", [2.1e11, 0.3, 7800.0]);
+    let steel = NeoHookean { youngs_modulus: 2.1e11, poisson_ratio: 0.3, density: 7800.0 }.material().expect("in range");
     let mut builder = Builder::default();
     let base = builder.body("base", rectangle([0.3, 0.1], [15, 5], [-0.15, -0.1]).expect("the mesh is sound"), &steel);
     let block = builder.body("block", rectangle([0.1, 0.1], [6, 6], [-0.05, 0.001]).expect("the mesh is sound"), &steel);
     builder.fix(base, "bottom", [true; 3]);
     builder.model.gravity = [0.0, -9.81, 0.0];
     builder.contact((block, "bottom"), (base, "top"));
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, 1e-5);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 1e-5);
     settle(&mut sim);
     let force = sim.contact("contact").expect("there is one").force[1];
     assert!((force / (0.01 * 7800.0 * 9.81) - 1.0).abs() < BALANCE, "{force}");
@@ -219,13 +220,13 @@ fn round_off_at_nodes_does_not_hide_the_weight() {
 /// A press fit has no load, only contact forces.
 #[test]
 fn a_press_fit_stays_settled() {
-    let steel = material("neo_hookean", [1e5, 0.1, 1e-3]);
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
     let outer = builder.body("outer ring", ring(1.0, 1.5, [10, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     let inner = builder.body("inner ring", ring(0.5, 1.002, [10, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     builder.fix(outer, "outer", [true; 3]);
     builder.contact((inner, "outer"), (outer, "inner"));
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.005);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.005);
     settle(&mut sim);
     let contact = sim.contact("contact").expect("there is one");
     // Contact is all that acts on the inner ring: its resultant over the sum of its forces.

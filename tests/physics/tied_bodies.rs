@@ -3,29 +3,25 @@
 //! Exact laws: linear displacements are in both finite element spaces and satisfy the tie exactly, so the patch is solved exactly; energy
 //! and both momenta of the free body are constant, also where the tied polygons do not coincide.
 
-use conserva::dynamics::{Constant, LoadKind, TieDefinition};
-use conserva::integrators::Integrator;
+use conserva::dynamics::{Constant, Interaction, LoadKind, Partner};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::{NeoHookean, SaintVenantKirchhoff};
 use conserva::mesh::{rectangle, ring};
 
-use crate::common::{Builder, drift, material, run, worst};
+use crate::common::{Builder, drift, run, worst};
 
 #[test]
 fn a_tied_patch_in_tension_is_exact() {
     let mut builder = Builder::default();
-    let rubber = material("saint_venant_kirchhoff", [1000.0, 0.3, 1.0]);
+    let rubber = SaintVenantKirchhoff { youngs_modulus: 1000.0, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let left = builder.body("left", rectangle([1.0, 1.0], [2, 3], [0.0; 2]).expect("the mesh is sound"), &rubber);
     let right = builder.body("right", rectangle([1.0, 1.0], [2, 4], [1.0, 0.0]).expect("the mesh is sound"), &rubber);
-    let tie = TieDefinition {
-        name: "seam".into(),
-        secondary: builder.boundary(right, "left"),
-        primary: builder.boundary(left, "right"),
-        reach: None,
-    };
-    builder.model.ties.push(tie);
+    let tie = Interaction::tie("seam", builder.boundary(right, "left"), builder.boundary(left, "right"));
+    builder.model.add_interaction(tie);
     builder.fix(left, "left", [true, false, false]);
     builder.fix(left, "bottom", [false, true, false]);
     builder.load(right, "right", LoadKind::Traction([1.0, 0.0, 0.0]), Constant(100.0));
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.01);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.01);
     sim.settle().unwrap_or_else(|error| panic!("{error}"));
     let fields = sim.fields();
     let stretch = fields[1].position(2)[0] / 2.0;
@@ -46,20 +42,16 @@ fn a_tied_patch_in_tension_is_exact() {
 fn tied_rings_tumble_as_one_body() {
     for reach in [None, Some(0.1)] {
         let mut builder = Builder::default();
-        let steel = material("neo_hookean", [1e4, 0.3, 1.0]);
+        let steel = NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
         let outer = builder.body("outer", ring(1.0, 1.3, [2, 30], [0.0; 2], 0.1).expect("the mesh is sound"), &steel);
         let inner = builder.body("inner", ring(0.6, 1.0, [2, 36], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
-        let tie = TieDefinition {
-            name: "fit".into(),
-            secondary: builder.boundary(inner, "outer"),
-            primary: builder.boundary(outer, "inner"),
-            reach,
-        };
-        builder.model.ties.push(tie);
+        let partner = Partner::Tied { to: builder.boundary(outer, "inner"), reach };
+        let tie = Interaction::new("fit", builder.boundary(inner, "outer"), partner);
+        builder.model.add_interaction(tie);
         for body in [outer, inner] {
             builder.throw(body, [2.0, 1.0, 0.0], [0.0, 0.0, 8.0]);
         }
-        let mut sim = builder.simulate(Integrator::EnergyMomentum, 0.01);
+        let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.01);
         let rows = run(&mut sim, 1.0);
         let energy = rows[0].total();
         // Newton's tolerance; momenta are of order 10.

@@ -3,7 +3,7 @@
 //! Exact laws. In space it turns about its middle axis, where rigid rotation is unstable (Euler), so that the motion is a true tumbling.
 //! A benchmark of this kind: Simo and Tarnow, ZAMP 43 (1992), section 6.
 
-use conserva::integrators::Integrator;
+use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::mesh::{Mesh, block, rectangle};
 
 use crate::common::{Builder, drift, material, run, worst};
@@ -12,7 +12,7 @@ fn tumble(mesh: Mesh, law: &str, angular: [f64; 3], dt: f64, until: f64) {
     let mut builder = Builder::default();
     let body = builder.body("block", mesh, &material(law, [500.0, 0.3, 1.0]));
     builder.throw(body, [2.0, -1.0, 0.0], angular);
-    let mut sim = builder.simulate(Integrator::EnergyMomentum, dt);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, dt);
     let rows = run(&mut sim, until);
     let energy = rows[0].total();
     assert_eq!(rows.iter().map(|row| row.halvings).sum::<usize>(), 0);

@@ -16,12 +16,10 @@ pub mod run;
 pub mod script;
 pub mod shrink;
 
-use std::rc::Rc;
+use std::sync::Arc;
 
-use conserva::contact::Obstacle;
-use conserva::dynamics::{
-    BodyBoundary, BodyDefinition, ContactDefinition, ContactMethod, InitialVelocity, Model, ObstacleDefinition, UpdateRule,
-};
+use conserva::contact::{ContactMethod, Obstacle};
+use conserva::dynamics::{BodyBoundary, BodyDefinition, InitialVelocity, Interaction, Model, Partner, UpdateRule};
 use conserva::mesh::{Boundary, Mesh, MeshError, disk, polygon, rectangle, ring};
 
 use self::geometry::{Outline, Point, add, cross, distance, dot, length, subtract, turned};
@@ -98,8 +96,8 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     pub walls: Vec<Wall>,
     pub gravity: Point,
-    pub method: ContactMethod,
-    pub rule: UpdateRule,
+    pub method: &'static ContactMethod,
+    pub rule: &'static UpdateRule,
     pub dt: f64,
     pub steps: usize,
 }
@@ -220,7 +218,7 @@ impl Wall {
 
 impl Scene {
     /// The scene with another method and rule.
-    pub fn with(mut self, method: ContactMethod, rule: UpdateRule) -> Scene {
+    pub fn with(mut self, method: &'static ContactMethod, rule: &'static UpdateRule) -> Scene {
         (self.method, self.rule) = (method, rule);
         self
     }
@@ -292,19 +290,20 @@ impl Scene {
             mesh.boundaries.push(boundary.clone());
             hulls.push(BodyBoundary { body: k, boundary });
             let material = material(body.law, body.constants);
-            model.bodies.push(BodyDefinition { name: format!("body {k}"), mesh: Rc::new(mesh), material });
+            model.bodies.push(BodyDefinition { name: format!("body {k}"), mesh: Arc::new(mesh), material });
             let [x, y] = body.velocity;
             model.initial_velocities.push(InitialVelocity { body: k, linear: [x, y, 0.0], angular: [0.0, 0.0, body.spin] });
         }
         for k in 0..hulls.len() {
             if k > 0 {
-                let pair = ContactDefinition::new(&format!("contact {k}"), hulls[k].clone(), hulls[0].clone());
-                model.contacts.push(ContactDefinition { primary: hulls[..k].to_vec(), method: self.method, update: self.rule, ..pair });
+                let partner = Partner::Surfaces(hulls[..k].to_vec());
+                let pair = Interaction::new(&format!("contact {k}"), hulls[k].clone(), partner);
+                model.add_interaction(Interaction { method: self.method, update: self.rule, ..pair });
             }
             for (number, wall) in self.walls.iter().enumerate() {
                 let name = format!("wall {number} and body {k}");
-                let pair = ObstacleDefinition::new(&name, hulls[k].clone(), wall.obstacle());
-                model.obstacles.push(ObstacleDefinition { update: self.rule, ..pair });
+                let pair = Interaction::obstacle(&name, hulls[k].clone(), wall.obstacle());
+                model.add_interaction(Interaction { update: self.rule, ..pair });
             }
         }
         Ok(model)

@@ -5,7 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use conserva::dynamics::{ContactMethod, UpdateRule};
+use conserva::contact::MORTAR;
+use conserva::dynamics::GAP;
 
 use super::geometry::{Outline, Point, add, length, scaled, subtract, turned};
 use super::{Body, Kind, Scene, Shape, Wall};
@@ -59,8 +60,8 @@ impl Scene {
             bodies: Vec::new(),
             walls: Vec::new(),
             gravity: [0.0; 2],
-            method: ContactMethod::Mortar,
-            rule: UpdateRule::Gap,
+            method: &MORTAR,
+            rule: &GAP,
             dt: 0.0,
             steps: 60 + random.below(141),
         };

@@ -2,8 +2,8 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use conserva::dynamics::{FailureCause, LedgerRow, Options, Simulation, UpdateRule};
-use conserva::integrators::Integrator;
+use conserva::dynamics::{FailureCause, LedgerRow, Options, Simulation, VELOCITY};
+use conserva::integrators::ENERGY_MOMENTUM;
 
 use super::Scene;
 use super::geometry::{length, subtract};
@@ -222,7 +222,7 @@ pub fn simulate(scene: &Scene) -> Result<Simulation, String> {
 /// A simulation of the scene in which the search for contact reaches farther.
 fn simulate_with_reach(scene: &Scene, reach: f64) -> Result<Simulation, String> {
     let model = scene.model().map_err(|error| error.to_string())?;
-    let options = Options { reach, ..Options::new(Integrator::EnergyMomentum, scene.dt) };
+    let options = Options { reach, ..Options::new(&ENERGY_MOMENTUM, scene.dt) };
     Simulation::new(&model, options).map_err(|error| error.to_string())
 }
 
@@ -288,7 +288,7 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
         (record.time, record.active, record.reported, record.reserve) = (row.time, row.active, row.max_penetration, row.reserve);
         record.change = (total - start.total()) / scales.energy;
         record.gain = (total - bound) / scales.energy;
-        bound = if scene.rule == UpdateRule::Velocity { bound.max(total) } else { bound.min(total) };
+        bound = if scene.rule == &VELOCITY { bound.max(total) } else { bound.min(total) };
         // What closed contacts keep in reserve is no energy of the bodies.
         record.disagreement = (total - (row.total() - row.reserve) - offset).abs() / scales.energy;
         if is_alone {

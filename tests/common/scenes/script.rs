@@ -2,8 +2,6 @@
 
 use std::fmt::Write;
 
-use conserva::dynamics::ContactMethod;
-
 use super::geometry::Point;
 use super::{Body, Scene, Shape, Wall};
 
@@ -22,13 +20,8 @@ impl Scene {
             line(format!("let h{k} = b{k}.boundary_where(\"hull\", |x, y| true);"));
         }
         line(format!("m.gravity({:?});", self.gravity));
-        let method = match self.method {
-            ContactMethod::Mortar => "mortar()",
-            ContactMethod::DualMortar => "dual_mortar()",
-            ContactMethod::AveragedMortar => "averaged_mortar()",
-            ContactMethod::NodeToSegment => "node_to_segment()",
-        };
-        let update = self.rule.name();
+        let method = format!("{}()", self.method.name);
+        let update = self.rule.name;
         for k in 0..self.bodies.len() {
             if k > 0 {
                 let primary: Vec<String> = (0..k).map(|other| format!("h{other}")).collect();

@@ -1,0 +1,34 @@
+//! Arguments of every command that runs a script.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::script::MAX_OPERATIONS;
+
+/// What every command that runs a script takes.
+#[derive(Args)]
+pub struct ScriptArguments {
+    /// The script
+    pub script: PathBuf,
+    /// Value of a parameter that the script asks for with `param(name, default)`
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub overrides: Vec<(String, String)>,
+    /// Let the script read files below this folder, too (it may read those below its own)
+    #[arg(long, value_name = "DIR")]
+    pub allow_read: Vec<PathBuf>,
+    /// Operations after which a script counts as endless (time spent in the solver does not count)
+    #[arg(long, value_name = "N", default_value_t = MAX_OPERATIONS)]
+    pub max_operations: u64,
+}
+
+/// A name and its value.
+///
+/// # Errors
+/// How it is written.
+pub fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_string(), value.to_string())),
+        _ => Err("write it as NAME=VALUE, such as --set dt=0.01".into()),
+    }
+}

@@ -1,0 +1,156 @@
+//! Time functions: the scalar histories that loads follow.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use crate::math::tolerances::{SMALL_TIME, TIME_DIFFERENCE};
+
+/// What a time function fails with.
+pub type TimeFunctionError = Box<dyn std::error::Error + Send + Sync>;
+
+/// A scalar function of time, such as a load's amplitude. Script closures implement it too, so a value may fail.
+pub trait TimeFunction: Send + Sync {
+    /// Value at `time`.
+    ///
+    /// # Errors
+    /// Whatever a user's function fails with; the step that asked is not taken.
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError>;
+
+    /// Rate of change at `time`; a central difference unless the function knows better. At a kink it is the mean of both sides.
+    ///
+    /// # Errors
+    /// As [`value`](Self::value).
+    fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        // The best step of a central difference is the cube root of the round-off.
+        let h = TIME_DIFFERENCE * time.abs().max(SMALL_TIME);
+        Ok((self.value(time + h)? - self.value(time - h)?) / (2.0 * h))
+    }
+
+    /// How it prints, such as `hat(0, 0.5, 0.1)`.
+    fn describe(&self) -> String;
+}
+
+/// A shared time function.
+pub type Amplitude = Arc<dyn TimeFunction>;
+
+/// The same value at all times.
+#[derive(Clone, Copy, Debug)]
+pub struct Constant(pub f64);
+
+/// Zero, then up to `peak` in the middle between `start` and `end`, and back to zero, linearly.
+#[derive(Clone, Copy, Debug)]
+pub struct Hat {
+    /// Time at which it leaves zero `[time]`.
+    pub start: f64,
+    /// Time from which it is zero again `[time]`.
+    pub end: f64,
+    /// Largest value.
+    pub peak: f64,
+}
+
+/// Zero until `start`, linear to `value` at `end`, constant afterwards.
+#[derive(Clone, Copy, Debug)]
+pub struct Ramp {
+    /// Time at which it leaves zero `[time]`.
+    pub start: f64,
+    /// Time from which it is constant `[time]`.
+    pub end: f64,
+    /// Final value.
+    pub value: f64,
+}
+
+/// `amplitude * sin(2 pi frequency t)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Sine {
+    /// Largest value.
+    pub amplitude: f64,
+    /// Cycles per time `[1/time]`.
+    pub frequency: f64,
+}
+
+/// Linear between given points, constant before the first and after the last.
+#[derive(Clone, Debug)]
+pub struct Table {
+    points: Vec<(f64, f64)>,
+}
+
+impl Table {
+    /// A table of `(time, value)` points with increasing times; `None` when there is no point or the times do not increase.
+    pub fn new(points: Vec<(f64, f64)>) -> Option<Self> {
+        let increasing = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        (!points.is_empty() && increasing).then_some(Table { points })
+    }
+}
+
+impl TimeFunction for Constant {
+    fn value(&self, _: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.0)
+    }
+    fn describe(&self) -> String {
+        self.0.to_string()
+    }
+}
+
+impl TimeFunction for Hat {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        let s = (time - self.start) / (self.end - self.start);
+        Ok(self.peak * (1.0 - (2.0 * s - 1.0).abs()).max(0.0))
+    }
+    fn describe(&self) -> String {
+        format!("hat({}, {}, {})", self.start, self.end, self.peak)
+    }
+}
+
+impl TimeFunction for Ramp {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.value * ((time - self.start) / (self.end - self.start)).clamp(0.0, 1.0))
+    }
+    fn describe(&self) -> String {
+        format!("ramp({}, {}, {})", self.start, self.end, self.value)
+    }
+}
+
+impl TimeFunction for Sine {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.amplitude * (TAU * self.frequency * time).sin())
+    }
+    fn describe(&self) -> String {
+        format!("sine({}, {})", self.amplitude, self.frequency)
+    }
+}
+
+impl TimeFunction for Table {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        let after = self.points.partition_point(|point| point.0 <= time);
+        Ok(match after {
+            0 => self.points[0].1,
+            n if n == self.points.len() => self.points[n - 1].1,
+            n => {
+                let ((t0, v0), (t1, v1)) = (self.points[n - 1], self.points[n]);
+                v0 + (v1 - v0) * (time - t0) / (t1 - t0)
+            }
+        })
+    }
+    fn describe(&self) -> String {
+        format!("table of {} points", self.points.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hat_rises_to_its_peak_in_the_middle_and_is_zero_outside() {
+        let hat = Hat { start: 1.0, end: 3.0, peak: 4.0 };
+        let values = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 9.0].map(|t| hat.value(t).unwrap());
+        assert_eq!(values, [0.0, 0.0, 2.0, 4.0, 2.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn table_is_linear_inside_and_constant_outside() {
+        let table = Table::new(vec![(0.0, 1.0), (2.0, 5.0)]).unwrap();
+        assert_eq!([-1.0, 0.0, 1.0, 2.0, 7.0].map(|t| table.value(t).unwrap()), [1.0, 1.0, 3.0, 5.0, 5.0]);
+        assert!(Table::new(vec![(1.0, 0.0), (1.0, 1.0)]).is_none());
+    }
+}

@@ -1,0 +1,60 @@
+//! A model put together line by line, as a program writes it. What these methods do not say is set in the fields of [`Model`].
+
+use std::sync::Arc;
+
+use super::amplitude::TimeFunction;
+use super::definitions::{BodyDefinition, InitialVelocity, Load, LoadKind, Model, Support};
+use super::error::ModelError;
+use super::interactions::{BodyBoundary, Interaction};
+use crate::materials::Material;
+use crate::mesh::Mesh;
+
+impl Model {
+    /// An empty model.
+    pub fn new(name: &str) -> Self {
+        Model { name: name.into(), ..Model::default() }
+    }
+
+    /// Adds a body; returns its index.
+    pub fn add_body(&mut self, name: &str, mesh: Mesh, material: &Material) -> usize {
+        self.bodies.push(BodyDefinition { name: name.into(), mesh: Arc::new(mesh), material: material.clone() });
+        self.bodies.len() - 1
+    }
+
+    /// A boundary of a body by its name.
+    ///
+    /// # Errors
+    /// [`ModelError::UnknownBoundary`].
+    ///
+    /// # Panics
+    /// When there is no body of that index.
+    pub fn boundary(&self, body: usize, name: &str) -> Result<BodyBoundary, ModelError> {
+        let BodyDefinition { name: owner, mesh, .. } = &self.bodies[body];
+        let unknown = || ModelError::UnknownBoundary {
+            body: owner.clone(),
+            boundary: name.into(),
+            available: mesh.boundaries.iter().map(|boundary| boundary.name.clone()).collect(),
+        };
+        Ok(BodyBoundary { body, boundary: mesh.boundary(name).ok_or_else(unknown)?.clone() })
+    }
+
+    /// Holds some components (x, y, z) of a boundary.
+    pub fn fix(&mut self, on: BodyBoundary, components: [bool; 3]) {
+        self.supports.push(Support { on, components });
+    }
+
+    /// Loads a boundary.
+    pub fn load(&mut self, on: BodyBoundary, kind: LoadKind, amplitude: impl TimeFunction + 'static) {
+        self.loads.push(Load { kind, on, amplitude: Arc::new(amplitude) });
+    }
+
+    /// Adds a contact pair ([`Interaction::contact`]), whose fields may be changed.
+    pub fn add_contact(&mut self, name: &str, secondary: BodyBoundary, primary: BodyBoundary) -> &mut Interaction {
+        self.add_interaction(Interaction::contact(name, secondary, primary))
+    }
+
+    /// Gives a body a velocity at the start: that of its center of mass, and an angular one.
+    pub fn throw(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
+        self.initial_velocities.push(InitialVelocity { body, linear, angular });
+    }
+}

@@ -1,0 +1,208 @@
+//! What a problem consists of, before any number is computed: bodies, supports, loads, contact pairs.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::amplitude::Amplitude;
+use super::error::ModelError;
+use super::interactions::{BodyBoundary, Interaction, Partner};
+use super::part::PartDefinition;
+use crate::materials::Material;
+use crate::mesh::Mesh;
+
+/// A deformable body: a mesh with a material and a name.
+#[derive(Clone, Debug)]
+pub struct BodyDefinition {
+    /// Name, unique in the model.
+    pub name: String,
+    /// Its mesh in the undeformed configuration.
+    pub mesh: Arc<Mesh>,
+    /// Its material.
+    pub material: Material,
+}
+
+/// Nodes that do not move in some directions.
+#[derive(Clone, Debug)]
+pub struct Support {
+    /// The nodes of this boundary are held.
+    pub on: BodyBoundary,
+    /// Which components (x, y, z) are held.
+    pub components: [bool; 3],
+}
+
+/// Nodes whose displacement in one direction follows a time function.
+#[derive(Clone)]
+pub struct Prescription {
+    /// The nodes of this boundary.
+    pub on: BodyBoundary,
+    /// The component (0, 1, 2: x, y, z).
+    pub component: usize,
+    /// Displacement over time `[length]`.
+    pub displacement: Amplitude,
+}
+
+/// What a load does; its size follows a time function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LoadKind {
+    /// Dead traction vector per undeformed facet area `[stress]`, times the amplitude.
+    Traction([f64; 3]),
+    /// Dead force spread evenly over the boundary `[force]`, times the amplitude.
+    Force([f64; 3]),
+    /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body. In the plane only.
+    Pressure(f64),
+    /// Torque about the third axis `[force * length]`, the amplitude itself, as nodal forces without resultant.
+    Torque,
+}
+
+/// A load on a boundary.
+#[derive(Clone)]
+pub struct Load {
+    /// What it does.
+    pub kind: LoadKind,
+    /// Where it acts.
+    pub on: BodyBoundary,
+    /// Its size over time.
+    pub amplitude: Amplitude,
+}
+
+/// Velocity of a body at the start: `linear + angular x (x - center of mass)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InitialVelocity {
+    /// Index of the body in the model.
+    pub body: usize,
+    /// Velocity of the center of mass `[length/time]`.
+    pub linear: [f64; 3],
+    /// Angular velocity `[1/time]`; in the plane only the third component.
+    pub angular: [f64; 3],
+}
+
+/// A problem: what there is, how it is held and loaded, what touches what.
+#[derive(Clone, Default)]
+pub struct Model {
+    /// Name of the model.
+    pub name: String,
+    /// Bodies in the order in which they were added.
+    pub bodies: Vec<BodyDefinition>,
+    /// Supports.
+    pub supports: Vec<Support>,
+    /// Prescribed displacements.
+    pub prescriptions: Vec<Prescription>,
+    /// Acceleration of gravity `[length/time^2]`.
+    pub gravity: [f64; 3],
+    /// Loads.
+    pub loads: Vec<Load>,
+    /// What touches or is tied to what, in the order in which a simulation counts contacts.
+    pub interactions: Vec<Interaction>,
+    /// What pushes on nodes besides, such as springs.
+    pub parts: Vec<Arc<dyn PartDefinition>>,
+    /// Initial velocities; a later one of the same body replaces an earlier one.
+    pub initial_velocities: Vec<InitialVelocity>,
+}
+
+impl Model {
+    /// Space dimension of the bodies; 2 while there is none.
+    pub fn dimension(&self) -> usize {
+        self.bodies.first().map_or(2, |body| body.mesh.dimension())
+    }
+
+    /// `"body.boundary"`, as messages name a boundary.
+    pub fn boundary_name(&self, on: &BodyBoundary) -> String {
+        format!("{}.{}", self.bodies[on.body].name, on.boundary.name)
+    }
+
+    /// Names of all interactions, in the order in which a simulation counts contacts.
+    pub fn contact_names(&self) -> Vec<&str> {
+        self.interactions.iter().map(|interaction| interaction.name.as_str()).collect()
+    }
+
+    /// Adds an interaction behind those of its kind: contacts come first, then surfaces that touch themselves, obstacles, ties.
+    pub fn add_interaction(&mut self, interaction: Interaction) -> &mut Interaction {
+        let place = self.interactions.partition_point(|other| other.rank() <= interaction.rank());
+        self.interactions.insert(place, interaction);
+        &mut self.interactions[place]
+    }
+
+    /// Boundaries that supports hold or move, each once, in the order in which a simulation tells their reactions.
+    pub fn support_names(&self) -> Vec<String> {
+        let boundaries = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|given| &given.on));
+        let mut names: Vec<String> = Vec::new();
+        for name in boundaries.map(|on| self.boundary_name(on)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Bodies that gravity moves for ever: no support holds them, no interaction and no other part joins them to anything.
+    pub fn falling(&self) -> Vec<&BodyDefinition> {
+        if self.gravity == [0.0; 3] {
+            return Vec::new();
+        }
+        let held = self.supports.iter().map(|support| support.on.body).chain(self.prescriptions.iter().map(|given| given.on.body));
+        let touching = self.interactions.iter().flat_map(|one| std::iter::once(&one.secondary).chain(one.primary())).map(|on| on.body);
+        let joined = self.parts.iter().flat_map(|part| part.bodies());
+        let kept: BTreeSet<usize> = held.chain(touching).chain(joined).collect();
+        let falls = |(index, _): &(usize, &BodyDefinition)| !kept.contains(index);
+        self.bodies.iter().enumerate().filter(falls).map(|(_, body)| body).collect()
+    }
+
+    /// Checks everything that can be said without computing: names, dimensions, empty boundaries, a surface in contact with itself.
+    ///
+    /// # Errors
+    /// The first defect found.
+    pub fn check(&self) -> Result<(), ModelError> {
+        let first = self.bodies.first().ok_or(ModelError::NoBodies { model: self.name.clone() })?;
+        for (index, body) in self.bodies.iter().enumerate() {
+            if self.bodies[..index].iter().any(|other| other.name == body.name) {
+                return Err(ModelError::DuplicateName { what: "body", name: body.name.clone() });
+            }
+            if body.mesh.dimension() != first.mesh.dimension() {
+                return Err(ModelError::MixedDimensions {
+                    first: first.name.clone(),
+                    first_dimension: first.mesh.dimension(),
+                    second: body.name.clone(),
+                    second_dimension: body.mesh.dimension(),
+                });
+            }
+        }
+        let surfaces =
+            self.interactions.iter().flat_map(|interaction| std::iter::once(&interaction.secondary).chain(interaction.primary()));
+        let prescribed = self.prescriptions.iter().map(|prescription| &prescription.on);
+        for on in
+            self.supports.iter().map(|support| &support.on).chain(prescribed).chain(self.loads.iter().map(|load| &load.on)).chain(surfaces)
+        {
+            if on.boundary.facets.is_empty() {
+                return Err(ModelError::EmptyBoundary { boundary: self.boundary_name(on) });
+            }
+        }
+        if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Pressure(_)) && self.dimension() != 2) {
+            return Err(ModelError::PressureDimension { boundary: self.boundary_name(&load.on) });
+        }
+        for (index, part) in self.parts.iter().enumerate() {
+            if self.parts[..index].iter().any(|other| other.name() == part.name()) {
+                return Err(ModelError::DuplicateName { what: "part", name: part.name().into() });
+            }
+            part.check(&|body, node| self.bodies[body].mesh.points[node as usize])?;
+        }
+        let names = self.contact_names();
+        for (index, name) in names.iter().enumerate() {
+            if names[..index].contains(name) {
+                return Err(ModelError::DuplicateName { what: "contact", name: name.to_string() });
+            }
+            if self.dimension() != 2 {
+                return Err(ModelError::ContactDimension { contact: name.to_string(), dimension: self.dimension() });
+            }
+        }
+        for Interaction { name, secondary, partner, .. } in &self.interactions {
+            let Partner::Surfaces(primary) = partner else { continue };
+            let shares = |primary: &BodyBoundary| {
+                secondary.body == primary.body && secondary.boundary.facets.iter().any(|facet| primary.boundary.facets.contains(facet))
+            };
+            if primary.iter().any(shares) {
+                return Err(ModelError::SelfContact { contact: name.clone(), boundary: self.boundary_name(secondary) });
+            }
+        }
+        Ok(())
+    }
+}

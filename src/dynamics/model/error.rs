@@ -1,0 +1,174 @@
+//! What can go wrong in a model or in a step: one sentence with the numbers that show it, and a cure.
+
+use thiserror::Error;
+
+/// A model that cannot be simulated.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A model without bodies.
+    #[error("model \"{model}\" has no bodies")]
+    NoBodies {
+        /// Name of the model.
+        model: String,
+    },
+    /// Two objects of one kind with the same name.
+    #[error("there are two objects of kind {what} with the name \"{name}\"")]
+    DuplicateName {
+        /// Kind of the objects.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// Bodies of different dimension.
+    #[error("body \"{first}\" is {first_dimension}-dimensional, but body \"{second}\" is {second_dimension}-dimensional")]
+    MixedDimensions {
+        /// Name of the first body.
+        first: String,
+        /// Its dimension.
+        first_dimension: usize,
+        /// Name of the other body.
+        second: String,
+        /// Its dimension.
+        second_dimension: usize,
+    },
+    /// A boundary that a body does not have.
+    #[error("body \"{body}\" has no boundary \"{boundary}\"; it has {}", listed(.available))]
+    UnknownBoundary {
+        /// Name of the body.
+        body: String,
+        /// The name.
+        boundary: String,
+        /// Names of the body's boundaries.
+        available: Vec<String>,
+    },
+    /// A boundary without facets.
+    #[error("boundary \"{boundary}\" has no facets")]
+    EmptyBoundary {
+        /// `body.boundary`.
+        boundary: String,
+    },
+    /// A contact pair in a dimension without a contact method.
+    #[error("contact \"{contact}\" joins {dimension}-dimensional bodies")]
+    ContactDimension {
+        /// Name of the pair.
+        contact: String,
+        /// Space dimension.
+        dimension: usize,
+    },
+    /// A pressure on a body in space.
+    #[error("the pressure on \"{boundary}\" acts on a body in space")]
+    PressureDimension {
+        /// `body.boundary`.
+        boundary: String,
+    },
+    /// A contact pair whose sides share facets.
+    #[error("both sides of contact \"{contact}\" contain facets of \"{boundary}\"")]
+    SelfContact {
+        /// Name of the pair.
+        contact: String,
+        /// `body.boundary` of the secondary side.
+        boundary: String,
+    },
+    /// A spring whose ends are at one place.
+    #[error("the ends of spring \"{spring}\" are at the same place")]
+    SpringOfNoLength {
+        /// Name of the spring.
+        spring: String,
+    },
+    /// The equations do not fit into memory.
+    #[error("the model is too large: {reason}")]
+    TooLarge {
+        /// What did not fit.
+        reason: String,
+    },
+    /// A cell that is inside out or degenerate.
+    #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
+    InvertedCell {
+        /// Name of the body.
+        body: String,
+        /// Cell number in its mesh.
+        cell: usize,
+        /// Smallest Jacobian determinant at its quadrature points.
+        jacobian: f64,
+    },
+}
+
+/// Names in quotation marks, or `none`.
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    if quoted.is_empty() { "none".into() } else { quoted.join(", ") }
+}
+
+impl ModelError {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        match self {
+            ModelError::NoBodies { .. } => "add one with `model.add_body(name, mesh, material)`".into(),
+            ModelError::DuplicateName { .. } => "give each its own name: messages, tables and files refer to it".into(),
+            ModelError::MixedDimensions { .. } => "use meshes of one dimension in a model".into(),
+            ModelError::UnknownBoundary { .. } => "use one of its boundaries, or select one with `Mesh::boundary_where`".into(),
+            ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
+            ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
+            ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
+            ModelError::SelfContact { .. } => {
+                "name two boundaries without common facets as `secondary` and `primary`, or use `add_self_contact` for a surface that folds"
+                    .into()
+            }
+            ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
+            ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
+            ModelError::InvertedCell { .. } => {
+                "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into()
+            }
+        }
+    }
+}
+
+/// A step that could not be taken.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// A time function failed.
+    #[error("the amplitude of the load on \"{boundary}\" failed at t = {time}")]
+    Amplitude {
+        /// `body.boundary` on which the load acts.
+        boundary: String,
+        /// Time at which it was asked.
+        time: f64,
+        /// What it failed with.
+        source: super::amplitude::TimeFunctionError,
+    },
+    /// Newton's method failed in spite of all halvings.
+    #[error("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings): {cause}")]
+    NotConverged {
+        /// Time at the beginning of the step.
+        time: f64,
+        /// Number of the step that failed.
+        step: usize,
+        /// Step size of the last try.
+        dt: f64,
+        /// Number of halvings.
+        halvings: usize,
+        /// What was seen in the last iterations.
+        cause: String,
+        /// How to mend it.
+        cure: String,
+    },
+    /// The user interrupted the run.
+    #[error("interrupted at t = {time}")]
+    Interrupted {
+        /// Time of the last accepted step.
+        time: f64,
+    },
+}
+
+impl StepError {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        match self {
+            StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
+            StepError::NotConverged { cure, .. } => cure.clone(),
+            StepError::Interrupted { .. } => "everything up to this time is kept".into(),
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! What is suspicious about a model's contacts in the undeformed bodies, before anything is computed.
+//!
+//! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
+
+use super::boundaries::{boundary_facets, facets_of_all, tie_reach};
+use super::definitions::Model;
+use super::interactions::{BodyBoundary, Interaction, Partner};
+use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces};
+
+impl Model {
+    /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; empty for a
+    /// model of bodies in space.
+    pub fn findings(&self) -> Vec<(String, Finding)> {
+        if self.dimension() != 2 {
+            return Vec::new();
+        }
+        let mut first = Vec::with_capacity(self.bodies.len());
+        let mut reference: Vec<f64> = Vec::new();
+        for body in &self.bodies {
+            first.push(reference.len() / 2);
+            reference.extend(body.mesh.points.iter().flat_map(|point| [point[0], point[1]]));
+        }
+        let facets = |on: &BodyBoundary| boundary_facets(self, on, first[on.body]);
+        let check = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
+            let together: Vec<String> = primary.iter().map(|on| self.boundary_name(on)).collect();
+            let names = [self.boundary_name(secondary), together.join("\" and \"")];
+            let surfaces = [Surface::new(&facets(secondary)), Surface::new(&facets_of_all(primary, facets))];
+            let side = |k: usize| NamedSurface { name: &names[k], surface: &surfaces[k] };
+            check_surfaces(side(0), side(1), &reference)
+        };
+        let mut findings: Vec<(String, Finding)> = Vec::new();
+        let mut add = |name: &String, found: Vec<Finding>| findings.extend(found.into_iter().map(|finding| (name.clone(), finding)));
+        for Interaction { name, secondary, partner, .. } in &self.interactions {
+            let primary = match partner {
+                Partner::Surfaces(primary) => primary,
+                Partner::Itself | Partner::Obstacle { .. } => std::slice::from_ref(secondary),
+                Partner::Tied { to, .. } => std::slice::from_ref(to),
+            };
+            add(name, check(secondary, primary));
+            let Partner::Tied { to, reach } = partner else { continue };
+            let secondary = facets(secondary);
+            let reach = reach.unwrap_or_else(|| tie_reach(&secondary, &reference));
+            let tied = Tie::new(&secondary, &facets(to), &reference, reach);
+            let nodes = tied.untied().len();
+            if nodes > 0 {
+                let of = Surface::new(&secondary).nodes().len();
+                add(name, vec![Finding::Untied { tie: name.clone(), nodes, of, reach }]);
+            }
+        }
+        // A boundary in several contacts is reported once.
+        let mut unique: Vec<(String, Finding)> = Vec::new();
+        for (name, finding) in findings {
+            if unique.iter().all(|(_, known)| *known != finding) {
+                unique.push((name, finding));
+            }
+        }
+        unique
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::definitions::BodyDefinition;
+    use super::*;
+    use crate::materials::NeoHookean;
+    use crate::mesh::rectangle;
+
+    /// A block on the ground block, both 1 x 1.
+    fn blocks() -> Model {
+        let mut model = Model::default();
+        for (name, height, cells) in [("lower", 0.0, 2), ("upper", 1.0, 8)] {
+            let mesh = rectangle([1.0, 1.0], [cells, 1], [0.0, height]).expect("the mesh is sound");
+            let material =
+                NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 1.0 }.material().expect("the constants are in their ranges");
+            model.bodies.push(BodyDefinition { name: name.into(), mesh: Arc::new(mesh), material });
+        }
+        model
+    }
+
+    fn found(model: &Model) -> Vec<Finding> {
+        model.findings().into_iter().map(|(_, finding)| finding).collect()
+    }
+
+    fn boundary(model: &Model, body: usize, name: &str) -> BodyBoundary {
+        BodyBoundary { body, boundary: model.bodies[body].mesh.boundary(name).expect("the mesh has it").clone() }
+    }
+
+    #[test]
+    fn the_wrong_side_and_a_coarse_secondary_surface_are_found() {
+        let mut model = blocks();
+        let contact = |secondary, primary| vec![Interaction::contact("contact", secondary, primary)];
+        model.interactions = contact(boundary(&model, 1, "bottom"), boundary(&model, 0, "top"));
+        assert_eq!(found(&model), []);
+        model.interactions = contact(boundary(&model, 0, "top"), boundary(&model, 1, "bottom"));
+        assert!(matches!(found(&model)[..], [Finding::CoarseSecondary { .. }]));
+        model.interactions = contact(boundary(&model, 1, "bottom"), boundary(&model, 0, "top"));
+        let left = boundary(&model, 0, "left");
+        let top = boundary(&model, 0, "top");
+        model.interactions[0].partner = Partner::Surfaces(vec![top, left]);
+        assert_eq!(found(&model), [], "one of several primaries looks back");
+        model.interactions = contact(boundary(&model, 1, "top"), boundary(&model, 0, "top"));
+        assert!(matches!(found(&model)[..], [Finding::FacingAway { .. }]));
+    }
+
+    #[test]
+    fn a_tie_that_holds_nothing_is_found() {
+        let mut model = blocks();
+        let tie = |secondary, primary| vec![Interaction::tie("seam", secondary, primary)];
+        model.interactions = tie(boundary(&model, 1, "bottom"), boundary(&model, 0, "top"));
+        assert_eq!(found(&model), []);
+        model.interactions = tie(boundary(&model, 1, "bottom"), boundary(&model, 0, "bottom"));
+        let found = found(&model);
+        assert!(matches!(found[..], [Finding::FacingAway { .. }, Finding::Untied { nodes: 9, of: 9, .. }]), "{found:?}");
+        assert!(found[1].to_string().starts_with("9 of 9 nodes of tie \"seam\""));
+    }
+}

@@ -1,0 +1,127 @@
+//! What touches what, as it is defined: one list for contacts, obstacles, surfaces that touch themselves, and ties.
+
+use std::slice;
+
+use super::amplitude::Amplitude;
+use super::update_rules::{GAP, UpdateRule};
+use crate::contact::{ContactMethod, MORTAR, Obstacle};
+use crate::mesh::Boundary;
+
+/// A boundary of a body.
+#[derive(Clone, Debug)]
+pub struct BodyBoundary {
+    /// Index of the body in the model.
+    pub body: usize,
+    /// The boundary of the body's mesh.
+    pub boundary: Boundary,
+}
+
+/// What keeps a contact node from penetrating.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Enforcement {
+    /// Lagrange multipliers: the update rule holds exactly.
+    Multiplier,
+    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap, with `kappa = factor * youngs_modulus / h^2`: a small penetration, and
+    /// exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is not used.
+    Penalty {
+        /// Stiffness over that of the secondary body's facets.
+        factor: f64,
+    },
+    /// Augmented Lagrangian: `lambda = max(0, lambda_old - kappa (Phi - target))`, with the multiplier brought up to date in every Newton
+    /// iteration until the update rule holds as exactly as with multipliers. It copes with constraints that depend on one another.
+    /// `kappa = factor (youngs_modulus / h^2 + m_A / w_A^2 * 2 / dt^2)`: the stiffness of a facet and the inertia of the node.
+    AugmentedLagrange {
+        /// Augmentation over the stiffness that a node has in the step; the larger, the fewer iterations.
+        factor: f64,
+    },
+}
+
+/// A boundary with what it may touch, or is tied to.
+#[derive(Clone)]
+pub struct Interaction {
+    /// Name, unique among interactions.
+    pub name: String,
+    /// The side that carries the multipliers (slave, nonmortar).
+    pub secondary: BodyBoundary,
+    /// The other side.
+    pub partner: Partner,
+    /// Discretisation between two surfaces.
+    pub method: &'static ContactMethod,
+    /// Condition over a step.
+    pub update: &'static UpdateRule,
+    /// What keeps nodes from penetrating.
+    pub enforcement: Enforcement,
+    /// The paper's bilateral constraints: every covered node is closed, tension is allowed.
+    pub equality: bool,
+}
+
+/// What the secondary side of an interaction meets.
+#[derive(Clone)]
+pub enum Partner {
+    /// Boundaries of bodies (master, mortar): one or several, of one body or several.
+    Surfaces(Vec<BodyBoundary>),
+    /// The secondary side itself, where it folds.
+    Itself,
+    /// A rigid obstacle.
+    Obstacle {
+        /// Its shape and place.
+        shape: Obstacle,
+        /// Translation in x and y over time `[length]`; `None`: at rest.
+        motion: [Option<Amplitude>; 2],
+    },
+    /// A boundary to which the secondary side is tied, although their meshes do not match. Better the coarser one.
+    Tied {
+        /// The boundary.
+        to: BodyBoundary,
+        /// Distance in the undeformed bodies within which they are tied `[length]`; `None`: half of the shortest secondary facet.
+        reach: Option<f64>,
+    },
+}
+
+impl Interaction {
+    /// An interaction by mortar contact with multipliers and the `gap` rule; change the fields for anything else.
+    pub fn new(name: &str, secondary: BodyBoundary, partner: Partner) -> Self {
+        let (enforcement, equality) = (Enforcement::Multiplier, false);
+        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: &GAP, enforcement, equality }
+    }
+
+    /// Contact with another boundary.
+    pub fn contact(name: &str, secondary: BodyBoundary, primary: BodyBoundary) -> Self {
+        Interaction::new(name, secondary, Partner::Surfaces(vec![primary]))
+    }
+
+    /// Contact with a rigid obstacle at rest.
+    pub fn obstacle(name: &str, secondary: BodyBoundary, shape: Obstacle) -> Self {
+        Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None] })
+    }
+
+    /// A tie.
+    pub fn tie(name: &str, secondary: BodyBoundary, to: BodyBoundary) -> Self {
+        Interaction::new(name, secondary, Partner::Tied { to, reach: None })
+    }
+
+    /// The boundaries of the other side; none of an obstacle.
+    pub fn primary(&self) -> &[BodyBoundary] {
+        match &self.partner {
+            Partner::Surfaces(primary) => primary,
+            Partner::Itself => slice::from_ref(&self.secondary),
+            Partner::Obstacle { .. } => &[],
+            Partner::Tied { to, .. } => slice::from_ref(to),
+        }
+    }
+
+    /// Whether it is a tie, and no contact.
+    pub fn is_tie(&self) -> bool {
+        matches!(self.partner, Partner::Tied { .. })
+    }
+
+    /// Place of its kind in the order in which a simulation counts contacts.
+    pub fn rank(&self) -> usize {
+        match self.partner {
+            Partner::Surfaces(_) => 0,
+            Partner::Itself => 1,
+            Partner::Obstacle { .. } => 2,
+            Partner::Tied { .. } => 3,
+        }
+    }
+}

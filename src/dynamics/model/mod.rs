@@ -1,0 +1,12 @@
+//! What a problem consists of, before any number is computed.
+
+pub mod amplitude;
+pub mod boundaries;
+pub mod builder;
+pub mod definitions;
+pub mod error;
+pub mod findings;
+pub mod interactions;
+pub mod overlaps;
+pub mod part;
+pub mod update_rules;

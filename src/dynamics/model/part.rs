@@ -1,0 +1,133 @@
+//! What every part of a model owes the equations, whatever it is.
+//!
+//! A part pushes on nodes. It tells which of them it couples, finds its places in the matrix, adds its forces and their derivative at an
+//! iterate, and says what it stores and remembers. Bodies and loads are parts. A new kind of part (a dashpot, an added mass) is one file
+//! with a [`PartDefinition`], which goes into [`Model::parts`](super::definitions::Model::parts), and its [`Part`]; nobody else asks what
+//! it is.
+
+use std::sync::Arc;
+
+use super::error::{ModelError, StepError};
+use crate::bodies::Inverted;
+use crate::integrators::Derivative;
+use crate::linear::Pattern;
+use crate::math::workers::Workers;
+
+/// Where a step stands when its parts are asked for their forces. Positions are flat, node after node, of the whole model.
+pub struct Iterate<'a> {
+    /// How potentials are differentiated.
+    pub derivative: Derivative,
+    /// Share of the forces in the equations of the step.
+    pub weight: f64,
+    /// Time at which loads act `[time]`.
+    pub time: f64,
+    /// Size of the step `[time]`, 0 at rest.
+    pub dt: f64,
+    /// Positions at the start of the step `[length]`.
+    pub q_0: &'a [f64],
+    /// Positions at its end `[length]`.
+    pub q_1: &'a [f64],
+    /// Positions at which loads act `[length]`.
+    pub q_test: &'a [f64],
+    /// Factor of the mass in the tangent, body by body `[1/time^2]`.
+    pub inertia: &'a [f64],
+}
+
+/// Sums that parts add to, unknown by unknown of the whole model.
+pub struct Sums<'a> {
+    /// Weighted forces of potentials, as the residual has them: against the motion that they drive `[force]`.
+    pub internal: &'a mut [f64],
+    /// Forces from outside, not weighted `[force]`.
+    pub load: &'a mut [f64],
+    /// Values of the matrix, where the weighted derivative is wanted `[force/length]`.
+    pub tangent: Option<&'a mut [f64]>,
+    /// Threads to share work among.
+    pub workers: &'a Workers,
+}
+
+/// Why forces could not be computed.
+pub enum Refusal {
+    /// A cell turned inside out.
+    Inverted {
+        /// Its body.
+        body: String,
+        /// The cell.
+        inverted: Inverted,
+    },
+    /// A time function failed.
+    Load(StepError),
+}
+
+/// A part of a model that pushes on nodes.
+pub trait Part: Send {
+    /// Tells groups of nodes that it couples: every two of a group have a block in the matrix.
+    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32]));
+
+    /// Finds its places in a new pattern.
+    fn place(&mut self, pattern: &Pattern);
+
+    /// Adds its forces at an iterate and their derivative with respect to `q_1`; `memory` is what it remembered of the steps before.
+    ///
+    /// # Errors
+    /// The iterate is no configuration of this part, or a time function failed.
+    fn linearize(&self, at: &Iterate, memory: &[f64], sums: &mut Sums) -> Result<(), Refusal>;
+
+    /// What its potential stores at `q` `[energy]`; 0 for what pushes from outside.
+    fn energy(&self, q: &[f64]) -> f64;
+
+    /// What it remembers at the start: a block of numbers that every state keeps.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// What it remembers after a step that has converged.
+    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Vec<f64> {
+        memory.to_vec()
+    }
+}
+
+/// The numbers of a model's nodes, for parts that are made.
+pub struct Numbering<'a> {
+    /// Space dimension.
+    pub dimension: usize,
+    /// First node of each body.
+    pub first: &'a [usize],
+    /// Positions at rest, node after node `[length]`.
+    pub reference: &'a [f64],
+}
+
+/// How a whole model is moved and written in other units: [`PartDefinition::changed`].
+pub struct Change<'a> {
+    /// Where a point goes.
+    pub point: &'a dyn Fn([f64; 3]) -> [f64; 3],
+    /// What a vector becomes, units left out.
+    pub direction: &'a dyn Fn([f64; 3]) -> [f64; 3],
+    /// Factors of mass, length and time.
+    pub units: [f64; 3],
+    /// Whether the model is plane, its forces then per thickness.
+    pub is_plane: bool,
+}
+
+/// A part of a model as it is defined.
+pub trait PartDefinition: Send + Sync {
+    /// Its name, unique among the parts.
+    fn name(&self) -> &str;
+
+    /// The bodies that it joins.
+    fn bodies(&self) -> Vec<usize>;
+
+    /// Checks what can be said without computing; `point` is where a node of a body is at rest.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError>;
+
+    /// The part with its numbers.
+    fn part(&self, numbering: &Numbering) -> Box<dyn Part>;
+
+    /// The same in a model that is moved or written in other units.
+    fn changed(&self, change: &Change) -> Arc<dyn PartDefinition>;
+
+    /// One line for the list of a model.
+    fn describe(&self) -> String;
+}

@@ -1,0 +1,71 @@
+//! Update rules: the condition that an active contact node fulfils over a step.
+
+use std::fmt;
+
+/// An update rule as a row of the catalogue.
+pub struct UpdateRule {
+    /// Name as written in a script.
+    pub name: &'static str,
+    /// One sentence for the reference.
+    pub summary: &'static str,
+    /// Which nodes a step holds, and where.
+    pub holds: Holds,
+    /// Whether closings are plastic impacts whose energy is kept in reserve and given back at the opening.
+    pub gives_back: bool,
+    /// Whether the energy stays the same through impact and release, for every step size; it never grows.
+    pub keeps_energy: bool,
+}
+
+/// Which nodes a step holds, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// Those that would overlap: their gap is zero at the end, or what it was at the start where that was an overlap.
+    Closed,
+    /// Those that are closed at the start: their gap stays what it is. Others may come through the other side within a step.
+    AsItIs,
+}
+
+/// The gap is zero at the end of the step, or what it was at the start where that was an overlap.
+pub static GAP: UpdateRule = UpdateRule {
+    name: "gap",
+    summary: "closed at the end of a step; each closing loses energy, which the ledger books as contact work (never positive: an overlap \
+              at the start is kept, not driven apart)",
+    holds: Holds::Closed,
+    gives_back: false,
+    keeps_energy: false,
+};
+
+/// A node that is closed at the start of the step does not approach further (Laursen and Chawla, IJNME 40, 1997).
+pub static PERSISTENCY: UpdateRule = UpdateRule {
+    name: "persistency",
+    summary: "a gap that is closed stays as it is: energy exact through impact and release, penetrates by at most a tenth of a facet",
+    holds: Holds::AsItIs,
+    gives_back: false,
+    keeps_energy: true,
+};
+
+/// As [`GAP`]; closings are plastic impacts whose energy a smoothed velocity jump returns at the opening (after Laursen and Love, IJNME 53,
+/// 2002, who return it at once).
+pub static VELOCITY: UpdateRule = UpdateRule {
+    name: "velocity",
+    summary: "closed as with `gap`, and exact energy: what a closing takes is kept in reserve (column `reserve`, part of `potential`) and \
+              becomes motion again when the contact opens",
+    holds: Holds::Closed,
+    gives_back: true,
+    keeps_energy: true,
+};
+
+/// All update rules, in the order of the reference.
+pub static UPDATE_RULES: &[&UpdateRule] = &[&GAP, &PERSISTENCY, &VELOCITY];
+
+impl PartialEq for UpdateRule {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl fmt::Debug for UpdateRule {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        out.write_str(self.name)
+    }
+}

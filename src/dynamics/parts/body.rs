@@ -1,0 +1,40 @@
+//! A deformable body in the numbering of the model.
+
+use std::ops::Range;
+
+use crate::bodies::{ElementLoop, Step};
+use crate::dynamics::model::part::{Iterate, Part, Refusal, Sums};
+use crate::linear::Pattern;
+
+/// A deformable body. Bodies come first among the parts: they set the sums of their nodes, the others add.
+pub struct Body<const D: usize> {
+    /// Its name.
+    pub name: String,
+    /// Its number.
+    pub number: usize,
+    /// Range of its nodes.
+    pub nodes: Range<usize>,
+    /// The loop over its cells.
+    pub elements: Box<dyn ElementLoop<D>>,
+}
+
+impl<const D: usize> Part for Body<D> {
+    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
+        self.elements.cliques().iter().for_each(|clique| tell(clique));
+    }
+
+    fn place(&mut self, pattern: &Pattern) {
+        self.elements.place(pattern);
+    }
+
+    fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
+        let Iterate { derivative, weight, q_0, q_1, .. } = *at;
+        let step = Step { derivative, weight, inertia: at.inertia[self.number], q_0, q_1 };
+        let outcome = self.elements.assemble(&step, sums.internal, sums.tangent.as_deref_mut(), sums.workers);
+        outcome.map_err(|inverted| Refusal::Inverted { body: self.name.clone(), inverted })
+    }
+
+    fn energy(&self, q: &[f64]) -> f64 {
+        self.elements.strain_energy(q)
+    }
+}

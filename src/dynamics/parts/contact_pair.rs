@@ -1,0 +1,317 @@
+//! A contact pair in the numbering of the model: its constraint rows, its places in the matrix, how it is held.
+//!
+//! Pairs are surfaces with surfaces, surfaces with rigid obstacles, ties, and the corners that the weighted gaps of another pair do not
+//! see.
+//! What a pair is at an iterate stands in an [`Evaluation`], which belongs to the iterate and not to the pair.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::{ContactKernel, Evaluation};
+use crate::dynamics::model::amplitude::Amplitude;
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
+use crate::linear::{Block, Pattern};
+use crate::math::tolerances;
+
+/// What a pair consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairKind {
+    /// Two surfaces, or one with itself.
+    Surfaces,
+    /// A surface and a rigid obstacle.
+    Obstacle,
+    /// Two surfaces that stay together: no contact at all.
+    Tie,
+}
+
+/// What a pair adds to the contact of a pair before it: constraints of the corners that its weighted gaps do not see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CornersOf {
+    /// Index of the pair whose contact it is.
+    pub pair: usize,
+    /// Overlap that it leaves alone `[length]`: where surfaces lie flat on each other, the other constraints hold them, and these would
+    /// depend on them.
+    pub slack: f64,
+}
+
+/// What a constraint row is in a step. A row that sticks or slips would be another one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RowState {
+    /// Its multiplier is zero.
+    #[default]
+    Open,
+    /// Its condition holds, its multiplier may press.
+    Closed,
+}
+
+impl RowState {
+    /// Closed where that is so, open otherwise.
+    pub fn closed_if(is_closed: bool) -> Self {
+        if is_closed { RowState::Closed } else { RowState::Open }
+    }
+
+    /// Whether it is closed.
+    pub fn is_closed(self) -> bool {
+        self == RowState::Closed
+    }
+
+    /// The other state.
+    pub fn switched(self) -> Self {
+        RowState::closed_if(!self.is_closed())
+    }
+}
+
+/// What holds a closed constraint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hold {
+    /// A multiplier.
+    Multiplier,
+    /// A penalty potential `kappa/2 min(Phi, 0)^2`.
+    Penalty {
+        /// Its stiffness.
+        kappa: f64,
+    },
+    /// A multiplier with a proximal term.
+    Augmented {
+        /// Augmentation over the stiffness of a node.
+        factor: f64,
+    },
+}
+
+/// A contact pair.
+pub struct ContactPair {
+    /// Name of its contact.
+    pub name: String,
+    /// What it consists of.
+    pub kind: PairKind,
+    /// The contact whose corners it holds, if it does.
+    pub corners: Option<CornersOf>,
+    /// Translation of the obstacle over time.
+    pub motion: [Option<Amplitude>; 2],
+    /// Mean velocity of the obstacle in this step.
+    pub obstacle_velocity: [f64; 2],
+    /// Its constraint functions.
+    pub kernel: Box<dyn ContactKernel>,
+    /// Whether it is closed always, and may pull.
+    pub equality: bool,
+    /// Its condition over a step.
+    pub update: &'static UpdateRule,
+    /// What keeps it closed.
+    pub hold: Hold,
+    /// Range of its rows among all rows.
+    pub rows: Range<usize>,
+    /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
+    pub c: f64,
+    /// Weighted gap that counts as closed for Newton's method.
+    pub gap_tolerance: f64,
+    places: Places,
+}
+
+/// Blocks of the patches in the matrix: of node pairs (row by row), then per constraint row and node those in the multiplier's row and
+/// column.
+#[derive(Default)]
+struct Places {
+    tangent: Vec<Block>,
+    rows: Vec<Block>,
+    columns: Vec<Block>,
+}
+
+/// A constraint row of a patch with its nodes.
+pub struct PatchRow<'a> {
+    /// The patch.
+    pub patch: usize,
+    /// The row among all rows.
+    pub row: usize,
+    /// Nodes of the patch.
+    pub nodes: &'a [u32],
+    /// Where its gradient stands in [`Evaluation::gradient_end`] and [`Evaluation::gradient_bar`].
+    pub gradient: Range<usize>,
+}
+
+impl ContactPair {
+    /// A pair of a contact with that name, held by multipliers under the rule `gap`; `modulus` is that of its secondary body and `reach`
+    /// the largest coordinate of the model.
+    pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
+        let size = kernel.facet_size();
+        ContactPair {
+            name: name.into(),
+            kind,
+            corners: None,
+            motion: [None, None],
+            obstacle_velocity: [0.0; 2],
+            equality: kind == PairKind::Tie,
+            update: &GAP,
+            hold: Hold::Multiplier,
+            rows: 0..kernel.rows(),
+            c: modulus / (size * size),
+            gap_tolerance: (tolerances::GAP * size * size).max(tolerances::GAP_FLOOR * reach * size),
+            kernel,
+            places: Places::default(),
+        }
+    }
+
+    /// Stiffness of its penalty potential, if it has one.
+    pub fn penalty(&self) -> Option<f64> {
+        match self.hold {
+            Hold::Penalty { kappa } => Some(kappa),
+            Hold::Multiplier | Hold::Augmented { .. } => None,
+        }
+    }
+
+    /// Whether multipliers hold it.
+    pub fn has_multipliers(&self) -> bool {
+        self.penalty().is_none()
+    }
+
+    /// Weighted gap at the start of a step that counts as closed.
+    pub fn closed(&self) -> f64 {
+        (tolerances::CLOSED * self.kernel.facet_size().powi(2)).max(10.0 * self.gap_tolerance)
+    }
+
+    /// Whether open nodes may come through the other side within a step.
+    pub fn may_penetrate(&self) -> bool {
+        self.update.holds == Holds::AsItIs && self.has_multipliers() && !self.equality
+    }
+
+    /// Puts a rigid obstacle where it is in a step of that size from `time`.
+    ///
+    /// # Errors
+    /// A time function of its motion failed.
+    pub fn move_obstacle(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        if self.kind != PairKind::Obstacle {
+            return Ok(());
+        }
+        let mut translations = [[0.0; 2]; 3];
+        for (translation, time) in translations.iter_mut().zip([time, time + 0.5 * dt, time + dt]) {
+            for (component, function) in translation.iter_mut().zip(&self.motion) {
+                let Some(function) = function else { continue };
+                let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
+                *component = function.value(time).map_err(failed)?;
+                if !component.is_finite() {
+                    return Err(failed(format!("the time function returned {component}").into()));
+                }
+            }
+        }
+        let [start, _, end] = translations;
+        self.obstacle_velocity = std::array::from_fn(|i| if dt > 0.0 { (end[i] - start[i]) / dt } else { 0.0 });
+        self.kernel.move_obstacle(&translations);
+        Ok(())
+    }
+
+    /// Tells groups of vertices that it couples; its rows follow `nodes` nodes.
+    pub fn for_each_coupling(&self, nodes: usize, tell: &mut dyn FnMut(&[u32])) {
+        let (patches, mut clique) = (self.kernel.patches(), Vec::new());
+        for p in 0..patches.len() {
+            clique.clear();
+            clique.extend_from_slice(patches.nodes(p));
+            clique.extend(patches.rows(p).iter().map(|row| (nodes + self.rows.start) as u32 + row));
+            tell(&clique);
+        }
+    }
+
+    /// Finds its places in a new pattern.
+    pub fn place(&mut self, pattern: &Pattern, nodes: usize) {
+        let mut places = Places::default();
+        let patches = self.kernel.patches();
+        for p in 0..patches.len() {
+            for &u in patches.nodes(p) {
+                places.tangent.extend(patches.nodes(p).iter().map(|&v| pattern.block(u, v)));
+            }
+            for &row in patches.rows(p) {
+                let multiplier = (nodes + self.rows.start + row as usize) as u32;
+                for &node in patches.nodes(p) {
+                    places.rows.push(pattern.block(multiplier, node));
+                    places.columns.push(pattern.block(node, multiplier));
+                }
+            }
+        }
+        self.places = places;
+    }
+
+    /// The rows of the patches that hold anything.
+    pub fn live_rows<'a>(&'a self, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
+        let patches = self.kernel.patches();
+        (0..patches.len()).filter(|&p| evaluation.live[p]).flat_map(move |p| {
+            let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
+            patches.rows(p).iter().enumerate().map(move |(m, &row)| {
+                let start = first + m * count;
+                PatchRow { patch: p, row: self.rows.start + row as usize, nodes: patches.nodes(p), gradient: start..start + count }
+            })
+        })
+    }
+
+    /// Subtracts `weight` times the derivative of the contact forces at fixed multipliers.
+    pub fn tangent_into<const D: usize>(&self, evaluation: &Evaluation, weight: f64, values: &mut [f64]) {
+        let patches = self.kernel.patches();
+        let mut block = 0;
+        for p in 0..patches.len() {
+            let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
+            if evaluation.live[p] {
+                let tangent = &evaluation.tangent[patches.tangent_range(p)];
+                for u in 0..nodes {
+                    for v in 0..nodes {
+                        let place = self.places.tangent[block + u * nodes + v];
+                        for i in 0..D {
+                            for k in 0..D {
+                                values[place.at(i, k)] -= weight * tangent[(u * D + i) * count + v * D + k];
+                            }
+                        }
+                    }
+                }
+            }
+            block += nodes * nodes;
+        }
+    }
+
+    /// Clears the rows and columns of its constraints.
+    pub fn clear_constraints<const D: usize>(&self, values: &mut [f64]) {
+        for (row, column) in self.places.rows.iter().zip(&self.places.columns) {
+            for i in 0..D {
+                values[row.at(0, i)] = 0.0;
+                values[column.at(i, 0)] = 0.0;
+            }
+        }
+    }
+
+    /// Adds rows `G_1` and columns `-weight columns^T` of its active constraints.
+    pub fn constraints_into<const D: usize>(
+        &self,
+        evaluation: &Evaluation,
+        active: &[bool],
+        columns: &[f64],
+        weight: f64,
+        values: &mut [f64],
+    ) {
+        let patches = self.kernel.patches();
+        let mut place = 0;
+        for p in 0..patches.len() {
+            let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
+            let first = patches.gradient_range(p).start;
+            for (m, &row) in patches.rows(p).iter().enumerate() {
+                if active[self.rows.start + row as usize] && evaluation.live[p] {
+                    for u in 0..nodes {
+                        let (row_place, column_place) = (self.places.rows[place + u], self.places.columns[place + u]);
+                        for i in 0..D {
+                            let entry = first + m * count + u * D + i;
+                            values[row_place.at(0, i)] += evaluation.gradient_end[entry];
+                            values[column_place.at(i, 0)] -= weight * columns[entry];
+                        }
+                    }
+                }
+                place += nodes;
+            }
+        }
+    }
+
+    /// Whether a node owns a row of a patch.
+    pub fn owns_row(&self, patch: usize, node: u32) -> bool {
+        self.kernel.patches().rows(patch).iter().any(|&row| self.node_of(self.rows.start + row as usize) == Some(node))
+    }
+
+    /// The node that owns a row of the model, if a node does.
+    pub fn node_of(&self, row: usize) -> Option<u32> {
+        self.kernel.row_nodes().get((row - self.rows.start) / self.kernel.rows_per_node()).copied()
+    }
+}

@@ -1,0 +1,119 @@
+//! Loads: forces on the nodes of a boundary whose size follows a time function.
+
+use crate::bodies::torque_forces;
+use crate::dynamics::model::amplitude::Amplitude;
+use crate::dynamics::model::definitions::LoadKind;
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::part::{Iterate, Part, Refusal, Sums};
+use crate::linear::{Block, Pattern};
+
+/// A load with its nodal weights.
+pub struct NodalLoad<const D: usize> {
+    /// What it does.
+    pub kind: LoadKind,
+    /// Nodes and their shares of the boundary.
+    pub weights: Vec<(u32, f64)>,
+    /// Facets of a pressure with the places of their blocks, row by row.
+    pub facets: Vec<([u32; 2], [Block; 4])>,
+    /// Its size over time.
+    pub amplitude: Amplitude,
+    /// `body.boundary` on which it acts.
+    pub name: String,
+}
+
+impl<const D: usize> NodalLoad<D> {
+    /// What its time function gives.
+    ///
+    /// # Errors
+    /// The function failed or gave no finite number.
+    pub fn amplitude(&self, time: f64) -> Result<f64, StepError> {
+        let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
+        let amplitude = self.amplitude.value(time).map_err(failed)?;
+        if amplitude.is_finite() { Ok(amplitude) } else { Err(failed(format!("the time function returned {amplitude}").into())) }
+    }
+
+    /// Adds its forces with an amplitude.
+    pub fn force_into(&self, amplitude: f64, q: &[f64], force: &mut [f64]) {
+        match self.kind {
+            LoadKind::Pressure(pressure) => {
+                for ([a, b], _) in &self.facets {
+                    let (a, b) = (*a as usize * D, *b as usize * D);
+                    // Against the outward normal, which is the facet's direction turned to the right.
+                    let half = [-0.5 * amplitude * pressure * (q[b + 1] - q[a + 1]), 0.5 * amplitude * pressure * (q[b] - q[a])];
+                    for node in [a, b] {
+                        force[node] += half[0];
+                        force[node + 1] += half[1];
+                    }
+                }
+            }
+            LoadKind::Torque => torque_forces::<D>(&self.weights, q, amplitude, force),
+            LoadKind::Traction(vector) => self.spread(vector, amplitude, force),
+            LoadKind::Force(vector) => {
+                let area: f64 = self.weights.iter().map(|(_, weight)| weight).sum();
+                self.spread(vector, amplitude / area, force);
+            }
+        }
+    }
+
+    fn spread(&self, vector: [f64; 3], factor: f64, force: &mut [f64]) {
+        for &(node, weight) in &self.weights {
+            for i in 0..D {
+                force[node as usize * D + i] += factor * weight * vector[i];
+            }
+        }
+    }
+
+    /// Subtracts the derivative of a pressure's forces, which turn with their facets; `share` is that of `q_1` in the configuration.
+    fn tangent_into(&self, amplitude: f64, share: f64, values: &mut [f64]) {
+        let LoadKind::Pressure(pressure) = self.kind else { return };
+        let half = 0.5 * share * pressure * amplitude;
+        for (_, blocks) in &self.facets {
+            for row in 0..2 {
+                for (column, sign) in [(0, -1.0), (1, 1.0)] {
+                    let block = blocks[2 * row + column];
+                    values[block.at(0, 1)] += sign * half;
+                    values[block.at(1, 0)] -= sign * half;
+                }
+            }
+        }
+    }
+}
+
+impl<const D: usize> Part for NodalLoad<D> {
+    fn for_each_coupling(&self, _tell: &mut dyn FnMut(&[u32])) {
+        // Facets of a pressure are facets of cells, whose nodes are coupled.
+    }
+
+    fn place(&mut self, pattern: &Pattern) {
+        for (facet, blocks) in &mut self.facets {
+            *blocks = std::array::from_fn(|k| pattern.block(facet[k / 2], facet[k % 2]));
+        }
+    }
+
+    fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
+        let amplitude = self.amplitude(at.time).map_err(Refusal::Load)?;
+        self.force_into(amplitude, at.q_test, sums.load);
+        if let Some(values) = sums.tangent.as_deref_mut() {
+            self.tangent_into(amplitude, at.derivative.placement().share * at.weight, values);
+        }
+        Ok(())
+    }
+
+    fn energy(&self, _q: &[f64]) -> f64 {
+        0.0
+    }
+}
+
+/// Adds the forces of all loads at a configuration and time; tells whether any acted.
+///
+/// # Errors
+/// A time function failed.
+pub fn loads_into<const D: usize>(loads: &[NodalLoad<D>], q: &[f64], time: f64, force: &mut [f64]) -> Result<bool, StepError> {
+    let mut acted = false;
+    for load in loads {
+        let amplitude = load.amplitude(time)?;
+        acted |= amplitude != 0.0;
+        load.force_into(amplitude, q, force);
+    }
+    Ok(acted)
+}

@@ -1,0 +1,12 @@
+//! What a model consists of once it has numbers: nodes, supports, bodies, loads, contact pairs, each with its places in the matrix.
+//!
+//! A [`Part`](super::model::part::Part) pushes on nodes; a [`ContactPair`](contact_pair::ContactPair) constrains them.
+
+pub mod body;
+pub mod contact_pair;
+pub mod loads;
+pub mod nodal;
+pub mod nodes;
+pub mod pairing;
+pub mod spring;
+pub mod supports;

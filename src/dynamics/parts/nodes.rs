@@ -1,0 +1,122 @@
+//! The nodes of all bodies: where they are at rest, what they weigh, which of them hang together, and the sizes that errors are judged by.
+
+use super::body::Body;
+use super::nodal::{half_product, moment, resultant};
+use crate::dynamics::model::definitions::Model;
+use crate::linear::{NodeMatrix, Pattern};
+use crate::math::norms::largest_size;
+
+/// The nodes of a model, body after body.
+pub struct Nodes<const D: usize> {
+    /// Positions at rest.
+    pub reference: Vec<f64>,
+    /// The consistent mass.
+    pub mass: NodeMatrix,
+    /// Mass of every node (row sums).
+    pub nodal_mass: Vec<f64>,
+    /// The largest of them.
+    pub largest_nodal_mass: f64,
+    /// Mass of all bodies.
+    pub total_mass: f64,
+    /// Force of gravity.
+    pub weight: Vec<f64>,
+    /// Largest Young's modulus and largest extent, for the round-off floor of forces.
+    pub modulus: f64,
+    /// The extent.
+    pub extent: f64,
+    /// Pieces of connected nodes: number per node.
+    pub pieces: Vec<u32>,
+    /// Whether a piece holds no support.
+    pub piece_is_free: Vec<bool>,
+}
+
+impl<const D: usize> Nodes<D> {
+    /// The nodes of a model's bodies, at rest at `reference`.
+    pub fn new(model: &Model, bodies: &[Body<D>], reference: Vec<f64>, fixed: &[bool], pattern: &Pattern) -> Self {
+        let count = reference.len() / D;
+        let (pieces, number) = connected_pieces(count, bodies.iter().flat_map(|body| body.elements.cliques()));
+        let mut piece_is_free = vec![true; number];
+        for (unknown, _) in fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+            piece_is_free[pieces[unknown / D] as usize] = false;
+        }
+        let along = |i: usize| {
+            let coordinates = || reference.iter().skip(i).step_by(D).copied();
+            coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min)
+        };
+        let mut mass = NodeMatrix::new(pattern, count);
+        for body in bodies {
+            body.elements.add_mass(&mut mass);
+        }
+        let nodal_mass = mass.row_sums();
+        Nodes {
+            mass,
+            largest_nodal_mass: largest_size(&nodal_mass),
+            total_mass: nodal_mass.iter().sum(),
+            weight: (0..reference.len()).map(|k| nodal_mass[k / D] * model.gravity[k % D]).collect(),
+            nodal_mass,
+            modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
+            extent: (0..D).map(along).fold(0.0, f64::max),
+            pieces,
+            piece_is_free,
+            reference,
+        }
+    }
+
+    /// Number of nodes.
+    pub fn count(&self) -> usize {
+        self.reference.len() / D
+    }
+
+    /// `M v`.
+    pub fn momenta_of(&self, v: &[f64]) -> Vec<f64> {
+        let mut momenta = vec![0.0; v.len()];
+        self.mass.multiply_into::<D>(v, &mut momenta);
+        momenta
+    }
+
+    /// Kinetic energy `[energy]`.
+    pub fn kinetic_energy(&self, v: &[f64]) -> f64 {
+        half_product(v, &self.momenta_of(v))
+    }
+
+    /// Potential energy of gravity `[energy]`, zero at the origin.
+    pub fn potential_energy(&self, q: &[f64]) -> f64 {
+        -q.iter().zip(&self.weight).map(|(q, w)| q * w).sum::<f64>()
+    }
+
+    /// Linear and angular momentum about the origin.
+    pub fn momenta(&self, q: &[f64], v: &[f64]) -> ([f64; 3], [f64; 3]) {
+        let momenta = self.momenta_of(v);
+        (resultant::<D>(&momenta), moment::<D>(q, &momenta))
+    }
+}
+
+/// Connected pieces of nodes: a number for each node, and how many pieces there are.
+fn connected_pieces<'a>(nodes: usize, cliques: impl Iterator<Item = &'a Vec<u32>>) -> (Vec<u32>, usize) {
+    let mut parent: Vec<u32> = (0..nodes as u32).collect();
+    fn root(parent: &mut [u32], mut node: u32) -> u32 {
+        while parent[node as usize] != node {
+            parent[node as usize] = parent[parent[node as usize] as usize];
+            node = parent[node as usize];
+        }
+        node
+    }
+    for clique in cliques {
+        let first = root(&mut parent, clique[0]);
+        for &node in &clique[1..] {
+            let other = root(&mut parent, node);
+            parent[other as usize] = first;
+        }
+    }
+    let mut number = vec![u32::MAX; nodes];
+    let mut count = 0;
+    for node in 0..nodes {
+        let top = root(&mut parent, node as u32) as usize;
+        if number[top] == u32::MAX {
+            number[top] = count;
+            count += 1;
+        }
+        number[node] = number[top];
+    }
+    (number, count as usize)
+}

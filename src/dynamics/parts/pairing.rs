@@ -1,0 +1,123 @@
+//! Makes the contact pairs of a model: its contacts, obstacles and ties, then the corners that belong to them.
+
+use super::contact_pair::{ContactPair, CornersOf, Hold, PairKind};
+use crate::contact::{ContactKernel, NodeToSegment, RigidContact, RigidCorners, Tie};
+use crate::dynamics::model::boundaries::{facets_of_all, tie_reach};
+use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+use crate::math::norms::largest_size;
+use crate::math::tolerances;
+
+/// All pairs of a model, `facets` a boundary's in the numbering of the model.
+pub fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>, reference: &[f64]) -> Vec<ContactPair> {
+    let made = Pairing { model, facets: &facets, reference, reach: largest_size(reference) };
+    let mut pairs = made.contacts();
+    let corners = made.corners(&pairs);
+    pairs.extend(corners);
+    let mut first = 0;
+    for pair in &mut pairs {
+        pair.rows = first..first + pair.rows.end;
+        first = pair.rows.end;
+    }
+    pairs
+}
+
+/// What pairs are made from.
+struct Pairing<'a> {
+    model: &'a Model,
+    /// Facets of a boundary in the numbering of the model.
+    facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
+    /// Positions at rest.
+    reference: &'a [f64],
+    /// Their largest coordinate.
+    reach: f64,
+}
+
+impl Pairing<'_> {
+    fn pair(&self, name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
+        ContactPair::new(name, kind, kernel, self.model.bodies[body].material.youngs_modulus(), self.reach)
+    }
+
+    /// One pair for each contact of the model, in the order of [`Model::contact_names`].
+    fn contacts(&self) -> Vec<ContactPair> {
+        self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
+    }
+
+    fn pair_of(&self, interaction: &Interaction) -> ContactPair {
+        let Interaction { name, secondary, partner, .. } = interaction;
+        let facets = (self.facets)(secondary);
+        let mut pair = match partner {
+            Partner::Surfaces(_) | Partner::Itself => {
+                let kernel = (interaction.method.kernel)(&facets, &facets_of_all(interaction.primary(), self.facets), self.reference);
+                self.pair(name, PairKind::Surfaces, secondary.body, kernel)
+            }
+            Partner::Obstacle { shape, motion } => {
+                let kernel = Box::new(RigidContact::new(&facets, shape, self.reference));
+                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, kernel);
+                pair.motion = motion.clone();
+                pair
+            }
+            Partner::Tied { to, reach } => {
+                let reach = reach.unwrap_or_else(|| tie_reach(&facets, self.reference));
+                let kernel = Box::new(Tie::new(&facets, &(self.facets)(to), self.reference, reach));
+                return self.pair(name, PairKind::Tie, secondary.body, kernel);
+            }
+        };
+        (pair.update, pair.equality) = (interaction.update, interaction.equality);
+        pair.hold = match interaction.enforcement {
+            Enforcement::Multiplier => Hold::Multiplier,
+            Enforcement::Penalty { factor } => Hold::Penalty { kappa: factor * pair.c },
+            Enforcement::AugmentedLagrange { factor } => Hold::Augmented { factor },
+        };
+        pair
+    }
+
+    /// The pairs of the corners that the weighted gaps of other pairs do not see.
+    fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
+        let has_corners = |of: usize| !pairs[of].equality && pairs[of].has_multipliers();
+        let size = |of: usize| pairs[of].kernel.facet_size();
+        let mut corners = Vec::new();
+        let mut add = |of: usize, kind: PairKind, body: usize, kernel: Option<Box<dyn ContactKernel>>| {
+            let Some(kernel) = kernel else { return };
+            let owner = &pairs[of];
+            let factor = match owner.hold {
+                Hold::Augmented { factor } => factor,
+                Hold::Multiplier | Hold::Penalty { .. } => tolerances::CORNER_AUGMENTATION,
+            };
+            let belongs = CornersOf { pair: of, slack: tolerances::CORNER_SLACK * owner.kernel.facet_size() };
+            let mut pair = self.pair(&owner.name, kind, body, kernel);
+            (pair.corners, pair.hold) = (Some(belongs), Hold::Augmented { factor });
+            (pair.update, pair.motion) = (owner.update, owner.motion.clone());
+            corners.push(pair);
+        };
+        for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
+            if let Partner::Obstacle { shape, .. } = &interaction.partner {
+                let facets = (self.facets)(&interaction.secondary);
+                let kernel = RigidCorners::new(&facets, shape, self.reference, size(of));
+                add(of, PairKind::Obstacle, interaction.secondary.body, kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
+            }
+            for (on, against) in cornered(interaction) {
+                let [on_facets, against] = [on, against].map(|side| facets_of_all(side, self.facets));
+                let kernel = NodeToSegment::of_corners(&on_facets, &against, self.reference, size(of));
+                add(of, PairKind::Surfaces, on[0].body, kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
+            }
+        }
+        corners
+    }
+}
+
+/// Sides of a contact between deformable bodies whose corners may enter the other side: all but those whose nodes have constraints of their
+/// own.
+fn cornered(interaction: &Interaction) -> Vec<(&[BodyBoundary], &[BodyBoundary])> {
+    let (secondary, primary) = (std::slice::from_ref(&interaction.secondary), interaction.primary());
+    let mut sides = Vec::new();
+    if !interaction.method.is_nodal {
+        sides.push((secondary, primary));
+    }
+    match interaction.partner {
+        Partner::Surfaces(_) => sides.push((primary, secondary)),
+        Partner::Itself => {}
+        Partner::Obstacle { .. } | Partner::Tied { .. } => sides.clear(),
+    }
+    sides
+}

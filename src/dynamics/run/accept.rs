@@ -1,0 +1,224 @@
+//! The end of a converged step: velocities, what an impact gives back, the row of the ledger.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::impact::Jump;
+use super::ledger::LedgerRow;
+use super::state::State;
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::nodal::{add_force, add_moment, half_product, moment, resultant};
+use crate::dynamics::step::conditions::Conditions;
+use crate::dynamics::step::iterate::{Forces, Linearization};
+use crate::dynamics::step::newton::Solution;
+use crate::dynamics::step::start::{Motion, StepStart};
+
+/// What pushed from outside in a step.
+struct Outside {
+    /// Loads.
+    load: Vec<f64>,
+    /// Rigid obstacles, and the work that they do where they move.
+    obstacles: Vec<f64>,
+    obstacle_work: f64,
+    /// Work of supports that move, and the angular momentum that they give besides that of their reactions.
+    prescribed_work: f64,
+    slip_moment: [f64; 3],
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The state at the end of a converged step, with its row of the ledger.
+    ///
+    /// # Errors
+    /// A time function failed at the start of the step.
+    pub fn accept(
+        &mut self,
+        start: &StepStart,
+        motion: &Motion,
+        solution: Solution,
+        conditions: &Conditions,
+        jump: Option<Jump>,
+    ) -> Result<State, StepError> {
+        let Solution { at, active, iterations } = solution;
+        let search = self.system.search();
+        let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
+        let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.is_closed() { lambda } else { 0.0 }).collect();
+        let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
+        let felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
+        let mut v_1 = motion.velocities(start.q_0, &at.q_1, &system.supports.prescribed);
+        let remembered =
+            if scheme.remembers_force() { Arc::new(self.remembered(motion, &at.forces, &v_1)) } else { self.state.remembered.clone() };
+        let outside = self.outside(start, motion, &at, &lambda, &v_1)?;
+        if let Some(jump) = &jump {
+            v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
+        }
+        let momenta = system.nodes.momenta_of(&v_1);
+        let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
+        let old = &self.state.row;
+        let mut row = LedgerRow {
+            step: old.step + 1,
+            dt,
+            kinetic: half_product(&v_1, &momenta),
+            strain: system.strain_energy(&at.q_1),
+            reserve: reserve.iter().sum(),
+            newton_iterations: iterations,
+            active: system.touching(&active),
+            momentum: resultant::<D>(&momenta),
+            angular_momentum: moment::<D>(&at.q_1, &momenta),
+            ..LedgerRow::default()
+        };
+        row.potential = system.nodes.potential_energy(&at.q_1) + system.penalty_energy(&felt) + system.stored_energy(&at.q_1) + row.reserve;
+        row.load_work = (0..at.q_1.len()).map(|k| outside.load[k] * (at.q_1[k] - start.q_0[k])).sum();
+        let obstacle_work = outside.obstacle_work + jump.as_ref().map_or(0.0, |jump| jump.work);
+        row.load_work += obstacle_work;
+        if !system.supports.prescribed.is_empty() {
+            row.load_work += outside.prescribed_work;
+        }
+        row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
+        row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
+        self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
+
+        let pressing: Vec<f64> = match &jump {
+            Some(jump) => lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect(),
+            None => lambda.clone(),
+        };
+        row.contacts = self.contact_totals(&at.q_1, &at.pairs, &pressing, &active);
+        row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
+        let middle: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(a, b)| 0.5 * (a + b)).collect();
+        let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
+        row.reactions = self.reactions(&middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
+        row.probes = self.probe_values(&at.q_1, &v_1);
+        let acted = obstacle_work != 0.0 || outside.load.iter().any(|f| *f != 0.0);
+        let state = State {
+            row,
+            positions: at.q_1.clone(),
+            velocities: v_1,
+            lambda,
+            felt,
+            reserve,
+            active,
+            remembered,
+            memory: self.memory(start, &at),
+            clock: self.state.clock,
+            search,
+            level: self.state.level,
+            loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
+        };
+        self.system.recycle(at);
+        Ok(state)
+    }
+
+    /// What the time integrator remembers of this step's static forces: the residual is inertia, this step's share of them and what was
+    /// remembered, so this step's share is what the others leave.
+    fn remembered(&self, motion: &Motion, forces: &Forces, v_1: &[f64]) -> Vec<f64> {
+        let Motion { scheme, dt, v_0, remembered, .. } = *motion;
+        let rate: Vec<f64> = v_1.iter().zip(v_0).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect();
+        let inertia = self.system.nodes.momenta_of(&rate);
+        let share = |k: usize| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered[k];
+        (0..v_1.len()).map(|k| (1.0 - scheme.weight) / scheme.weight * share(k)).collect()
+    }
+
+    /// What the parts remember after a step; the same value where none remembers anything.
+    fn memory(&self, start: &StepStart, at: &Linearization) -> Arc<Vec<Vec<f64>>> {
+        if self.state.memory.iter().all(Vec::is_empty) {
+            return self.state.memory.clone();
+        }
+        self.system.memory_after(start, at)
+    }
+
+    /// What pushed from outside in a step, by the shares that its time integrator gives to start and end.
+    fn outside(&self, start: &StepStart, motion: &Motion, at: &Linearization, lambda: &[f64], v_1: &[f64]) -> Result<Outside, StepError> {
+        let (system, scheme, unknowns) = (&self.system, motion.scheme, at.q_1.len());
+        let before = 1.0 - scheme.weight;
+        let mut load = at.forces.load.clone();
+        if scheme.remembers_force() {
+            let mut load_n = vec![0.0; unknowns];
+            system.loads_into(start.q_0, start.time, &mut load_n)?;
+            load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += before * n);
+        }
+        let (mut obstacles, mut obstacle_work) = (vec![0.0; unknowns], 0.0);
+        for pair in &system.pairs {
+            let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
+            let (lambda_n, lambda) = (shares(&self.state.lambda, before), shares(lambda, scheme.weight));
+            obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
+        }
+        let (prescribed_work, slip_moment) =
+            if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(start, motion, at, v_1) };
+        Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment })
+    }
+
+    /// Work of contact that the update rules lose or gain on purpose `[energy]`, `reserve` that of the new state.
+    fn contact_work(
+        &self,
+        start: &StepStart,
+        weight: f64,
+        lambda: &[f64],
+        conditions: &Conditions,
+        jump: Option<&Jump>,
+        reserve: f64,
+    ) -> f64 {
+        let (system, old) = (&self.system, &self.state.row);
+        let held = system.pairs.iter().filter(|pair| pair.has_multipliers());
+        let closing: f64 =
+            held.flat_map(|pair| pair.rows.clone()).map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row])).sum();
+        // A potential that is felt through other pairs than at the end of the step before is another one.
+        let found = if system.pairs.iter().any(|pair| !pair.has_multipliers()) && !conditions.end_point {
+            system.nodes.potential_energy(start.q_0)
+                + system.penalty_energy(&conditions.gap_n)
+                + system.stored_energy(start.q_0)
+                + old.reserve
+                - old.potential
+        } else {
+            0.0
+        };
+        let kept = reserve - old.reserve;
+        found + weight * closing + jump.map_or(0.0, |jump| jump.energy) + kept
+    }
+
+    /// Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
+    fn book_momentum_defects(&self, row: &mut LedgerRow, start: &StepStart, at: &Linearization, outside: &Outside, jump: Option<&Jump>) {
+        let (system, old, dt) = (&self.system, &self.state.row, row.dt);
+        let (mut external, mut turning) = ([0.0; 3], [0.0; 3]);
+        for node in 0..system.nodes.count() {
+            let (mut force, mut middle) = ([0.0; D], [0.0; D]);
+            for i in 0..D {
+                let k = node * D + i;
+                force[i] = outside.load[k] + (system.nodes.weight[k] + outside.obstacles[k]);
+                if system.supports.fixed[k] {
+                    force[i] += at.forces.without_contact[k] - at.forces.contact[k];
+                }
+                middle[i] = 0.5 * (at.q_1[k] + start.q_0[k]);
+            }
+            add_force(&mut external, &force);
+            add_moment(&mut turning, &middle, &force);
+        }
+        let impulse = jump.map_or(&[][..], |jump| &jump.impulse);
+        let unexplained = |new: [f64; 3], old: [f64; 3], rate: [f64; 3], impulse: [f64; 3]| {
+            (0..3).map(|i| (new[i] - old[i] - dt * rate[i] - impulse[i]).abs()).fold(0.0, f64::max)
+        };
+        row.momentum_defect = unexplained(row.momentum, old.momentum, external, resultant::<D>(impulse));
+        let mut impulse = moment::<D>(&at.q_1, impulse);
+        (0..3).for_each(|i| impulse[i] += outside.slip_moment[i]);
+        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, turning, impulse);
+    }
+
+    /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their
+    /// velocities are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
+    fn prescribed_work(&self, start: &StepStart, motion: &Motion, at: &Linearization, v_1: &[f64]) -> (f64, [f64; 3]) {
+        let (Motion { dt, v_0, .. }, unknowns) = (*motion, at.q_1.len());
+        let change: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - v_0[k]) / dt).collect();
+        let mean: Vec<f64> = (0..unknowns).map(|k| 0.5 * (v_1[k] + v_0[k])).collect();
+        let (inertia, momentum) = (self.system.nodes.momenta_of(&change), self.system.nodes.momenta_of(&mean));
+        let (mut slip, mut work) = (vec![0.0; unknowns], 0.0);
+        for k in self.system.supports.prescribed.iter().map(|prescribed| prescribed.unknown) {
+            let reaction = at.forces.without_contact[k] - at.forces.contact[k];
+            let moved = at.q_1[k] - start.q_0[k];
+            slip[k] = moved - dt * mean[k];
+            work += inertia[k] * dt * mean[k] + (reaction - inertia[k]) * moved;
+        }
+        (work, moment::<D>(&slip, &momentum))
+    }
+}

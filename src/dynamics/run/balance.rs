@@ -1,0 +1,298 @@
+//! The balance of forces at rest, judged for every piece of connected nodes by its own forces.
+//!
+//! One idea: a piece that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid motions that
+//! its supports leave it, by the sum of the loads, reactions or contact forces on that piece alone; then every one of its nodes, by the
+//! largest of them. So a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
+//!
+//! A rigid motion is `u = t + w x (q - c)/r` with the piece's mass center `c` and radius `r`: all its components are lengths.
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::definitions::Model;
+use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::step::iterate::Forces;
+use crate::dynamics::step::start::REST_WEIGHT;
+use crate::dynamics::step::system::System;
+use crate::math::tolerances;
+
+/// Rigid motions in space; the plane has three of them.
+const MOTIONS: usize = 6;
+
+/// The pieces of a model.
+pub struct Balance {
+    pub pieces: Vec<Piece>,
+}
+
+/// A piece of connected nodes.
+pub struct Piece {
+    pub body: usize,
+    nodes: Vec<usize>,
+    /// Square of the frequency of its slowest elastic motion: wave speed over its extent.
+    pub frequency_squared: f64,
+    modulus: f64,
+    extent: f64,
+}
+
+/// What a state lacks to balance.
+pub struct Imbalance {
+    /// The largest resultant or torque, and the largest nodal force, over what is tolerated.
+    pub of_sums: f64,
+    pub of_nodes: f64,
+    /// Whether round-off can explain all of it.
+    pub is_round_off: bool,
+    pub pieces: Vec<Pull>,
+}
+
+/// What the unbalanced forces on a piece amount to.
+pub struct Pull {
+    /// Resultant, torque over radius and nodal forces: the largest, over the sum of the forces on the piece.
+    pub relative: f64,
+    /// Displacement of its center by a step of unit damping, where supports leave it free.
+    pub shift: [f64; 3],
+    /// Largest displacement that the turn about its center gives a node in such a step.
+    pub turn: f64,
+}
+
+impl Imbalance {
+    /// The largest unbalanced force over what is tolerated.
+    pub fn excess(&self) -> f64 {
+        self.of_sums.max(self.of_nodes)
+    }
+}
+
+impl Pull {
+    /// Length of the shift.
+    pub fn shift_size(&self) -> f64 {
+        self.shift.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// Whether another piece is pulled away just so.
+    fn is_as(&self, other: &Pull) -> bool {
+        let apart: f64 = self.shift.iter().zip(&other.shift).map(|(a, b)| (a - b).powi(2)).sum();
+        self.shift_size() > 0.0 && apart.sqrt() <= tolerances::ALIKE * self.shift_size()
+    }
+}
+
+impl Balance {
+    pub fn new<const D: usize>(system: &System<D>, model: &Model) -> Self {
+        let mut pieces: Vec<Piece> = Vec::new();
+        for (body, definition) in model.bodies.iter().enumerate() {
+            let first = pieces.len();
+            let mut numbers: Vec<u32> = Vec::new();
+            for node in system.bodies[body].nodes.clone() {
+                let number = system.nodes.pieces[node];
+                let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
+                    numbers.push(number);
+                    let modulus = definition.material.youngs_modulus();
+                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, extent: 0.0 });
+                    numbers.len() - 1
+                });
+                pieces[first + place].nodes.push(node);
+            }
+            for piece in &mut pieces[first..] {
+                piece.extent = (0..D).map(|i| extent_along::<D>(&system.nodes.reference, &piece.nodes, i)).fold(0.0, f64::max);
+                piece.frequency_squared = piece.modulus / definition.material.density() / piece.extent.powi(2);
+            }
+        }
+        Balance { pieces }
+    }
+
+    /// Judges the forces of an iterate at rest without damping at `q`.
+    pub fn judge<const D: usize>(&self, system: &System<D>, q: &[f64], forces: &Forces) -> Imbalance
+    where
+        Space<D>: Elements<D>,
+    {
+        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, pieces: Vec::new() };
+        for piece in &self.pieces {
+            let rigid = RigidMotions::new(system, &piece.nodes, q);
+            let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
+            let (mut largest, mut reach) = (0.0f64, piece.extent);
+            let mut along = SVector::zeros();
+            for &node in &piece.nodes {
+                for i in 0..D {
+                    let k = node * D + i;
+                    let force = (forces.contact[k] - forces.without_contact[k]) / REST_WEIGHT;
+                    reach = reach.max(q[k].abs());
+                    let (load, contact) =
+                        (forces.load[k].abs() / REST_WEIGHT + system.nodes.weight[k].abs(), forces.contact[k].abs() / REST_WEIGHT);
+                    loads += load;
+                    contacts += contact;
+                    largest_force = largest_force.max(load).max(contact);
+                    if system.supports.fixed[k] {
+                        reactions += force.abs();
+                        largest_force = largest_force.max(force.abs());
+                    } else {
+                        largest = largest.max(force.abs());
+                        along += rigid.row(q, node, i) * force;
+                    }
+                }
+            }
+            let (pushes, motion) = rigid.respond(&along);
+            let scale = f64::max(loads, reactions).max(contacts);
+            let floor = tolerances::FORCE_FLOOR * piece.modulus * reach * piece.extent.powi(D as i32 - 2);
+            let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
+            imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));
+            imbalance.of_nodes = imbalance.of_nodes.max(largest / target.max(f64::MIN_POSITIVE));
+            imbalance.is_round_off &= pushes <= target_of_sums.max(floor) && largest <= target.max(floor);
+            let relative = if scale > 0.0 { pushes.max(largest) / scale } else { 0.0 };
+            let mut shift = [0.0; 3];
+            shift[..D].copy_from_slice(&motion.as_slice()[..D]);
+            imbalance.pieces.push(Pull { relative, shift, turn: motion.rows(D, motion.len() - D).norm() });
+        }
+        imbalance
+    }
+
+    /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
+    /// Pieces that are pulled alike do not come nearer to each other: they fall together.
+    pub fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
+        let mut piece_of = vec![0; system.nodes.nodal_mass.len()];
+        for (number, piece) in self.pieces.iter().enumerate() {
+            piece.nodes.iter().for_each(|&node| piece_of[node] = number);
+        }
+        let mut clearances = vec![f64::INFINITY; self.pieces.len()];
+        let mut together = Vec::new();
+        for pair in system.pairs.iter().filter(|pair| pair.corners.is_none()) {
+            let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &piece_of, q);
+            let primary = boxes::<D>(pair.kernel.primary().nodes(), &piece_of, q);
+            for (a, low_a, high_a) in &secondary {
+                for (b, low_b, high_b) in primary.iter().filter(|(b, ..)| b != a) {
+                    if pair.kind == PairKind::Surfaces && pulls[*a].is_as(&pulls[*b]) {
+                        together.push((*a, *b));
+                        continue;
+                    }
+                    let apart = (0..D).map(|i| (low_a[i] - high_b[i]).max(low_b[i] - high_a[i]).max(0.0).powi(2)).sum::<f64>().sqrt();
+                    clearances[*a] = clearances[*a].min(0.5 * apart);
+                    clearances[*b] = clearances[*b].min(0.5 * apart);
+                }
+            }
+            if pair.kind == PairKind::Obstacle {
+                // Weighted by the area of the nodes.
+                let distances = pair.kernel.gap(q).into_iter().zip(pair.kernel.weights()).map(|(gap, weight)| gap / weight);
+                for (distance, &node) in distances.zip(pair.kernel.secondary().nodes()) {
+                    let clearance = &mut clearances[piece_of[node as usize]];
+                    *clearance = clearance.min(0.5 * distance.max(0.0));
+                }
+            }
+        }
+        // The least of all that fall together, from neighbor to neighbor.
+        let mut is_done = false;
+        while !is_done {
+            is_done = true;
+            for &(a, b) in &together {
+                let least = clearances[a].min(clearances[b]);
+                is_done &= clearances[a] == least && clearances[b] == least;
+                (clearances[a], clearances[b]) = (least, least);
+            }
+        }
+        clearances
+    }
+
+    /// Adds a displacement of each piece to the nodes that are free.
+    pub fn shift<const D: usize>(&self, system: &System<D>, by: &[[f64; 3]], q: &mut [f64]) {
+        for (piece, by) in self.pieces.iter().zip(by) {
+            for k in piece.nodes.iter().flat_map(|&node| node * D..(node + 1) * D).filter(|&k| !system.supports.fixed[k]) {
+                q[k] += by[k % D];
+            }
+        }
+    }
+
+    /// Gives every node the value of its piece.
+    pub fn spread(&self, values: &[f64], nodes: usize) -> Vec<f64> {
+        let mut of_node = vec![0.0; nodes];
+        for (piece, value) in self.pieces.iter().zip(values) {
+            piece.nodes.iter().for_each(|&node| of_node[node] = *value);
+        }
+        of_node
+    }
+
+    /// Largest displacement of a node of each piece.
+    pub fn motions<const D: usize>(&self, motion: &[f64]) -> Vec<f64> {
+        let of_node = |node: &usize| motion[node * D..(node + 1) * D].iter().map(|x| x * x).sum::<f64>();
+        self.pieces.iter().map(|piece| piece.nodes.iter().map(of_node).fold(0.0, f64::max).sqrt()).collect()
+    }
+}
+
+/// The rigid motions of a piece: components of a shift, then of a turn over the radius.
+struct RigidMotions<const D: usize> {
+    center: [f64; D],
+    radius: f64,
+    /// A basis of the motions that supports leave, in columns.
+    free: DMatrix<f64>,
+    /// Mass of the motions in that basis.
+    mass: DMatrix<f64>,
+}
+
+impl<const D: usize> RigidMotions<D> {
+    fn new(system: &System<D>, nodes: &[usize], q: &[f64]) -> Self {
+        let mut rigid = RigidMotions { center: [0.0; D], radius: 0.0, free: DMatrix::zeros(0, 0), mass: DMatrix::zeros(0, 0) };
+        let total: f64 = nodes.iter().map(|&node| system.nodes.nodal_mass[node]).sum();
+        for &node in nodes {
+            (0..D).for_each(|i| rigid.center[i] += system.nodes.nodal_mass[node] / total * q[node * D + i]);
+        }
+        let far = |node: &usize| (0..D).map(|i| (q[node * D + i] - rigid.center[i]).powi(2)).sum::<f64>();
+        rigid.radius = nodes.iter().map(far).fold(0.0, f64::max).sqrt();
+        let (mut held, mut mass) = (SMatrix::<f64, MOTIONS, MOTIONS>::zeros(), SMatrix::<f64, MOTIONS, MOTIONS>::zeros());
+        for &node in nodes {
+            for i in 0..D {
+                let row = rigid.row(q, node, i);
+                let square = row * row.transpose();
+                if system.supports.fixed[node * D + i] {
+                    held += square;
+                }
+                mass += square * system.nodes.nodal_mass[node];
+            }
+        }
+        let largest = held.trace();
+        // Of the plane's three motions alone.
+        let count = D * (D + 1) / 2;
+        let eigen = DMatrix::from(held.view((0, 0), (count, count))).symmetric_eigen();
+        let loose: Vec<_> = (0..count).filter(|&m| eigen.eigenvalues[m] <= tolerances::HELD * largest).collect();
+        rigid.free = eigen.eigenvectors.select_columns(&loose);
+        rigid.mass = rigid.free.transpose() * mass.view((0, 0), (count, count)) * &rigid.free;
+        rigid
+    }
+
+    /// What each motion moves component `i` of a node.
+    fn row(&self, q: &[f64], node: usize, i: usize) -> SVector<f64, MOTIONS> {
+        let arm: [f64; D] = std::array::from_fn(|j| (q[node * D + j] - self.center[j]) / self.radius);
+        let mut row = SVector::zeros();
+        row[i] = 1.0;
+        if D == 2 {
+            row[2] = if i == 0 { -arm[1] } else { arm[0] };
+        } else {
+            // w x arm
+            row[D + (i + 1) % 3] = arm[(i + 2) % 3];
+            row[D + (i + 2) % 3] = -arm[(i + 1) % 3];
+        }
+        row
+    }
+
+    /// Size of forces along the free motions, and the motion that they give in a step of unit damping.
+    fn respond(&self, along: &SVector<f64, MOTIONS>) -> (f64, DVector<f64>) {
+        let forces = self.free.transpose() * along.rows(0, self.free.nrows());
+        let motion = self.mass.clone().cholesky().map_or_else(|| forces.clone(), |mass| mass.solve(&forces));
+        (forces.amax(), &self.free * motion)
+    }
+}
+
+/// Extent of some nodes along an axis.
+fn extent_along<const D: usize>(q: &[f64], nodes: &[usize], i: usize) -> f64 {
+    let coordinates = || nodes.iter().map(|node| q[node * D + i]);
+    coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min)
+}
+
+/// Boxes around the nodes of each piece among some nodes.
+fn boxes<const D: usize>(nodes: &[u32], piece_of: &[usize], q: &[f64]) -> Vec<(usize, [f64; D], [f64; D])> {
+    let mut boxes: Vec<(usize, [f64; D], [f64; D])> = Vec::new();
+    for node in nodes.iter().map(|&node| node as usize) {
+        let x: [f64; D] = std::array::from_fn(|i| q[node * D + i]);
+        match boxes.iter_mut().rfind(|(piece, ..)| *piece == piece_of[node]) {
+            Some((_, low, high)) => {
+                (0..D).for_each(|i| (low[i], high[i]) = (low[i].min(x[i]), high[i].max(x[i])));
+            }
+            None => boxes.push((piece_of[node], x, x)),
+        }
+    }
+    boxes
+}

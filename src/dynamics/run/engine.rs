@@ -1,0 +1,140 @@
+//! A simulation in `D` dimensions at its present state: the equations, the state, and what is kept of the course so far.
+//!
+//! What it can do stands in files of its own: pieces of steps (`piece.rs`), their acceptance (`accept.rs`, `impact.rs`), rest
+//! (`settle.rs`), quantities (`quantities.rs`), failures (`failed.rs`). `time_loop.rs` joins them.
+
+use std::sync::Arc;
+
+use super::halvings::Halvings;
+use super::ledger::LedgerRow;
+use super::options::{Options, Statistics};
+use super::report::{FailureReport, TryReport};
+use super::state::{Clock, State};
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::error::ModelError;
+use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::step::newton::Trace;
+use crate::dynamics::step::system::System;
+use crate::linear::Watch;
+
+/// A simulation in `D` dimensions.
+pub struct Engine<const D: usize> {
+    /// What is simulated.
+    pub model: Model,
+    /// Its equations.
+    pub system: System<D>,
+    /// How it is integrated.
+    pub options: Options,
+    /// Shared with whoever keeps it: a step makes a new one.
+    pub state: Arc<State>,
+    /// Work done so far.
+    pub statistics: Statistics,
+    /// Nodes whose motion every row of the ledger tells.
+    pub probes: Vec<usize>,
+    /// The course of the last step's Newton method.
+    pub trace: Trace,
+    /// What the tries of the current step came to.
+    pub tries: Vec<TryReport>,
+    /// The last step that failed for good, and the iterate at which it was given up.
+    pub failure: Option<(FailureReport, Vec<f64>)>,
+    /// Why steps were halved.
+    pub halvings: Halvings,
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// A model in its initial state.
+    ///
+    /// # Errors
+    /// A model that cannot be simulated.
+    pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
+        let mut system = System::<D>::new(model, options.threads)?;
+        system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
+        let velocities = initial_velocities(&system, model);
+        // A time function that fails does so again, with its error, in the first step.
+        let _ = system.move_obstacles(0.0, 0.0);
+        let positions = system.nodes.reference.clone();
+        if D == 2 {
+            system.survey(&positions);
+        }
+        let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
+        let row = LedgerRow {
+            kinetic: system.nodes.kinetic_energy(&velocities),
+            potential: system.nodes.potential_energy(&positions) + system.stored_energy(&positions),
+            momentum,
+            angular_momentum,
+            ..LedgerRow::default()
+        };
+        let state = State {
+            row,
+            lambda: vec![0.0; system.multipliers],
+            felt: vec![0.0; system.multipliers],
+            reserve: vec![0.0; system.multipliers],
+            active: vec![RowState::Open; system.multipliers],
+            remembered: Arc::default(),
+            memory: Arc::new(system.parts().map(|part| part.memory()).collect()),
+            clock: Clock { origin: 0.0, count: 0, dt: options.dt },
+            search: system.search(),
+            level: 0,
+            loads_ended: 0.0,
+            positions,
+            velocities,
+        };
+        Ok(Engine {
+            model: model.clone(),
+            system,
+            options,
+            state: Arc::new(state),
+            statistics: Statistics::default(),
+            probes: Vec::new(),
+            trace: Trace::default(),
+            tries: Vec::new(),
+            failure: None,
+            halvings: Halvings::default(),
+        })
+    }
+
+    /// Puts what the search has found by the present state back in place.
+    pub fn restore_search(&mut self) {
+        self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
+    }
+}
+
+/// Velocities at the start: those of the bodies, of supports, of prescribed motions.
+fn initial_velocities<const D: usize>(system: &System<D>, model: &Model) -> Vec<f64> {
+    let mut velocities = vec![0.0; system.nodes.reference.len()];
+    for initial in &model.initial_velocities {
+        let nodes = system.bodies[initial.body].nodes.clone();
+        let mut center = nalgebra::Vector3::zeros();
+        let mut mass = 0.0;
+        let position = |node: usize| {
+            let mut x = nalgebra::Vector3::zeros();
+            x.as_mut_slice()[..D].copy_from_slice(&system.nodes.reference[node * D..(node + 1) * D]);
+            x
+        };
+        for node in nodes.clone() {
+            mass += system.nodes.nodal_mass[node];
+            center += position(node) * system.nodes.nodal_mass[node];
+        }
+        center /= mass;
+        let (linear, angular) = (nalgebra::Vector3::from(initial.linear), nalgebra::Vector3::from(initial.angular));
+        for node in nodes {
+            let velocity = linear + angular.cross(&(position(node) - center));
+            velocities[node * D..(node + 1) * D].copy_from_slice(&velocity.as_slice()[..D]);
+        }
+    }
+    let supports = &system.supports;
+    for (velocity, _) in velocities.iter_mut().zip(&supports.fixed).filter(|(_, fixed)| **fixed) {
+        *velocity = 0.0;
+    }
+    // A time function that fails does so again, with its error, in the first step.
+    if let Ok((_, rates)) = supports.prescribed_motion(0.0) {
+        for (prescribed, rate) in supports.prescribed.iter().zip(rates) {
+            velocities[prescribed.unknown] = rate;
+        }
+    }
+    velocities
+}

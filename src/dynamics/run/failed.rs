@@ -1,0 +1,67 @@
+//! From a step that failed to what a user is told: the error, and the report that is kept of it.
+
+use super::diagnosis::{Evidence, rigid_motion_of};
+use super::engine::Engine;
+use super::report::{FailureReport, TryReport};
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::newton::Trace;
+
+/// Part of a damped step that may differ from the rigid motion that it is called: bodies deform where they touch.
+const MOSTLY: f64 = 0.3;
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The error that a user sees when a step failed for good; its report is kept.
+    pub fn failed(&mut self, failure: &Failure, dt: f64, halvings: usize) -> StepError {
+        let report = self.evidence(dt, halvings).report(failure);
+        self.given_up(report)
+    }
+
+    /// What is left of the step.
+    pub fn evidence(&self, dt: f64, halvings: usize) -> Evidence<'_, D> {
+        let Engine { model, system, state, trace, tries, .. } = self;
+        Evidence { model, system, state, trace, tries, dt, halvings }
+    }
+
+    /// The error of a step with the report on it, which is kept.
+    pub fn given_up(&mut self, report: FailureReport) -> StepError {
+        let FailureReport { time, step, dt, halvings, .. } = report;
+        let smaller = if dt > 0.0 {
+            format!("use a smaller step than dt = {}, or allow more `max_halvings`", self.options.dt)
+        } else {
+            "check supports and loads".into()
+        };
+        let (cause, cure) = (report.explanation(), report.cure(&smaller));
+        self.failure = Some((report, self.trace.q_1.clone()));
+        StepError::NotConverged { time, step, dt, halvings, cause, cure }
+    }
+
+    /// The body that moves most in a motion of all nodes, and how.
+    pub fn moving_body(&self, motion: &[f64]) -> (String, String) {
+        let largest = |nodes: &std::ops::Range<usize>| {
+            let moved = motion[nodes.start * D..nodes.end * D].iter();
+            moved.fold(0.0f64, |most, x| most.max(x.abs()))
+        };
+        let body = self.system.bodies.iter().max_by(|a, b| largest(&a.nodes).total_cmp(&largest(&b.nodes)));
+        let Some(body) = body else { return Default::default() };
+        let range = body.nodes.start * D..body.nodes.end * D;
+        let rigid = rigid_motion_of::<D>(&self.state.positions[range.clone()], &motion[range], MOSTLY);
+        (body.name.clone(), rigid.unwrap_or_else(|| "deform".into()))
+    }
+}
+
+/// What a try of a step came to.
+pub fn tried(failure: &Failure, dt: f64, trace: &Trace) -> TryReport {
+    let last = trace.iterations.last();
+    TryReport {
+        dt,
+        iterations: trace.iterations.len(),
+        residual: last.map_or(f64::NAN, |iteration| iteration.residual),
+        target: last.map_or(f64::NAN, |iteration| iteration.target),
+        outcome: failure.name(),
+    }
+}

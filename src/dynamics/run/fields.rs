@@ -1,0 +1,65 @@
+//! Nodal fields of a body at one time, for pictures, files and scripts.
+
+use std::sync::Arc;
+
+use crate::mesh::Mesh;
+
+/// Nodal fields of one body; every vector has one entry per node of its mesh.
+#[derive(Clone, Debug)]
+pub struct BodyFields {
+    /// Name of the body.
+    pub name: String,
+    /// Its undeformed mesh.
+    pub mesh: Arc<Mesh>,
+    /// Displacement `[length]`.
+    pub displacement: Vec<[f64; 3]>,
+    /// Velocity `[length/time]`.
+    pub velocity: Vec<[f64; 3]>,
+    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, averaged at the nodes (lumped projection of the values at the quadrature points).
+    pub stress: Vec<[f64; 6]>,
+    /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
+    pub contact_pressure: Vec<f64>,
+    /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
+    pub contact_gap: Vec<f64>,
+    /// Contact force `[force]` on the nodes of both sides of all contacts, ties not included.
+    pub contact_force: Vec<[f64; 3]>,
+    /// 1 at a secondary node in contact, 0 elsewhere.
+    pub contact_active: Vec<f64>,
+}
+
+impl BodyFields {
+    /// Current position of a node `[length]`.
+    pub fn position(&self, node: usize) -> [f64; 3] {
+        let (x, u) = (self.mesh.points[node], self.displacement[node]);
+        [x[0] + u[0], x[1] + u[1], x[2] + u[2]]
+    }
+
+    /// Von Mises stress at a node `[stress]`.
+    pub fn von_mises(&self, node: usize) -> f64 {
+        let [xx, yy, zz, xy, yz, xz] = self.stress[node];
+        let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+        (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
+    }
+}
+
+/// Quantities of a contact pair at one time; every vector has one entry per secondary node.
+#[derive(Clone, Debug)]
+pub struct ContactFields {
+    /// Positions of the secondary nodes `[length]`.
+    pub positions: Vec<[f64; 3]>,
+    /// Contact pressure `[stress]`.
+    pub pressure: Vec<f64>,
+    /// Gap `[length]`, NaN where nothing lies opposite.
+    pub gap: Vec<f64>,
+    /// Whether the node is in contact.
+    pub active: Vec<bool>,
+    /// Contact force on each secondary node `[force]`.
+    pub forces: Vec<[f64; 3]>,
+    /// Resultant of the contact forces on the secondary side `[force]`; of a surface with itself on one side of its folds, each pair of
+    /// facets being taken once.
+    pub force: [f64; 3],
+    /// Sum of the sizes of the nodal forces `[force]`.
+    pub normal_force: f64,
+    /// Length of the secondary surface in contact `[length]`.
+    pub area: f64,
+}

@@ -1,0 +1,89 @@
+//! Why steps were halved, and how often, and where they ought to have been: what the time loop counts.
+
+use super::ledger::LedgerRow;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::large_motion::LargeMotion;
+
+/// Halvings for one cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Halving {
+    /// The cause: the name of a motion that is too large, or of the way in which Newton's method failed.
+    pub cause: &'static str,
+    /// The first motion that was too large, where that is the cause.
+    pub motion: Option<LargeMotion>,
+    /// How many.
+    pub count: usize,
+    /// Number of the last accepted step before the first of them.
+    pub step: usize,
+    /// The time then `[time]`.
+    pub time: f64,
+    /// Size of the first step that was halved `[time]`.
+    pub dt: f64,
+}
+
+/// All halvings of a simulation.
+#[derive(Clone, Debug, Default)]
+pub struct Halvings {
+    done: Vec<Halving>,
+    refused: Vec<Halving>,
+}
+
+impl Halvings {
+    /// Counts the halving of a step of size `dt` after `row`.
+    pub fn count(&mut self, failure: &Failure, dt: f64, row: &LedgerRow) {
+        let (cause, motion) = match failure {
+            Failure::Foreseen(motion) => (motion.kind.name(), Some(motion)),
+            failure => (failure.name(), None),
+        };
+        let new = Halving { cause, motion: motion.cloned(), count: 1, step: row.step, time: row.time, dt };
+        new.count_among(&mut self.done);
+    }
+
+    /// Counts a step of size `dt` after `row` that would have to be halved, but may not be any more.
+    pub fn refuse(&mut self, motion: LargeMotion, dt: f64, row: &LedgerRow) {
+        let new = Halving { cause: motion.kind.name(), motion: Some(motion), count: 1, step: row.step, time: row.time, dt };
+        new.count_among(&mut self.refused);
+    }
+
+    /// Cause by cause and contact by contact, in the order of their first ones.
+    pub fn all(&self) -> &[Halving] {
+        &self.done
+    }
+
+    /// Steps that were tried as they are although their motion is too large, in the same order.
+    pub fn refused(&self) -> &[Halving] {
+        &self.refused
+    }
+}
+
+impl Halving {
+    fn count_among(self, known: &mut Vec<Halving>) {
+        let contact = |halving: &Halving| halving.motion.as_ref().map(|motion| motion.contact.clone());
+        match known.iter_mut().find(|known| known.cause == self.cause && contact(known) == contact(&self)) {
+            Some(known) => known.count += 1,
+            None => known.push(self),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::step::large_motion::MotionKind;
+
+    #[test]
+    fn each_cause_and_contact_is_counted_by_itself() {
+        let mut halvings = Halvings::default();
+        let sliding =
+            |contact: &str, facets: f64| Failure::Foreseen(LargeMotion { contact: contact.into(), kind: MotionKind::Sliding, facets });
+        let row = |step: usize| LedgerRow { step, time: step as f64, ..LedgerRow::default() };
+        halvings.count(&sliding("race", 1.2), 0.1, &row(3));
+        halvings.count(&Failure::Diverged, 0.1, &row(4));
+        halvings.count(&sliding("race", 2.0), 0.05, &row(5));
+        halvings.count(&sliding("floor", 1.0), 0.1, &row(6));
+        let told: Vec<_> = halvings.all().iter().map(|halving| (halving.cause, halving.count, halving.step, halving.dt)).collect();
+        assert_eq!(told, [("sliding", 2, 3, 0.1), ("divergence", 1, 4, 0.1), ("sliding", 1, 6, 0.1)]);
+        assert_eq!(halvings.all()[0].motion.as_ref().map(|motion| motion.facets), Some(1.2), "the first one");
+        assert!(halvings.refused().is_empty());
+    }
+}

@@ -1,0 +1,199 @@
+//! The ledger: what a step did to energy and momenta, and why.
+
+use serde::{Deserialize, Serialize};
+
+/// One accepted step in numbers; a row of `history.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LedgerRow {
+    /// Number of the accepted step, 0 for the initial state.
+    pub step: usize,
+    /// Time at the end of the step `[time]`.
+    pub time: f64,
+    /// Size of the step `[time]`, 0 for the initial state.
+    pub dt: f64,
+    /// Kinetic energy `[energy]`.
+    pub kinetic: f64,
+    /// Strain energy `[energy]`.
+    pub strain: f64,
+    /// Potential energy of gravity, of penalty potentials, and the reserve of closed contacts `[energy]`.
+    pub potential: f64,
+    /// What closed contacts of the `velocity` rule took at their closing and give back at their opening, part of the potential `[energy]`.
+    pub reserve: f64,
+    /// Work of loads in this step `[energy]`.
+    pub load_work: f64,
+    /// Work of contact in this step that the update rule loses or gains on purpose `[energy]`.
+    pub contact_work: f64,
+    /// `change of total - load_work - contact_work` of this step `[energy]`: round-off when the scheme conserves.
+    pub energy_defect: f64,
+    /// Linear momentum `[mass * length/time]`.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin; in the plane only the third component.
+    pub angular_momentum: [f64; 3],
+    /// Largest component of the linear momentum's change that neither loads nor reactions explain.
+    pub momentum_defect: f64,
+    /// Largest component of the angular momentum's change that neither loads nor reactions explain.
+    pub angular_momentum_defect: f64,
+    /// Newton iterations of the accepted step.
+    pub newton_iterations: usize,
+    /// How often the step was halved before it was accepted.
+    pub halvings: usize,
+    /// Number of active contact nodes.
+    pub active: usize,
+    /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
+    pub max_penetration: f64,
+    /// One for each contact pair, in the order of the model; none before the first step.
+    pub contacts: Vec<ContactTotals>,
+    /// One for each boundary that supports hold or move, in the order of [`Model::support_names`](crate::dynamics::Model::support_names);
+    /// none before the first step.
+    pub reactions: Vec<Reaction>,
+    /// One for each node that is watched ([`Simulation::watch`](super::Simulation::watch)), in the order in which they were asked for.
+    pub probes: Vec<ProbeValues>,
+}
+
+/// Sums over a contact pair; forces and pressures are means over the step, the velocity jump of the `velocity` rule included.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactTotals {
+    /// Number of secondary nodes in contact.
+    pub active: usize,
+    /// Resultant of the contact forces on the secondary side `[force]`.
+    pub force: [f64; 3],
+    /// Sum of the sizes of the nodal contact forces `[force]`.
+    pub normal_force: f64,
+    /// Length of the secondary surface in contact `[length]`.
+    pub area: f64,
+    /// Largest pressure at a secondary node `[stress]`.
+    pub pressure: f64,
+    /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
+    pub penetration: f64,
+}
+
+impl ContactTotals {
+    /// Names of its columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<&'static str> {
+        let force = &["force_x", "force_y", "force_z"][..dimension];
+        force.iter().copied().chain(["normal_force", "area", "max_pressure", "active", "max_penetration"]).collect()
+    }
+
+    /// Its columns' values, in their order.
+    pub fn values(&self, dimension: usize) -> Vec<f64> {
+        let further = [self.normal_force, self.area, self.pressure, self.active as f64, self.penetration];
+        self.force[..dimension].iter().copied().chain(further).collect()
+    }
+}
+
+/// What the supports of a boundary exert on it, a mean over the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reaction {
+    /// Resultant `[force]`.
+    pub force: [f64; 3],
+    /// Moment about the origin `[force * length]`; in the plane only the third component.
+    pub moment: [f64; 3],
+}
+
+impl Reaction {
+    /// Names of its columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<&'static str> {
+        if dimension == 2 {
+            vec!["force_x", "force_y", "moment"]
+        } else {
+            vec!["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"]
+        }
+    }
+
+    /// Its columns' values, in their order.
+    pub fn values(&self, dimension: usize) -> Vec<f64> {
+        let moment = if dimension == 2 { &self.moment[2..] } else { &self.moment[..] };
+        self.force[..dimension].iter().chain(moment).copied().collect()
+    }
+}
+
+/// Motion of a watched node.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ProbeValues {
+    /// Displacement `[length]`.
+    pub displacement: [f64; 3],
+    /// Velocity `[length/time]`.
+    pub velocity: [f64; 3],
+}
+
+impl ProbeValues {
+    /// Names of its columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<&'static str> {
+        let names = [["ux", "uy", "uz"], ["vx", "vy", "vz"]];
+        names.iter().flat_map(|names| names[..dimension].iter().copied()).collect()
+    }
+
+    /// Its columns' values, in their order.
+    pub fn values(&self, dimension: usize) -> Vec<f64> {
+        self.displacement[..dimension].iter().chain(&self.velocity[..dimension]).copied().collect()
+    }
+}
+
+impl LedgerRow {
+    /// `kinetic + strain + potential` `[energy]`.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.strain + self.potential
+    }
+
+    /// Names of the columns of `history.csv` for a space dimension, in order.
+    pub fn columns(dimension: usize) -> Vec<&'static str> {
+        let mut names = vec!["step", "time", "dt", "kinetic", "strain", "potential", "total", "load_work", "contact_work", "energy_defect"];
+        names.extend(if dimension == 2 {
+            &["momentum_x", "momentum_y", "angular_momentum"][..]
+        } else {
+            &[
+                "momentum_x",
+                "momentum_y",
+                "momentum_z",
+                "angular_momentum",
+                "angular_momentum_x",
+                "angular_momentum_y",
+                "angular_momentum_z",
+            ][..]
+        });
+        names.extend([
+            "momentum_defect",
+            "angular_momentum_defect",
+            "newton_iterations",
+            "halvings",
+            "active",
+            "max_penetration",
+            "reserve",
+        ]);
+        names
+    }
+
+    /// The value of a column; `None` for an unknown name. In space `angular_momentum` is the length of the vector.
+    pub fn column(&self, name: &str) -> Option<f64> {
+        Some(match name {
+            "step" => self.step as f64,
+            "time" => self.time,
+            "dt" => self.dt,
+            "kinetic" => self.kinetic,
+            "strain" => self.strain,
+            "potential" => self.potential,
+            "total" => self.total(),
+            "load_work" => self.load_work,
+            "contact_work" => self.contact_work,
+            "energy_defect" => self.energy_defect,
+            "momentum_x" => self.momentum[0],
+            "momentum_y" => self.momentum[1],
+            "momentum_z" => self.momentum[2],
+            "angular_momentum_x" => self.angular_momentum[0],
+            "angular_momentum_y" => self.angular_momentum[1],
+            "angular_momentum_z" => self.angular_momentum[2],
+            "angular_momentum" => match self.angular_momentum {
+                [0.0, 0.0, z] => z,
+                [x, y, z] => x.hypot(y).hypot(z),
+            },
+            "momentum_defect" => self.momentum_defect,
+            "angular_momentum_defect" => self.angular_momentum_defect,
+            "newton_iterations" => self.newton_iterations as f64,
+            "halvings" => self.halvings as f64,
+            "active" => self.active as f64,
+            "max_penetration" => self.max_penetration,
+            "reserve" => self.reserve,
+            _ => return None,
+        })
+    }
+}

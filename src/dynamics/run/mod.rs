@@ -1,0 +1,22 @@
+//! The course of a simulation: states, pieces of steps and their acceptance, the ledger, rest, what a run tells of itself.
+
+pub mod accept;
+pub mod balance;
+pub mod contact_quantities;
+pub mod diagnosis;
+pub mod engine;
+pub mod failed;
+pub mod fields;
+pub mod halvings;
+pub mod impact;
+pub mod ledger;
+pub mod options;
+pub mod piece;
+pub mod quantities;
+pub mod report;
+pub mod run_findings;
+pub mod settle;
+pub mod simulation;
+pub mod state;
+pub mod steps;
+pub mod time_loop;

@@ -1,0 +1,88 @@
+//! How a model is integrated, and what that has taken so far.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::step::counters::PhaseTimes;
+use crate::integrators::Scheme;
+use crate::linear::Work;
+
+/// How a model is integrated.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Time integrator.
+    pub integrator: &'static Scheme,
+    /// Nominal step size `[time]`.
+    pub dt: f64,
+    /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
+    pub tolerance: f64,
+    /// How often a step may be halved.
+    pub max_halvings: usize,
+    /// Multiple of the usual reach of the search for contact. Results do not depend on it: what takes part in a step is decided afterwards.
+    pub reach: f64,
+    /// Threads of the element loop and of the factorisation; results do not depend on it.
+    pub threads: usize,
+    /// A flag that ends the run at the last accepted step when it becomes true.
+    pub interrupt: Option<Arc<AtomicBool>>,
+    /// A number that tells how far a long factorisation is, in thousandths; 0 while none runs.
+    pub progress: Option<Arc<AtomicU32>>,
+}
+
+impl Options {
+    /// Defaults for an integrator and a step size.
+    pub fn new(integrator: &'static Scheme, dt: f64) -> Self {
+        let tolerance = crate::math::tolerances::NEWTON_ENERGY;
+        Options { integrator, dt, tolerance, max_halvings: 7, reach: 1.0, threads: 1, interrupt: None, progress: None }
+    }
+
+    /// Whether the user wants the run to end.
+    pub(super) fn interrupted(&self) -> bool {
+        self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// An error, or the end of the run at `time` where the error is that of a time function: an interrupt also ends a script's closure
+    /// that is just running.
+    pub(super) fn or_interrupted(&self, error: StepError, time: f64) -> StepError {
+        match error {
+            StepError::Amplitude { .. } if self.interrupted() => StepError::Interrupted { time },
+            error => error,
+        }
+    }
+}
+
+/// Counters since the simulation was made.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: usize,
+    /// Newton iterations, those of refused steps included.
+    pub newton_iterations: usize,
+    /// Halvings of steps that were tried; [`Simulation::halvings`] counts all, by their causes.
+    pub halvings: usize,
+    /// Numeric factorisations.
+    pub factorizations: usize,
+    /// What the linear solver has done, factorisations of refused steps included.
+    pub linear: Work,
+    /// Times that residual and tangent of all cells were computed.
+    pub assemblies: usize,
+    /// Cells of all bodies.
+    pub cells: usize,
+    /// Bytes of the factors.
+    pub factor_bytes: usize,
+    /// Time by phase.
+    pub times: PhaseTimes,
+}
+
+/// What `settle` did.
+#[derive(Clone, Debug)]
+pub struct SettleReport {
+    /// Damped steps taken.
+    pub steps: usize,
+    /// Newton iterations in total.
+    pub newton_iterations: usize,
+    /// Strain energy of the equilibrium `[energy]`.
+    pub strain: f64,
+    /// Active contact nodes.
+    pub active: usize,
+}

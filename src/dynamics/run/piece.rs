@@ -1,0 +1,141 @@
+//! One piece of a step: from a state to a new one, or why there is none. A step is a transaction; the state itself is not changed here.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::state::State;
+use crate::bodies::{Elements, Space};
+use crate::contact::{Outlook, Travel};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::newton::{Solution, Task, solve};
+use crate::dynamics::step::predictor::{follow_prescribed, rigid_motion};
+use crate::dynamics::step::start::{Course, Motion, REST_WEIGHT, StepStart};
+use crate::math::tolerances;
+
+/// How much more motion than was expected a step may have: impacts add elastic motion to the prediction. Where something was overlooked, as
+/// much is expected in a second try.
+const MORE_MOTION: f64 = 3.0;
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// One piece of a step from the current state: the new state, or why there is none.
+    ///
+    /// A step that `may_be_halved` is not tried when its predicted motion is too large.
+    pub fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
+        match self.piece_within(dt, 1.0, may_be_halved) {
+            Err(Failure::Overlooked { .. }) => self.piece_within(dt, MORE_MOTION, may_be_halved),
+            outcome => outcome,
+        }
+    }
+
+    /// [`Self::piece`] with a multiple of the expected motion.
+    fn piece_within(&mut self, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
+        let (state, reach) = (self.state.clone(), self.options.reach);
+        let (scheme, time) = (self.options.integrator, state.row.time);
+        let (displacement, prescribed_v_1) = self.system.supports.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
+        let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
+        follow_prescribed(&self.system, &state.positions, &displacement, &mut predicted);
+        // What takes part: nodes may move by the prediction or by their velocities.
+        let rigid: Vec<f64> = predicted.iter().zip(&state.positions).map(|(new, old)| new - old).collect();
+        let elastic: Vec<f64> = state.velocities.iter().map(|v| dt * v).collect();
+        let outlook = Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach };
+        self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
+        self.system.begin_step(&outlook).map_err(Failure::Linear)?;
+
+        let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &state.remembered[..], &prescribed_v_1[..]);
+        let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };
+        let start = StepStart { time, q_0: &state.positions, memory: &state.memory, course: Course::Motion(motion) };
+        let conditions = self.system.conditions(&start, &state.felt);
+        if let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
+            if may_be_halved {
+                return Err(Failure::Foreseen(motion));
+            }
+            self.halvings.refuse(motion, dt, &state.row);
+        }
+        let energy = self.energy_scale(&start, &predicted);
+        let options = &self.options;
+        let task = Task {
+            start: &start,
+            predicted: &predicted,
+            lambda: &state.lambda,
+            conditions: &conditions,
+            energy,
+            tolerance: options.tolerance,
+            at_least: 0,
+            interrupted: &|| options.interrupted(),
+        };
+        let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
+        self.check_search(&outlook, MORE_MOTION, &solution)?;
+        if may_be_halved && let Some(motion) = self.system.came_through(&solution.at, &conditions) {
+            return Err(Failure::Foreseen(motion));
+        }
+        let jump = self.velocity_jump(&start, &motion, &solution, &conditions)?;
+        self.accept(&start, &motion, solution, &conditions, jump).map_err(Failure::Fatal)
+    }
+
+    /// Energy that defects are measured by: that of the state, the predicted kinetic energy, and the work of loads over the prediction.
+    fn energy_scale(&self, start: &StepStart, predicted: &[f64]) -> f64 {
+        let (row, nodes, dt) = (&self.state.row, &self.system.nodes, start.dt());
+        let floor = tolerances::FORCE_FLOOR * nodes.modulus * nodes.extent.powi(D as i32);
+        let mut load = vec![0.0; predicted.len()];
+        let work = match self.system.loads_into(predicted, start.time + 0.5 * dt, &mut load) {
+            // Kinetic energy that the loads give to nodes at rest within the step.
+            Ok(_) => (0..load.len())
+                .map(|k| (load[k] + nodes.weight[k], nodes.nodal_mass[k / D]))
+                .filter(|(force, _)| *force != 0.0)
+                .map(|(force, mass)| force.powi(2) * dt * dt / mass)
+                .sum::<f64>(),
+            Err(_) => 0.0,
+        };
+        (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
+    }
+
+    /// Bodies must not have moved farther than a multiple of the distance within which pairs may take part, nor into something that took no
+    /// part. How far the search has looked does not matter.
+    pub fn check_search(&self, outlook: &Outlook, multiple: f64, solution: &Solution) -> Result<(), Failure> {
+        let q_1 = &solution.at.q_1;
+        for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Surfaces) {
+            let moved = |nodes: &[u32]| {
+                nodes.iter().fold(0.0f64, |largest, &node| {
+                    let range = node as usize * D..(node as usize + 1) * D;
+                    largest.max(range.map(|k| (q_1[k] - self.state.positions[k]).powi(2)).sum::<f64>().sqrt())
+                })
+            };
+            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes()) > multiple * pair.kernel.margin(outlook) {
+                return Err(Failure::BeyondSearch { pair: pair.name.clone() });
+            }
+            if pair.kernel.overlooks(outlook.q, q_1, tolerances::OVERLOOKED * pair.kernel.facet_size()) {
+                return Err(Failure::Overlooked { pair: pair.name.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// What the time integrator remembers of the static forces at the current state.
+    pub fn remember(&mut self) -> Result<(), StepError> {
+        let state = self.state.clone();
+        let undamped = vec![0.0; self.system.bodies.len()];
+        let start =
+            StepStart { time: state.row.time, q_0: &state.positions, memory: &state.memory, course: Course::Rest { damping: &undamped } };
+        self.system.move_obstacles(state.row.time, 0.0)?;
+        if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {
+            return Err(self.failed(&Failure::Linear(error), 0.0, 0));
+        }
+        match self.system.linearize(&start, &state.positions, &state.lambda) {
+            Ok(at) => {
+                let share = (1.0 - self.options.integrator.weight) / REST_WEIGHT;
+                let forces = at.forces.without_contact.iter().zip(&at.forces.contact);
+                let remembered = forces.map(|(r, c)| share * (r - c)).collect();
+                Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
+                self.system.recycle(at);
+                Ok(())
+            }
+            Err(Failure::Fatal(error)) => Err(error),
+            Err(failure) => Err(self.failed(&failure, 0.0, 0)),
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Fields of the bodies and quantities of the contacts at the present state.
+
+use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
+use super::engine::Engine;
+use super::fields::{BodyFields, ContactFields};
+use super::ledger::{ContactTotals, ProbeValues, Reaction};
+use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
+use crate::dynamics::parts::nodal::{add_force, add_moment};
+use crate::dynamics::step::system::System;
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    pub fn fields_at(&self, q: &[f64]) -> Vec<BodyFields> {
+        let v = &self.state.velocities;
+        let nodes = self.system.nodes.count();
+        let mut stress = vec![[0.0; 6]; nodes];
+        let mut weight = vec![0.0; nodes];
+        for body in &self.system.bodies {
+            body.elements.project_stress(q, &mut stress, &mut weight);
+        }
+        let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
+        let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
+        let evaluations = self.system.evaluations_at(q, &self.state.lambda);
+        for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
+            let (contact, corners) = self.loaded(index, &evaluations);
+            for (node, force) in contact_forces::<D>(contact, &corners).all {
+                (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
+            }
+            let fields = contact_fields::<D>(contact, &corners, q);
+            for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
+                let node = node as usize;
+                pressure[node] += fields.pressure[local];
+                if fields.active[local] {
+                    contact_active[node] = 1.0;
+                }
+                if !fields.gap[local].is_nan() {
+                    gap[node] = fields.gap[local];
+                }
+            }
+        }
+        let vector = |values: &[f64], node: usize| {
+            let mut vector = [0.0; 3];
+            vector[..D].copy_from_slice(&values[node * D..(node + 1) * D]);
+            vector
+        };
+        let displacement: Vec<f64> = q.iter().zip(&self.system.nodes.reference).map(|(q, x)| q - x).collect();
+        self.system
+            .bodies
+            .iter()
+            .zip(&self.model.bodies)
+            .map(|(body, definition)| BodyFields {
+                name: body.name.clone(),
+                mesh: definition.mesh.clone(),
+                displacement: body.nodes.clone().map(|node| vector(&displacement, node)).collect(),
+                velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
+                stress: body.nodes.clone().map(|node| stress[node].map(|s| s / weight[node])).collect(),
+                contact_pressure: pressure[body.nodes.clone()].to_vec(),
+                contact_gap: gap[body.nodes.clone()].to_vec(),
+                contact_force: contact_force[body.nodes.clone()].to_vec(),
+                contact_active: contact_active[body.nodes.clone()].to_vec(),
+            })
+            .collect()
+    }
+
+    pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {
+        let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
+        let evaluations = self.system.evaluations_at(&self.state.positions, &self.state.lambda);
+        let (contact, corners) = self.loaded(index, &evaluations);
+        Some(contact_fields::<D>(contact, &corners, &self.state.positions))
+    }
+
+    /// A contact and its corners with evaluations of all pairs, in the present state.
+    fn loaded<'a>(&'a self, index: usize, evaluations: &'a [Evaluation]) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+        loaded(&self.system, index, evaluations, &self.state.lambda, &self.state.active)
+    }
+
+    /// Sums over each contact at `q` with what all pairs are there.
+    pub fn contact_totals(&self, q: &[f64], evaluations: &[Evaluation], lambda: &[f64], active: &[RowState]) -> Vec<ContactTotals> {
+        let of = |(index, _): (usize, &ContactPair)| {
+            let (contact, corners) = loaded(&self.system, index, evaluations, lambda, active);
+            totals::<D>(contact, &corners, q)
+        };
+        self.system.contacts().map(of).collect()
+    }
+
+    /// What the supports of each boundary exert, `reaction` the force on a component that is held and `q` where moments are taken.
+    pub fn reactions(&self, q: &[f64], reaction: impl Fn(usize) -> f64) -> Vec<Reaction> {
+        let of = |held: &Vec<usize>| {
+            let mut sum = Reaction::default();
+            for &k in held {
+                let mut force = [0.0; D];
+                force[k % D] = reaction(k);
+                add_force(&mut sum.force, &force);
+                add_moment(&mut sum.moment, &q[k / D * D..][..D], &force);
+            }
+            sum
+        };
+        self.system.supports.held.iter().map(of).collect()
+    }
+
+    /// Displacement and velocity of the watched nodes.
+    pub fn probe_values(&self, q: &[f64], v: &[f64]) -> Vec<ProbeValues> {
+        let values = |&node: &usize| {
+            let mut values = ProbeValues::default();
+            for i in 0..D {
+                values.displacement[i] = q[node * D + i] - self.system.nodes.reference[node * D + i];
+                values.velocity[i] = v[node * D + i];
+            }
+            values
+        };
+        self.probes.iter().map(values).collect()
+    }
+}
+
+/// A contact and its corners with their evaluations and multipliers.
+fn loaded<'a, const D: usize>(
+    system: &'a System<D>,
+    index: usize,
+    evaluations: &'a [Evaluation],
+    lambda: &'a [f64],
+    active: &'a [RowState],
+) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+    let of = |k: usize| {
+        let pair = &system.pairs[k];
+        Loaded { pair, evaluation: &evaluations[k], lambda: &lambda[pair.rows.clone()], active: &active[pair.rows.clone()] }
+    };
+    let corners = (0..system.pairs.len()).filter(|&k| system.pairs[k].corners.is_some_and(|corners| corners.pair == index));
+    (of(index), corners.map(of).collect())
+}

@@ -1,0 +1,329 @@
+//! What a run did that its rules promise not to do, or that bears on what its results are worth: read from the rows of its ledger and from
+//! the steps that were halved.
+//!
+//! A finding is no error: the run went on. Shares of energy are relative to the largest `kinetic + strain + |potential|` of the run, and
+//! never below what round-off of the positions does to it. What is suspicious before anything is computed is told by `findings.rs`.
+
+use super::halvings::Halving;
+use super::ledger::LedgerRow;
+use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
+use crate::math::tolerances::{APPROACH, CAME_THROUGH, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, SLIDING};
+
+/// What was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunFindingKind {
+    /// The work of contact in a step was positive; the value is its share of the energy.
+    PositiveContactWork,
+    /// More energy appeared or vanished in a step than round-off explains; the value is its share.
+    EnergyDefect,
+    /// The sides of a contact overlap by more than a tenth of a facet; the value is the largest depth in facets.
+    Depth,
+    /// Contact took energy; the value is its share.
+    EnergyTaken,
+    /// Closed contacts of the `velocity` rule still keep energy at the end; the value is its share.
+    ReserveHeld,
+    /// Steps were halved because of this motion; the value is how far it went in the first of them, in facets.
+    Motion(MotionKind),
+    /// Steps were taken in spite of this motion since they may not be halved further; the value is how far it went in the first of them.
+    TooFast(MotionKind),
+    /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
+    Failures(&'static str),
+}
+
+impl RunFindingKind {
+    /// All kinds by their stable names, each with one sentence.
+    pub const ALL: &'static [(&'static str, &'static str)] = &[
+        ("positive_contact_work", "contact gave energy in a step, which no update rule does: the largest share of the energy"),
+        ("energy_defect", "energy appeared or vanished in a step beyond round-off: the largest share of the energy"),
+        ("depth", "the sides of a contact overlapped by more than a tenth of a facet: the largest depth in facets"),
+        ("energy_taken", "closings under the update rule gap took energy: its share of the energy"),
+        ("reserve_held", "contacts of the update rule velocity keep energy at the end: its share of the energy"),
+        ("sliding", "steps were halved beforehand where surfaces would have slid too far: how far in the first one, in facets"),
+        ("approach", "steps were halved beforehand where bodies would have come through: how far in the first one, in facets"),
+        ("came_through", "steps were taken back and halved where bodies had come through: how far in the first one, in facets"),
+        (
+            "motion_too_fast",
+            "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
+        ),
+        ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
+    ];
+
+    /// Its stable name.
+    pub fn name(self) -> &'static str {
+        match self {
+            RunFindingKind::PositiveContactWork => "positive_contact_work",
+            RunFindingKind::EnergyDefect => "energy_defect",
+            RunFindingKind::Depth => "depth",
+            RunFindingKind::EnergyTaken => "energy_taken",
+            RunFindingKind::ReserveHeld => "reserve_held",
+            RunFindingKind::Motion(motion) => motion.name(),
+            RunFindingKind::TooFast(_) => "motion_too_fast",
+            RunFindingKind::Failures(_) => "failed_steps",
+        }
+    }
+}
+
+/// Something found about a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunFinding {
+    /// What.
+    pub kind: RunFindingKind,
+    /// The contact that it is about, where that is known.
+    pub contact: Option<String>,
+    /// How much, in the unit of the kind.
+    pub value: f64,
+    /// From how much on it is told.
+    pub limit: f64,
+    /// The accepted step where it was largest; of halvings, the one before the first.
+    pub step: usize,
+    /// The end of that step `[time]`.
+    pub time: f64,
+    /// The numbers that show it.
+    pub explanation: String,
+}
+
+impl std::fmt::Display for RunFinding {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let contact = self.contact.as_ref().map_or("contact".into(), |name| format!("contact \"{name}\""));
+        match self.kind {
+            RunFindingKind::PositiveContactWork => write!(out, "{contact} gave energy"),
+            RunFindingKind::EnergyDefect => write!(out, "energy is not kept to round-off"),
+            RunFindingKind::Depth => write!(out, "the sides of {contact} overlap"),
+            RunFindingKind::EnergyTaken => write!(out, "{contact} took energy"),
+            RunFindingKind::ReserveHeld => write!(out, "{contact} keeps energy at the end"),
+            RunFindingKind::Motion(MotionKind::CameThrough) => write!(out, "steps are taken back and halved: fast approach in {contact}"),
+            RunFindingKind::Motion(motion) => write!(out, "steps are halved beforehand: fast {} in {contact}", motion.name()),
+            RunFindingKind::TooFast(motion) => write!(out, "steps are too large: fast {} in {contact}", motion.name()),
+            RunFindingKind::Failures(cause) => write!(out, "steps are taken back and halved: {cause}"),
+        }
+    }
+}
+
+impl RunFinding {
+    /// How to mend it, or what to make of it, one sentence.
+    pub fn cure(&self) -> &'static str {
+        match self.kind {
+            RunFindingKind::PositiveContactWork => "no update rule should do so: do not trust the run from there on, and try a smaller dt",
+            RunFindingKind::EnergyDefect => "do not trust the run from there on, and try a smaller dt",
+            RunFindingKind::Depth => {
+                "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \
+                 smaller dt, or a larger `penalty`"
+            }
+            RunFindingKind::EnergyTaken => {
+                "`update: \"persistency\"` and `\"velocity\"` keep the energy; with `\"gap\"`, finer facets lose less"
+            }
+            RunFindingKind::ReserveHeld => "nothing is lost: it is part of `potential` and becomes motion when the contact opens",
+            RunFindingKind::Motion(MotionKind::Sliding) => {
+                "results are right since such steps are halved, and only time is lost; a smaller dt or coarser facets avoid it"
+            }
+            RunFindingKind::Motion(_) => "nothing is lost but time; a smaller dt or coarser facets avoid it",
+            RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
+            RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
+        }
+    }
+
+    /// That steps of a size have such a motion, first after the step of that number and time.
+    pub fn of_motion(kind_of: fn(MotionKind) -> RunFindingKind, motion: &LargeMotion, dt: f64, step: usize, time: f64) -> Self {
+        let (LargeMotion { contact, kind, facets }, dt) = (motion, rounded(dt));
+        let (limit, explanation) = match kind {
+            MotionKind::Sliding => (
+                SLIDING,
+                format!(
+                    "in a step of dt = {dt} its sides would slide by {facets:.2} facets, and a step that slides by one or more does not \
+                     see each facet pass: motion goes into vibrations although the energy stays exact"
+                ),
+            ),
+            MotionKind::Approach => (
+                APPROACH,
+                format!("in a step of dt = {dt} its sides would penetrate by {facets:.2} facets, and `persistency` would leave it so"),
+            ),
+            MotionKind::CameThrough => (
+                CAME_THROUGH,
+                format!("in a step of dt = {dt} its sides came to penetrate by {facets:.2} facets, and `persistency` would leave it so"),
+            ),
+        };
+        let (kind, contact) = (kind_of(*kind), Some(contact.clone()));
+        RunFinding { kind, contact, value: *facets, limit, step, time, explanation }
+    }
+}
+
+/// What findings are measured by.
+pub struct Measures<'a> {
+    /// Names of the contacts in the order of the rows' totals, with the lengths of their shortest secondary facets `[length]`.
+    pub contacts: Vec<(&'a str, f64)>,
+    /// Young's modulus times the size of the model: its strain energy at strains of order one `[energy]`.
+    pub stiffness: f64,
+    /// Share of the energy that a step may be off by; `None` where the integrator does not keep it.
+    pub defect: Option<f64>,
+    /// Why steps were halved.
+    pub halvings: &'a [Halving],
+    /// Why they would have to be, but could not.
+    pub refused: &'a [Halving],
+}
+
+/// Everything found about a run with these rows, in a fixed order.
+pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> {
+    let Some(last) = rows.last() else { return Vec::new() };
+    let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max);
+    // Round-off of positions moves forces by this much of the stiffness, and they work on displacements of the size that the energy has.
+    let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt();
+    // The first one of those that are equal to round-off.
+    let largest = |value: &dyn Fn(&LedgerRow) -> f64| {
+        let values = rows.iter().map(|row| (value(row), row));
+        values.fold((0.0, last), |largest, next| if next.0 > largest.0 * (1.0 + EQUAL) { next } else { largest })
+    };
+    let only = match measures.contacts[..] {
+        [(name, _)] => Some(name.to_string()),
+        _ => None,
+    };
+    let mut found = Vec::new();
+    let mut add = |kind, contact: Option<String>, value: f64, limit: f64, row: &LedgerRow, explanation: String| {
+        if value > limit {
+            found.push(RunFinding { kind, contact, value, limit, step: row.step, time: row.time, explanation });
+        }
+    };
+
+    let (given, row) = largest(&|row| row.contact_work / scale);
+    let explanation = format!("its work in a step was {given:.1e} of the energy");
+    add(RunFindingKind::PositiveContactWork, only.clone(), given, GIVEN.max(round_off), row, explanation);
+
+    if let Some(promised) = measures.defect {
+        let (defect, row) = largest(&|row| row.energy_defect.abs() / scale);
+        let explanation = format!("a step was off by {defect:.1e} of the energy, and {promised:.0e} is promised");
+        add(RunFindingKind::EnergyDefect, None, defect, promised.max(round_off), row, explanation);
+    }
+
+    for (k, &(name, size)) in measures.contacts.iter().enumerate() {
+        let (depth, row) = largest(&|row| row.contacts.get(k).map_or(0.0, |totals| totals.penetration / size));
+        let explanation = format!("nodes lie {depth:.2} facets deep behind the other side, a length of {:.2e}", depth * size);
+        add(RunFindingKind::Depth, Some(name.into()), depth, DEPTH, row, explanation);
+    }
+
+    let taken = rows.iter().map(|row| (-row.contact_work).max(0.0)).sum::<f64>();
+    let (most, row) = largest(&|row| -row.contact_work / scale);
+    let share = taken / scale;
+    let explanation = format!("it took {taken:.2e}, {} of the energy; most in one step: {}", percent(share), percent(most));
+    add(RunFindingKind::EnergyTaken, only.clone(), share, LOST.max(round_off), row, explanation);
+
+    let held = last.reserve / scale;
+    let explanation = format!("its reserve is {:.2e}, {} of the energy", last.reserve, percent(held));
+    add(RunFindingKind::ReserveHeld, only, held, LOST.max(round_off), last, explanation);
+
+    for Halving { motion, step, time, dt, .. } in measures.refused {
+        found.extend(motion.iter().map(|motion| RunFinding::of_motion(RunFindingKind::TooFast, motion, *dt, *step, *time)));
+    }
+    for Halving { cause, motion, count, step, time, dt } in measures.halvings {
+        match motion {
+            Some(motion) => found.push(RunFinding::of_motion(RunFindingKind::Motion, motion, *dt, *step, *time)),
+            None => {
+                let value = *count as f64 / last.step.max(1) as f64;
+                let explanation = format!("{count} halvings in {} accepted steps, the first at dt = {}", last.step, rounded(*dt));
+                let kind = RunFindingKind::Failures(cause);
+                if value > HALVED {
+                    found.push(RunFinding { kind, contact: None, value, limit: HALVED, step: *step, time: *time, explanation });
+                }
+            }
+        }
+    }
+    found
+}
+
+/// A step size without the round-off of times that were subtracted.
+fn rounded(dt: f64) -> f64 {
+    format!("{dt:.6e}").parse().unwrap_or(dt)
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::ledger::ContactTotals;
+    use super::*;
+
+    fn rows() -> Vec<LedgerRow> {
+        let row = |step: usize| LedgerRow {
+            step,
+            time: 0.1 * step as f64,
+            kinetic: 2.0,
+            contacts: vec![ContactTotals::default(); if step == 0 { 0 } else { 2 }],
+            ..LedgerRow::default()
+        };
+        (0..5).map(row).collect()
+    }
+
+    fn measures<'a>() -> Measures<'a> {
+        Measures { contacts: vec![("race", 0.5), ("floor", 0.1)], stiffness: 1.0, defect: Some(1e-11), halvings: &[], refused: &[] }
+    }
+
+    #[test]
+    fn a_run_as_it_should_be_has_no_findings() {
+        assert_eq!(run_findings(&rows(), &measures()), []);
+        assert_eq!(run_findings(&[], &measures()), []);
+        let mut rows = rows();
+        rows[2].contact_work = 1e-12;
+        rows[3].energy_defect = -1e-11;
+        rows[3].contacts[0].penetration = 0.049;
+        assert_eq!(run_findings(&rows, &measures()), [], "round-off, and a depth of 0.098 facets");
+        for row in &mut rows {
+            (row.kinetic, row.contact_work, row.energy_defect) = (1e-30, row.contact_work * 1e-19, row.energy_defect * 1e-19);
+        }
+        assert_eq!(run_findings(&rows, &measures()), [], "at rest all is round-off");
+    }
+
+    #[test]
+    fn each_finding_tells_where_it_was_worst() {
+        let mut rows = rows();
+        rows[1].contact_work = 1e-9;
+        rows[2].contact_work = 1e-6;
+        rows[2].energy_defect = -4e-11;
+        rows[3].contact_work = -0.4;
+        rows[3].contacts[1].penetration = 0.03;
+        rows[4].reserve = 0.1;
+        let found = run_findings(&rows, &measures());
+        let told: Vec<(&str, Option<&str>, usize)> =
+            found.iter().map(|finding| (finding.kind.name(), finding.contact.as_deref(), finding.step)).collect();
+        assert_eq!(
+            told,
+            [
+                ("positive_contact_work", None, 2),
+                ("energy_defect", None, 2),
+                ("depth", Some("floor"), 3),
+                ("energy_taken", None, 3),
+                ("reserve_held", None, 4),
+            ]
+        );
+        for (finding, value) in found.iter().zip([1e-6 / 2.0, 4e-11 / 2.0, 0.03 / 0.1, 0.4 / 2.0, 0.1 / 2.0]) {
+            assert!((finding.value / value - 1.0).abs() < 1e-12, "{finding}: {}", finding.value);
+        }
+    }
+
+    #[test]
+    fn halvings_are_told_with_their_cause() {
+        let motion = LargeMotion { contact: "race".into(), kind: MotionKind::Sliding, facets: 1.5 };
+        let sliding = Halving { cause: "sliding", motion: Some(motion), count: 1, step: 2, time: 0.2, dt: 0.1 };
+        let failed = Halving { cause: "divergence", motion: None, count: 2, step: 3, time: 0.3, dt: 0.05 };
+        let halvings = [sliding, failed];
+        let found = run_findings(&rows(), &Measures { halvings: &halvings, ..measures() });
+        let kinds: Vec<&str> = found.iter().map(|finding| finding.kind.name()).collect();
+        assert_eq!(kinds, ["sliding", "failed_steps"]);
+        assert_eq!((found[0].value, found[0].limit, found[0].contact.as_deref()), (1.5, SLIDING, Some("race")));
+        assert_eq!((found[1].value, found[1].to_string().as_str()), (0.5, "steps are taken back and halved: divergence"));
+        let refused = run_findings(&rows(), &Measures { refused: &halvings[..1], ..measures() });
+        assert_eq!(refused[0].to_string(), "steps are too large: fast sliding in contact \"race\"");
+        let mut long = rows();
+        long[4].step = 400;
+        assert_eq!(run_findings(&long, &Measures { halvings: &halvings[1..], ..measures() }), [], "2 halvings in 400 steps");
+    }
+
+    #[test]
+    fn every_kind_is_listed() {
+        use MotionKind::{Approach, CameThrough, Sliding};
+        use RunFindingKind::{Depth, EnergyDefect, EnergyTaken, Failures, Motion, PositiveContactWork, ReserveHeld, TooFast};
+        let kinds = [PositiveContactWork, EnergyDefect, Depth, EnergyTaken, ReserveHeld];
+        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough].map(Motion)).chain([TooFast(Sliding), Failures("divergence")]);
+        let names: Vec<&str> = kinds.map(RunFindingKind::name).collect();
+        assert_eq!(names, RunFindingKind::ALL.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    }
+}

@@ -1,0 +1,379 @@
+//! `settle`: equilibrium under the loads of the present time, by damped steps without inertia.
+//!
+//! A step solves `f(q_1) + mu M (q_1 - q_0) = 0`, the forces at its end and a damping, with the contact conditions. Each body has its own
+//! `mu`: as much as its unbalanced resultant and torque ask for, so that nothing loose moves by more than half a facet, and never less
+//! than a trifle of its own stiffness, so that rigid motions stay regular. As the forces come to balance the damping goes with them, and
+//! with it the error that it leaves (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). `balance.rs` judges
+//! when the end is reached; damping does not count as a force there.
+//!
+//! Does not promise which of several equilibria is found, nor that it is stable; but a step never goes against the unbalanced forces.
+
+use std::sync::Arc;
+
+use super::balance::{Balance, Imbalance};
+use super::engine::Engine;
+use super::options::SettleReport;
+use super::report::{FailureCause, Missing};
+use super::state::{Clock, State};
+use crate::bodies::{Elements, Space};
+use crate::contact::{Outlook, Surface, Travel};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::step::conditions::Conditions;
+use crate::dynamics::step::contact_set::meets;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::iterate::Linearization;
+use crate::dynamics::step::newton::{Solution, Task, solve};
+use crate::dynamics::step::predictor::follow_prescribed;
+use crate::dynamics::step::start::{Course, REST_WEIGHT, StepStart};
+use crate::math::tolerances;
+
+/// Damped steps at most: stacks of twenty take seven, a fall from a distance one for each halving of it.
+const MAX_STEPS: usize = 100;
+
+/// What a loose body may move in a step, in facets: more, and Newton's method does not follow contacts that close on the way.
+const FALL: f64 = 0.5;
+
+/// What a body may move in a step that has nothing to fall on, in extents of the model, and how far it goes until it is gone for good.
+const FLIGHT: f64 = 10.0;
+const GONE: f64 = 95.0;
+
+/// Growth of the damping after a step that was refused, and its decay after one that was not.
+const MORE_DAMPING: f64 = 100.0;
+const LESS_DAMPING: f64 = 0.1;
+
+/// Growth of the search's reach after bodies moved beyond it.
+const WIDER: f64 = 3.0;
+
+/// Times that a step is tried again.
+const MAX_TRIES: usize = 6;
+
+/// Steps with more damping than the forces ask for that may go by without less imbalance: what buckles may pass, what slides off is given
+/// up.
+const MAX_STUCK: usize = 20;
+
+/// Imbalance over what is tolerated, 1e-8 of the forces, that no direction is read from: it is the end of an approach that went well.
+const TRIFLE: f64 = 1e3;
+
+/// Steps in which everything stood after which nothing is expected to move any more: pairs that take part only while bodies move must not
+/// keep them moving.
+const MAX_STOOD: usize = 3;
+
+/// What the steps so far tell of the next one.
+struct Progress {
+    steps: usize,
+    /// Times that the present step was tried again.
+    tries: usize,
+    /// How much more damping than the forces ask for, and more motion than expected.
+    excess: f64,
+    leeway: f64,
+    /// The last step, and the largest displacement of each piece in it.
+    motion: Vec<f64>,
+    travelled: Option<Vec<f64>>,
+    stood: usize,
+    /// The least imbalance, and how many steps with more damping have not reduced it.
+    least: f64,
+    stuck: usize,
+    /// A state at which only round-off was left, and its imbalance: of sums, of nodes.
+    best: Option<(Arc<State>, [f64; 2])>,
+}
+
+/// The present state as `settle` sees it.
+struct Present {
+    positions: Vec<f64>,
+    /// Positions with prescribed motion, and how far that goes.
+    predicted: Vec<f64>,
+    prescribed: f64,
+    at: Linearization,
+    imbalance: Imbalance,
+    /// Whether the contact conditions and the prescribed motions are met.
+    is_closed: bool,
+}
+
+/// A damped step as it is planned.
+struct Plan {
+    /// Of each body.
+    damping: Vec<f64>,
+    /// Displacement of each piece with which Newton's method starts.
+    shift: Vec<[f64; 3]>,
+    /// How far the nodes of each piece are expected to move at most.
+    travel: Vec<f64>,
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
+    pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
+        if time != self.state.row.time {
+            let state = Arc::make_mut(&mut self.state);
+            state.row.time = time;
+            state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
+        }
+        self.settle_from_here()
+    }
+
+    fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
+        self.tries.clear();
+        let iterations_before = self.statistics.newton_iterations;
+        let balance = Balance::new(&self.system, &self.model);
+        let begun = self.state.positions.clone();
+        let mut course = Progress::new(begun.len());
+        let at = loop {
+            let present = self.look(&balance)?;
+            if present.is_closed && present.imbalance.excess() <= 1.0 {
+                break present.at;
+            }
+            if present.is_closed && self.gains_nothing(&present.imbalance, &mut course.best) {
+                // Forces and pairs are those of the state that was taken back.
+                break self.look(&balance)?.at;
+            }
+            let is_gone = present.positions.iter().zip(&begun).any(|(q, begun)| (q - begun).abs() > GONE * self.system.nodes.extent);
+            if is_gone || course.steps == MAX_STEPS || course.stuck == MAX_STUCK {
+                return Err(self.no_equilibrium(&balance, &present.imbalance, &course));
+            }
+            self.step_to_rest(&balance, &present, &mut course)?;
+            self.system.recycle(present.at);
+        };
+        Arc::make_mut(&mut self.state).search = self.system.search();
+        let contacts = self.contact_totals(&self.state.positions, &at.pairs, &self.state.lambda, &self.state.active);
+        let forces = &at.forces;
+        let reaction = |k: usize| (forces.without_contact[k] - forces.contact[k]) / REST_WEIGHT;
+        let reactions = self.reactions(&self.state.positions, reaction);
+        self.system.recycle(at);
+        let probes = self.probe_values(&self.state.positions, &self.state.velocities);
+        let State { positions: q, velocities: v, row, active, felt, reserve, .. } = Arc::make_mut(&mut self.state);
+        row.strain = self.system.strain_energy(q);
+        let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
+        row.potential = self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(q);
+        *felt = gaps;
+        reserve.fill(0.0);
+        row.reserve = 0.0;
+        (row.momentum, row.angular_momentum) = self.system.nodes.momenta(q, v);
+        row.active = self.system.touching(active);
+        (row.contacts, row.reactions, row.probes) = (contacts, reactions, probes);
+        Ok(SettleReport {
+            steps: course.steps,
+            newton_iterations: self.statistics.newton_iterations - iterations_before,
+            strain: row.strain,
+            active: row.active,
+        })
+    }
+
+    /// Judges the present state, with the contact pairs of a state at rest.
+    fn look(&mut self, balance: &Balance) -> Result<Present, StepError> {
+        let positions = self.state.positions.clone();
+        let (displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
+        let mut predicted = positions.clone();
+        follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
+        let prescribed = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
+        let still = vec![0.0; self.system.nodes.count()];
+        let travel = Travel::Each { sizes: &still, besides: 2.0 * prescribed };
+        self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach })?;
+        let undamped = vec![0.0; self.system.bodies.len()];
+        let memory = self.state.memory.clone();
+        let start = StepStart { time: self.state.row.time, q_0: &positions, memory: &memory, course: Course::Rest { damping: &undamped } };
+        let at = match self.system.linearize(&start, &positions, &self.state.lambda) {
+            Ok(at) => at,
+            Err(Failure::Fatal(error)) => return Err(error),
+            Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
+        };
+        let is_closed = prescribed == 0.0 && meets(&self.system, &at, &self.conditions_at_rest(&start));
+        let imbalance = balance.judge(&self.system, &positions, &at.forces);
+        Ok(Present { positions, predicted, prescribed, at, imbalance, is_closed })
+    }
+
+    /// Whether only round-off is left and a further step halved the imbalance neither of sums nor of nodes. That step is taken back, so
+    /// that a state once settled stays as it is. Internal forces cancel in sums, so round-off of positions limits nodes alone.
+    fn gains_nothing(&mut self, imbalance: &Imbalance, best: &mut Option<(Arc<State>, [f64; 2])>) -> bool {
+        if !imbalance.is_round_off {
+            return false;
+        }
+        let now = [imbalance.of_sums, imbalance.of_nodes];
+        let is_less = |before: &[f64; 2]| (0..2).any(|k| before[k] > 1.0 && now[k] <= 0.5 * before[k]);
+        match best.take().filter(|(_, before)| !is_less(before)) {
+            Some((state, _)) => {
+                self.system.restore_search(&state.search, &state.positions, state.row.time);
+                self.state = state;
+                true
+            }
+            None => {
+                *best = Some((self.state.clone(), now));
+                false
+            }
+        }
+    }
+
+    /// A damped step, or the experience that more damping is needed or more motion to be expected.
+    fn step_to_rest(&mut self, balance: &Balance, present: &Present, course: &mut Progress) -> Result<(), StepError> {
+        let Present { positions, imbalance, .. } = present;
+        let plan = self.plan(balance, imbalance, course, positions);
+        // How far nodes may move: as their piece is expected to, and both sides as far as is prescribed.
+        let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| course.leeway * size).collect();
+        // Where something was overlooked, what was not expected to move did.
+        let facet = self.shortest_facet();
+        let unexpected = if course.leeway > 1.0 && facet.is_finite() { course.leeway * FALL * facet } else { 0.0 };
+        let travel = Travel::Each { sizes: &sizes, besides: 2.0 * present.prescribed + unexpected };
+        let outlook = Outlook { q: positions, travel, reach: self.options.reach };
+        self.begin_at_rest(&outlook)?;
+        let mut predicted = present.predicted.clone();
+        balance.shift(&self.system, &plan.shift, &mut predicted);
+        let outcome = self.damped_step(positions, &predicted, &plan.damping);
+        let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
+            Err(Failure::Fatal(error)) => return Err(error),
+            Err(failure) => Some(failure),
+            Ok(solution) if present.is_pushed_to(&solution.at.q_1, &self.system.supports.fixed) => {
+                let motion: Vec<f64> = solution.at.q_1.iter().zip(positions).map(|(new, old)| new - old).collect();
+                course.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
+                let state = Arc::make_mut(&mut self.state);
+                (state.positions, state.lambda, state.active) = (solution.at.q_1.clone(), solution.at.lambda.clone(), solution.active);
+                self.system.recycle(solution.at);
+                state.search = self.system.search();
+                return Ok(());
+            }
+            Ok(_) => None,
+        };
+        if course.tries == MAX_TRIES {
+            return Err(match refused {
+                Some(failure) => self.failed(&failure, 0.0, 0),
+                None => self.no_equilibrium(balance, imbalance, course),
+            });
+        }
+        course.tries += 1;
+        match refused {
+            Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => course.leeway *= WIDER,
+            _ => course.excess *= MORE_DAMPING,
+        }
+        Ok(())
+    }
+
+    /// The damping of the next step, and how far it is expected to move the pieces.
+    fn plan(&self, balance: &Balance, imbalance: &Imbalance, course: &Progress, q: &[f64]) -> Plan {
+        let facet = self.shortest_facet();
+        let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
+        // What is far from all others may fall farther, but not turn farther.
+        let fall = |clearance: f64| if clearance.is_finite() { clearance.max(turn) } else { FLIGHT * self.system.nodes.extent };
+        let falls: Vec<f64> = balance.clearances(&self.system, q, &imbalance.pieces).into_iter().map(fall).collect();
+        let mut damping = vec![0.0f64; self.system.bodies.len()];
+        for ((piece, pull), &fall) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls) {
+            let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(tolerances::LEAST_DAMPING * piece.frequency_squared);
+            damping[piece.body] = damping[piece.body].max(course.excess * needed);
+        }
+        let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };
+        for (number, ((piece, pull), &fall)) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls).enumerate() {
+            let (mu, flies) = (plan.damping[piece.body], fall > turn);
+            plan.shift.push(if flies { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
+            let loose = (pull.shift_size() + pull.turn) / mu;
+            let expected = match &course.travelled {
+                _ if course.stood >= MAX_STOOD => 0.0,
+                // What is held by contact moves less and less.
+                Some(travelled) if !flies => loose.min(2.0 * travelled[number]),
+                _ => loose,
+            };
+            plan.travel.push(if expected < tolerances::STANDS * facet { 0.0 } else { expected });
+        }
+        plan
+    }
+
+    /// Shortest facet of all contacts; infinite without one.
+    fn shortest_facet(&self) -> f64 {
+        self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
+    }
+
+    fn begin_at_rest(&mut self, outlook: &Outlook) -> Result<(), StepError> {
+        self.system.move_obstacles(self.state.row.time, 0.0)?;
+        self.system.begin_step(outlook).map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))
+    }
+
+    /// At rest every rule closes the gaps.
+    fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
+        let count = self.system.multipliers;
+        Conditions {
+            gap_n: vec![0.0; count],
+            targets: self.system.closed_gaps(),
+            members: vec![true; count],
+            compliance: self.system.compliance(start),
+            end_point: true,
+            shift: vec![0.0; count],
+        }
+    }
+
+    fn damped_step(&mut self, positions: &[f64], predicted: &[f64], damping: &[f64]) -> Result<Solution, Failure> {
+        let memory = self.state.memory.clone();
+        let start = StepStart { time: self.state.row.time, q_0: positions, memory: &memory, course: Course::Rest { damping } };
+        let conditions = self.conditions_at_rest(&start);
+        let floor = tolerances::FORCE_FLOOR * self.system.nodes.modulus * self.system.nodes.extent.powi(D as i32);
+        let options = &self.options;
+        let task = Task {
+            start: &start,
+            predicted,
+            lambda: &self.state.lambda,
+            conditions: &conditions,
+            energy: self.system.strain_energy(positions).max(floor),
+            tolerance: options.tolerance,
+            at_least: 1,
+            interrupted: &|| options.interrupted(),
+        };
+        solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)
+    }
+
+    /// The error where damped steps lead to no equilibrium.
+    fn no_equilibrium(&mut self, balance: &Balance, imbalance: &Imbalance, course: &Progress) -> StepError {
+        let (body, how) = self.moving_body(&course.motion);
+        let number = self.system.bodies.iter().position(|other| other.name == body).unwrap_or(0);
+        let nodes = self.system.bodies[number].nodes.clone();
+        let pulls = || balance.pieces.iter().zip(&imbalance.pieces).filter(|(piece, _)| piece.body == number).map(|(_, pull)| pull);
+        let unbalanced = pulls().map(|pull| pull.relative).fold(0.0, f64::max);
+        let is_loose = pulls().any(|pull| pull.shift_size() + pull.turn > 0.0);
+        let is_side = |surface: &Surface| surface.nodes().iter().any(|&node| nodes.contains(&(node as usize)));
+        let touches = self.system.pairs.iter().any(|pair| {
+            (is_side(pair.kernel.secondary()) || is_side(pair.kernel.primary()))
+                && self.state.active[pair.rows.clone()].contains(&RowState::Closed)
+        });
+        let missing = is_loose.then_some(if touches { Missing::Guidance } else { Missing::Support });
+        let cause = FailureCause::NoEquilibrium { steps: course.steps, unbalanced, body, how, missing };
+        let report = self.evidence(0.0, 0).report_of(cause);
+        self.given_up(report)
+    }
+}
+
+impl Progress {
+    fn new(unknowns: usize) -> Self {
+        Progress {
+            steps: 0,
+            tries: 0,
+            excess: 1.0,
+            leeway: 1.0,
+            motion: vec![0.0; unknowns],
+            travelled: None,
+            stood: 0,
+            least: f64::INFINITY,
+            stuck: 0,
+            best: None,
+        }
+    }
+
+    /// A step was taken from a state with that imbalance, with that motion and largest displacements of the pieces.
+    fn accepted(&mut self, imbalance: f64, travelled: Vec<f64>, motion: Vec<f64>, stands: f64) {
+        if imbalance < 0.9 * self.least {
+            (self.least, self.stuck) = (imbalance, 0);
+        } else if self.excess > 1.0 {
+            self.stuck += 1;
+        }
+        self.stood += usize::from(travelled.iter().all(|&travelled| travelled < stands));
+        (self.travelled, self.motion) = (Some(travelled), motion);
+        (self.steps, self.tries) = (self.steps + 1, 0);
+        (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
+    }
+}
+
+impl Present {
+    /// Whether the unbalanced forces push the way that leads to `q_1`. Newton's method may find equilibria that do not last: it climbs to
+    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, there is no such way.
+    fn is_pushed_to(&self, q_1: &[f64], fixed: &[bool]) -> bool {
+        let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
+        let work = || (0..q_1.len()).filter(|&k| !fixed[k]).map(|k| push(k) * (q_1[k] - self.positions[k])).sum::<f64>();
+        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= 0.0
+    }
+}

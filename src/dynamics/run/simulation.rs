@@ -1,0 +1,175 @@
+//! A running simulation, free of the space dimension.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::fields::{BodyFields, ContactFields};
+use super::halvings::Halving;
+use super::ledger::LedgerRow;
+use super::options::{Options, SettleReport, Statistics};
+use super::report::FailureReport;
+use super::run_findings::{RunFinding, run_findings};
+use super::state::State;
+use super::steps::Steps;
+use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::error::{ModelError, StepError};
+
+/// A running simulation.
+pub struct Simulation {
+    steps: Box<dyn Steps>,
+}
+
+impl Simulation {
+    /// Builds the kernels of a model in its initial configuration.
+    ///
+    /// # Errors
+    /// A model that cannot be simulated ([`Model::check`], inverted cells).
+    pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
+        let steps: Box<dyn Steps> = match model.dimension() {
+            3 => Box::new(Engine::<3>::new(model, options)?),
+            _ => Box::new(Engine::<2>::new(model, options)?),
+        };
+        Ok(Simulation { steps })
+    }
+
+    /// Space dimension.
+    pub fn dimension(&self) -> usize {
+        self.steps.dimension()
+    }
+
+    /// Options it was made with.
+    pub fn options(&self) -> &Options {
+        self.steps.options()
+    }
+
+    /// Changes how the next steps are taken: nominal size `[time]`, Newton's tolerance, halvings at most. States keep none of the three.
+    pub fn set_steps(&mut self, dt: f64, tolerance: f64, max_halvings: usize) {
+        let options = self.steps.options_mut();
+        *options = Options { dt, tolerance, max_halvings, ..options.clone() };
+    }
+
+    /// Number of free displacement components.
+    pub fn unknowns(&self) -> usize {
+        self.steps.unknowns()
+    }
+
+    /// Current time `[time]`.
+    pub fn time(&self) -> f64 {
+        self.row().time
+    }
+
+    /// The ledger's row of the current state.
+    pub fn row(&self) -> &LedgerRow {
+        &self.steps.state().row
+    }
+
+    /// Bytes that a state takes.
+    pub fn state_size(&self) -> usize {
+        let state = self.steps.state();
+        let rows = 3 * state.lambda.len();
+        8 * (state.positions.len() + state.velocities.len() + state.remembered.len() + rows) + state.active.len()
+    }
+
+    /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in pieces where it must be halved.
+    /// `accepted` is called with the ledger's row of every accepted piece.
+    ///
+    /// # Errors
+    /// The step that failed; the simulation then stands at its last accepted piece, and goes on from there as a restored state does.
+    pub fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
+        self.steps.step(end, accepted)
+    }
+
+    /// Brings the model to static equilibrium by damped steps, without letting time pass; velocities stay as they are.
+    ///
+    /// # Errors
+    /// No equilibrium was found; the simulation is as it was before.
+    pub fn settle(&mut self) -> Result<SettleReport, StepError> {
+        self.steps.settle(self.time())
+    }
+
+    /// Goes to a time without inertia: equilibrium under what loads, supports and obstacles are then.
+    ///
+    /// # Errors
+    /// No equilibrium was found; the simulation is as it was before.
+    pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
+        self.steps.settle(time)
+    }
+
+    /// Lets every row of the ledger tell the motion of a node (bodies one after the other) from now on.
+    pub fn watch(&mut self, node: usize) {
+        self.steps.watch(node);
+    }
+
+    /// The watched nodes.
+    pub fn watched(&self) -> &[usize] {
+        self.steps.watched()
+    }
+
+    /// The current state as a value.
+    pub fn state(&self) -> State {
+        State::clone(self.steps.state())
+    }
+
+    /// The current state as a value that is shared, not copied.
+    pub fn shared_state(&self) -> Arc<State> {
+        self.steps.state().clone()
+    }
+
+    /// Goes on from a state of this simulation (or of one of the same model).
+    ///
+    /// # Panics
+    /// When the state is of another model (other numbers of nodes or multipliers).
+    pub fn restore(&mut self, state: &State) {
+        self.steps.restore(state);
+    }
+
+    /// Nodal fields of every body.
+    pub fn fields(&self) -> Vec<BodyFields> {
+        self.steps.fields()
+    }
+
+    /// Quantities of the contact pair of that name; `None` when there is none.
+    pub fn contact(&self, name: &str) -> Option<ContactFields> {
+        self.steps.contact(name)
+    }
+
+    /// Number of closed nodes of each contact pair, in the order of the model.
+    pub fn closed_nodes(&self) -> Vec<usize> {
+        self.steps.closed_nodes()
+    }
+
+    /// Why the last step that failed for good did so; `None` when none has failed.
+    pub fn failure(&self) -> Option<&FailureReport> {
+        self.steps.failure()
+    }
+
+    /// Nodal fields of the iterate at which that step was given up (velocities are those of the last accepted state).
+    pub fn failed_fields(&self) -> Option<Vec<BodyFields>> {
+        self.steps.failed_fields()
+    }
+
+    /// Counters and times so far.
+    pub fn statistics(&self) -> Statistics {
+        self.steps.statistics()
+    }
+
+    /// Why steps were halved since the simulation was made, those included that were not even tried.
+    pub fn halvings(&self) -> &[Halving] {
+        self.steps.halvings()
+    }
+
+    /// What is remarkable about a run of this simulation with these rows of its ledger.
+    pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
+        run_findings(rows, &self.steps.measures())
+    }
+
+    /// What the velocities say of the steps to come: contacts whose sides slide so fast that steps would be halved.
+    pub fn findings_at_start(&self) -> Vec<RunFinding> {
+        self.steps.findings_at_start()
+    }
+
+    /// End of the last step in which a load acted, 0 when none did so far `[time]`.
+    pub fn loads_ended(&self) -> f64 {
+        self.steps.state().loads_ended
+    }
+}

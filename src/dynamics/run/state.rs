@@ -1,0 +1,51 @@
+//! The state of a simulation as a value.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::ledger::LedgerRow;
+use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::step::search_history::SearchHistory;
+
+/// Everything that the future of a simulation depends on. A value: keep it, restore it, branch from it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The ledger's row of this state.
+    pub row: LedgerRow,
+    /// Positions of all nodes `[length]`, component by component, body after body.
+    pub positions: Vec<f64>,
+    /// Velocities of all nodes `[length/time]`.
+    pub velocities: Vec<f64>,
+    /// Multipliers of all contact pairs `[stress]`.
+    pub(super) lambda: Vec<f64>,
+    /// Weighted gaps as penalty potentials felt them at the end of the step.
+    pub(super) felt: Vec<f64>,
+    /// Energy that closed constraints of the `velocity` rule keep until they open `[energy]`.
+    pub(super) reserve: Vec<f64>,
+    /// What every constraint row is.
+    pub(super) active: Vec<RowState>,
+    /// What the time integrator remembers: its share of the static forces at the end of the step; empty where it remembers none.
+    pub(super) remembered: Arc<Vec<f64>>,
+    /// What every part remembers, block by block; most remember nothing.
+    pub(super) memory: Arc<Vec<Vec<f64>>>,
+    /// Counts steps.
+    pub(super) clock: Clock,
+    /// What the search for contact takes over from the steps before.
+    pub(super) search: Arc<SearchHistory>,
+    /// Halvings with which the next nominal step begins.
+    pub(super) level: usize,
+    /// End of the last step in which a load acted.
+    pub(super) loads_ended: f64,
+}
+
+/// Times are products of a step size, not sums of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Clock {
+    /// Time from which steps are counted `[time]`.
+    pub(super) origin: f64,
+    /// Steps since then.
+    pub(super) count: usize,
+    /// Their size `[time]`.
+    pub(super) dt: f64,
+}

@@ -1,0 +1,35 @@
+//! What a simulation can do in either dimension.
+
+use std::sync::Arc;
+
+use super::fields::{BodyFields, ContactFields};
+use super::halvings::Halving;
+use super::ledger::LedgerRow;
+use super::options::{Options, SettleReport, Statistics};
+use super::report::FailureReport;
+use super::run_findings::{Measures, RunFinding};
+use super::state::State;
+use crate::dynamics::model::error::StepError;
+
+/// What a simulation of either dimension can do.
+pub trait Steps: Send {
+    fn dimension(&self) -> usize;
+    fn options(&self) -> &Options;
+    fn options_mut(&mut self) -> &mut Options;
+    fn unknowns(&self) -> usize;
+    fn state(&self) -> &Arc<State>;
+    fn restore(&mut self, state: &State);
+    fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
+    fn settle(&mut self, time: f64) -> Result<SettleReport, StepError>;
+    fn watch(&mut self, node: usize);
+    fn watched(&self) -> &[usize];
+    fn fields(&self) -> Vec<BodyFields>;
+    fn contact(&self, name: &str) -> Option<ContactFields>;
+    fn closed_nodes(&self) -> Vec<usize>;
+    fn failure(&self) -> Option<&FailureReport>;
+    fn failed_fields(&self) -> Option<Vec<BodyFields>>;
+    fn halvings(&self) -> &[Halving];
+    fn measures(&self) -> Measures<'_>;
+    fn findings_at_start(&self) -> Vec<RunFinding>;
+    fn statistics(&self) -> Statistics;
+}

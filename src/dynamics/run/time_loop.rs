@@ -1,0 +1,214 @@
+//! The time loop: nominal steps, halving where Newton's method fails, the ledger of every accepted piece, and `settle`.
+//!
+//! A step is a transaction: it takes the state and puts a new one in its place, or leaves it alone.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::failed::tried;
+use super::fields::{BodyFields, ContactFields};
+use super::halvings::Halving;
+use super::ledger::LedgerRow;
+use super::options::{Options, SettleReport, Statistics};
+use super::report::FailureReport;
+use super::run_findings::{Measures, RunFinding, RunFindingKind};
+use super::state::{Clock, State};
+use super::steps::Steps;
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::step::failure::Failure;
+use crate::math::tolerances;
+
+impl<const D: usize> Steps for Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    fn dimension(&self) -> usize {
+        D
+    }
+
+    fn options(&self) -> &Options {
+        &self.options
+    }
+
+    fn options_mut(&mut self) -> &mut Options {
+        &mut self.options
+    }
+
+    fn unknowns(&self) -> usize {
+        self.system.supports.fixed.iter().filter(|fixed| !**fixed).count()
+    }
+
+    fn state(&self) -> &Arc<State> {
+        &self.state
+    }
+
+    fn restore(&mut self, state: &State) {
+        assert_eq!(
+            (state.positions.len(), state.lambda.len()),
+            (self.state.positions.len(), self.state.lambda.len()),
+            "the state is of the same model"
+        );
+        self.state = Arc::new(state.clone());
+        if self.state.row.probes.len() != self.probes.len() {
+            // A node that was not watched then.
+            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.positions, &state.velocities);
+        }
+        self.system.restore_search(&state.search, &state.positions, state.row.time);
+    }
+
+    fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
+        let outcome = self.nominal_step(end, accepted);
+        if outcome.is_err() {
+            // Nothing of the pieces that failed stays: the state alone decides how it goes on.
+            self.restore_search();
+        }
+        outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
+    }
+
+    fn settle(&mut self, time: f64) -> Result<SettleReport, StepError> {
+        let before = self.state.clone();
+        let mut outcome = self.settle_at(time);
+        if self.options.integrator.remembers_force() && self.state.row.step > 0 {
+            // What is carried from step to step is that of the new equilibrium.
+            outcome = outcome.and_then(|report| self.remember().map(|()| report));
+        }
+        if outcome.is_err() {
+            self.state = before;
+            self.restore_search();
+        }
+        outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
+    }
+
+    fn watch(&mut self, node: usize) {
+        self.probes.push(node);
+        let probes = self.probe_values(&self.state.positions, &self.state.velocities);
+        Arc::make_mut(&mut self.state).row.probes = probes;
+    }
+
+    fn watched(&self) -> &[usize] {
+        &self.probes
+    }
+
+    fn fields(&self) -> Vec<BodyFields> {
+        self.fields_at(&self.state.positions)
+    }
+
+    fn failure(&self) -> Option<&FailureReport> {
+        self.failure.as_ref().map(|(report, _)| report)
+    }
+
+    fn failed_fields(&self) -> Option<Vec<BodyFields>> {
+        self.failure.as_ref().map(|(_, q)| self.fields_at(q))
+    }
+
+    fn contact(&self, name: &str) -> Option<ContactFields> {
+        self.contact_fields(name)
+    }
+
+    fn closed_nodes(&self) -> Vec<usize> {
+        self.system.closed_nodes(&self.state.active)
+    }
+
+    fn halvings(&self) -> &[Halving] {
+        self.halvings.all()
+    }
+
+    fn measures(&self) -> Measures<'_> {
+        let system = &self.system;
+        let conserves = self.options.integrator.promises.energy;
+        Measures {
+            contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
+            stiffness: system.nodes.modulus * system.nodes.extent.powi(D as i32),
+            defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
+            halvings: self.halvings.all(),
+            refused: self.halvings.refused(),
+        }
+    }
+
+    fn findings_at_start(&self) -> Vec<RunFinding> {
+        let (dt, row) = (self.options.dt, &self.state.row);
+        let motions = self.system.sliding_by_velocity(&self.state.positions, &self.state.velocities, dt);
+        motions.iter().map(|motion| RunFinding::of_motion(RunFindingKind::Motion, motion, dt, row.step, row.time)).collect()
+    }
+
+    fn statistics(&self) -> Statistics {
+        Statistics {
+            factorizations: self.system.counters.factorizations,
+            linear: self.system.work(),
+            assemblies: self.system.counters.assemblies,
+            cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),
+            factor_bytes: self.system.factor_bytes(),
+            times: self.system.counters.times,
+            ..self.statistics
+        }
+    }
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// A nominal step, in pieces where it must be halved.
+    fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
+        if self.options.integrator.remembers_force() && self.state.row.step == 0 {
+            self.remember()?;
+        }
+        let from = self.state.row.time;
+        let Clock { origin, count, dt } = self.state.clock;
+        // Steps of another size are counted from here.
+        let (origin, count) = if dt == self.options.dt { (origin, count) } else { (from, 0) };
+        let nominal_end = origin + self.options.dt * (count + 1) as f64;
+        // A last step that is within round-off of the nominal one is the nominal one.
+        let (target, whole) = match end {
+            Some(end) if end < nominal_end - tolerances::SAME_MOMENT * self.options.dt => (end, false),
+            Some(end) if end < nominal_end + tolerances::SAME_MOMENT * self.options.dt => (end, true),
+            _ => (nominal_end, true),
+        };
+        let dt = if whole { self.options.dt } else { target - from };
+        // The piece in units of dt / 2^level: done, and all.
+        let mut level = self.state.level;
+        let (mut done, mut halvings) = (0usize, 0);
+        let mut all = 1usize << level;
+        self.tries.clear();
+        while done < all {
+            if self.options.interrupted() {
+                return Err(StepError::Interrupted { time: self.state.row.time });
+            }
+            match self.piece(dt / all as f64, level < self.options.max_halvings) {
+                Ok(mut state) => {
+                    done += 1;
+                    state.row.time = if done == all { target } else { from + dt * (done as f64 / all as f64) };
+                    state.row.halvings = std::mem::take(&mut halvings);
+                    if done == all {
+                        state.level = level.saturating_sub(1);
+                        let (origin, count) = if whole { (origin, count + 1) } else { (target, 0) };
+                        state.clock = Clock { origin, count, dt: self.options.dt };
+                    } else {
+                        state.level = level;
+                        state.clock = Clock { origin: state.row.time, count: 0, dt: self.options.dt };
+                    }
+                    self.statistics.steps += 1;
+                    self.state = Arc::new(state);
+                    accepted(&self.state.row);
+                }
+                Err(Failure::Fatal(error)) => return Err(error),
+                Err(failure) => {
+                    // What is halved beforehand was no try.
+                    if !matches!(failure, Failure::Foreseen(_)) {
+                        self.tries.push(tried(&failure, dt / all as f64, &self.trace));
+                        if level >= self.options.max_halvings {
+                            return Err(self.failed(&failure, dt / all as f64, level));
+                        }
+                        halvings += 1;
+                        self.statistics.halvings += 1;
+                    }
+                    self.halvings.count(&failure, dt / all as f64, &self.state.row);
+                    level += 1;
+                    (done, all) = (2 * done, 2 * all);
+                }
+            }
+        }
+        Ok(())
+    }
+}

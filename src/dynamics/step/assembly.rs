@@ -1,0 +1,172 @@
+//! Sums the parts of a model and its contact pairs at an iterate.
+//!
+//! The tangent of an iterate that is likely the last of its step is computed when it is asked for, which it hardly ever is.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::failure::Failure;
+use super::iterate::Linearization;
+use super::start::{Course, Motion, StepStart};
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
+use crate::dynamics::model::part::{Iterate, Sums};
+use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::integrators::Derivative;
+use crate::math::norms::largest_size;
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Gives the storage of an iterate back.
+    pub fn recycle(&mut self, at: Linearization) {
+        self.spare.recycle(at);
+    }
+
+    /// The equations of a step at `q_1` and `lambda`.
+    ///
+    /// # Errors
+    /// The iterate is no configuration, a time function failed, or forces are no numbers.
+    pub fn linearize(&mut self, start: &StepStart, q_1: &[f64], lambda: &[f64]) -> Result<Linearization, Failure> {
+        let (mut at, is_probably_last) = self.spare.next();
+        at.q_1.clear();
+        at.q_1.extend_from_slice(q_1);
+        at.lambda.clear();
+        at.lambda.extend_from_slice(lambda);
+        at.tangent_of = None;
+        self.counters.assemblies += 1;
+        self.sum_parts(start, &mut at, !is_probably_last)?;
+        self.sum_contacts(start, &mut at);
+        if !is_probably_last {
+            self.add_contact_tangent(start, &mut at);
+        }
+        Ok(at)
+    }
+
+    /// Computes the tangent of an iterate if that was left out.
+    pub fn complete_tangent(&mut self, start: &StepStart, at: &mut Linearization) -> Result<(), Failure> {
+        if at.tangent_of != Some(self.matrix.generation) {
+            self.sum_parts(start, at, true)?;
+            self.add_contact_tangent(start, at);
+        }
+        Ok(())
+    }
+
+    /// Forces of all parts and of inertia, and their tangent where it is wanted.
+    fn sum_parts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) -> Result<(), Failure> {
+        let clock = Instant::now();
+        let Linearization { q_1, forces, tangent, tangent_of, storage_of, .. } = at;
+        let (unknowns, weight, derivative) = (q_1.len(), start.weight(), start.derivative());
+        let generation = Some(self.matrix.generation);
+        if wants_tangent && *storage_of != generation {
+            tangent.clear();
+            tangent.resize(self.matrix.pattern.values(), 0.0);
+            *storage_of = generation;
+        }
+        let inertia: Vec<f64> = (0..self.bodies.len()).map(|body| start.inertia(body)).collect();
+        let (mut internal, mut motion) = (std::mem::take(&mut self.spare.internal), std::mem::take(&mut self.spare.motion));
+        internal.resize(unknowns, 0.0);
+        if !self.loads.is_empty() || !self.others.is_empty() {
+            derivative.placement().test.positions_into(start.q_0, q_1, &mut motion);
+        }
+        forces.load.clear();
+        forces.load.resize(unknowns, 0.0);
+        let iterate = Iterate {
+            derivative,
+            weight,
+            time: start.load_time(),
+            dt: start.dt(),
+            q_0: start.q_0,
+            q_1,
+            q_test: &motion,
+            inertia: &inertia,
+        };
+        let tangent = wants_tangent.then_some(&mut tangent[..]);
+        let mut sums = Sums { internal: &mut internal, load: &mut forces.load, tangent, workers: &self.workers };
+        self.parts().zip(start.memory).try_for_each(|(part, memory)| part.linearize(&iterate, memory, &mut sums))?;
+        if wants_tangent {
+            *tangent_of = generation;
+        }
+
+        start.opposed_into(q_1, &self.supports.prescribed, &mut motion);
+        let residual = &mut forces.without_contact;
+        residual.clear();
+        residual.resize(unknowns, 0.0);
+        self.nodes.mass.multiply_into::<D>(&motion, residual);
+        let (mut scale, mut internal_work) = (0.0f64, 0.0);
+        for (body, inertia) in self.bodies.iter().zip(&inertia) {
+            for k in body.nodes.start * D..body.nodes.end * D {
+                let inertial = inertia * residual[k];
+                forces.load[k] *= weight;
+                internal_work += internal[k] * (q_1[k] - start.q_0[k]);
+                let external = forces.load[k] + weight * self.nodes.weight[k];
+                scale = scale.max(inertial.abs().max(internal[k].abs()).max(external.abs()));
+                residual[k] = inertial + internal[k] - external;
+            }
+        }
+        if let Course::Motion(Motion { remembered, .. }) = &start.course {
+            residual.iter_mut().zip(*remembered).for_each(|(residual, force)| *residual += force);
+        }
+        (forces.scale, forces.internal_work) = (scale, internal_work);
+        (self.spare.internal, self.spare.motion) = (internal, motion);
+        self.counters.times.assembly += clock.elapsed();
+        if forces.without_contact.iter().any(|r| !r.is_finite()) {
+            return Err(Failure::Diverged);
+        }
+        Ok(())
+    }
+
+    /// What the parts remember after a step that ends at an iterate.
+    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Arc<Vec<Vec<f64>>> {
+        let (derivative, weight, mut q_test) = (start.derivative(), start.weight(), Vec::new());
+        derivative.placement().test.positions_into(start.q_0, &at.q_1, &mut q_test);
+        let inertia: Vec<f64> = (0..self.bodies.len()).map(|body| start.inertia(body)).collect();
+        let (time, dt, q_0, q_1) = (start.load_time(), start.dt(), start.q_0, &at.q_1[..]);
+        let iterate = Iterate { derivative, weight, time, dt, q_0, q_1, q_test: &q_test, inertia: &inertia };
+        Arc::new(self.parts().zip(start.memory).map(|(part, memory)| part.remembered(&iterate, memory)).collect())
+    }
+
+    /// Contact functions of all pairs and their forces.
+    fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
+        let clock = Instant::now();
+        let (derivative, weight) = (start.derivative(), start.weight());
+        let Linearization { q_1, lambda, forces, pairs, .. } = at;
+        pairs.resize_with(self.pairs.len(), Evaluation::default);
+        forces.contact.clear();
+        forces.contact.resize(q_1.len(), 0.0);
+        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
+            pair.kernel.evaluate(derivative, q_1, &lambda[pair.rows.clone()], evaluation);
+            for row in pair.live_rows(evaluation) {
+                let pressure = weight * lambda[row.row];
+                let gradient = &evaluation.gradient_bar[row.gradient];
+                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                    for i in 0..D {
+                        forces.contact[node as usize * D + i] += pressure * gradient[i];
+                    }
+                }
+            }
+        }
+        forces.scale = forces.scale.max(largest_size(&forces.contact));
+        self.counters.times.contact += clock.elapsed();
+    }
+
+    fn add_contact_tangent(&mut self, start: &StepStart, at: &mut Linearization) {
+        let clock = Instant::now();
+        for (pair, evaluation) in self.pairs.iter().zip(&at.pairs) {
+            pair.tangent_into::<D>(evaluation, start.weight(), &mut at.tangent);
+        }
+        self.counters.times.contact += clock.elapsed();
+    }
+
+    /// What all pairs are at rest at `q` with these multipliers.
+    pub fn evaluations_at(&self, q: &[f64], lambda: &[f64]) -> Vec<Evaluation> {
+        let evaluated = |pair: &ContactPair| {
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Derivative::AT_END, q, &lambda[pair.rows.clone()], &mut evaluation);
+            evaluation
+        };
+        self.pairs.iter().map(evaluated).collect()
+    }
+}

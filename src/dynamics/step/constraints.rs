@@ -1,0 +1,105 @@
+//! Newton's system of an iterate with the constraints of a set of active rows: written, solved, and what its solution makes of the gaps.
+
+use std::time::Instant;
+
+use super::failure::Failure;
+use super::iterate::Linearization;
+use super::start::StepStart;
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+
+/// The constraint rows of Newton's system: `gradient_A G_1A dq + diagonal_A lambda_A = right_A`.
+pub struct ConstraintRows {
+    /// 1, or 0 for `lambda = right`.
+    pub gradient: Vec<bool>,
+    /// Diagonals.
+    pub diagonal: Vec<f64>,
+    /// Right-hand sides.
+    pub right: Vec<f64>,
+}
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Solves Newton's system at an iterate for the increment and the new multipliers.
+    ///
+    /// # Errors
+    /// The system is singular, or the run was interrupted.
+    pub fn solve(&mut self, start: &StepStart, at: &mut Linearization, rows: &ConstraintRows) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+        self.complete_tangent(start, at)?;
+        let clock = Instant::now();
+        let Linearization { forces, pairs, tangent, .. } = at;
+        self.write_constraints(pairs, &rows.gradient, &rows.diagonal, start.weight(), |pair| &pair.gradient_bar, tangent);
+        let unknowns = forces.without_contact.len();
+        let residual = forces.without_contact.iter().zip(&self.supports.fixed);
+        let mut right: Vec<f64> = residual.map(|(r, &fixed)| if fixed { 0.0 } else { -r }).collect();
+        right.extend_from_slice(&rows.right);
+        self.solve_with(tangent, &mut right, clock)?;
+        let lambda = right.split_off(unknowns);
+        Ok((right, lambda))
+    }
+}
+
+impl<const D: usize> System<D> {
+    /// Factorises values of the matrix and solves with them in place; their writing began at `clock`.
+    pub fn solve_with(&mut self, values: &[f64], right: &mut [f64], clock: Instant) -> Result<(), Failure> {
+        self.counters.factorizations += 1;
+        self.matrix.factorization.factorize(values).map_err(Failure::Linear)?;
+        self.counters.times.factorization += clock.elapsed();
+        let clock = Instant::now();
+        let outcome = self.matrix.factorization.solve(values, right);
+        self.counters.times.solve += clock.elapsed();
+        outcome.map(drop).map_err(Failure::Linear)
+    }
+
+    /// Writes rows `G_1` and columns `-weight columns^T` of the active constraints, the diagonal of all, and the rows of supports.
+    pub fn write_constraints(
+        &self,
+        pairs: &[Evaluation],
+        active: &[bool],
+        diagonal: &[f64],
+        weight: f64,
+        columns: fn(&Evaluation) -> &Vec<f64>,
+        values: &mut [f64],
+    ) {
+        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
+            pair.clear_constraints::<D>(values);
+            pair.constraints_into::<D>(evaluation, active, columns(evaluation), weight, values);
+        }
+        self.matrix.finish(diagonal, self.nodes.modulus, values);
+    }
+
+    /// Constraint values after an increment `dq`, on the linearization of an iterate.
+    pub fn linearized_gaps(&self, pairs: &[Evaluation], dq: &[f64]) -> Vec<f64> {
+        let mut gaps: Vec<f64> = pairs.iter().flat_map(|pair| pair.gap.iter().copied()).collect();
+        self.for_each_end_gradient(pairs, |_, row, k, gradient| gaps[row] += gradient * dq[k]);
+        gaps
+    }
+
+    /// Rates `grad Phi_A(q_1).v` of all constraints at an iterate, as seen from obstacles that move.
+    pub fn rates(&self, pairs: &[Evaluation], v: &[f64]) -> Vec<f64> {
+        let mut rates = vec![0.0; self.multipliers];
+        self.for_each_end_gradient(pairs, |pair, row, k, gradient| {
+            let seen = if pair.kind == PairKind::Obstacle { pair.obstacle_velocity[k % D] } else { 0.0 };
+            rates[row] += gradient * (v[k] - seen);
+        });
+        rates
+    }
+
+    /// Tells every entry of the gradients at the end of the step: pair, row, unknown, value.
+    pub fn for_each_end_gradient(&self, pairs: &[Evaluation], mut tell: impl FnMut(&ContactPair, usize, usize, f64)) {
+        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
+            for row in pair.live_rows(evaluation) {
+                let gradient = &evaluation.gradient_end[row.gradient];
+                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                    for i in 0..D {
+                        tell(pair, row.row, node as usize * D + i, gradient[i]);
+                    }
+                }
+            }
+        }
+    }
+}

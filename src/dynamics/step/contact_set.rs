@@ -1,0 +1,124 @@
+//! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's system gets from them.
+
+use super::conditions::Conditions;
+use super::constraints::ConstraintRows;
+use super::iterate::Linearization;
+use super::system::System;
+use crate::contact::Evaluation;
+use crate::dynamics::parts::contact_pair::{ContactPair, RowState};
+use crate::math::tolerances;
+
+/// Every pair with what it is at an iterate.
+pub fn pairs_at<'a, const D: usize>(
+    system: &'a System<D>,
+    at: &'a Linearization,
+) -> impl Iterator<Item = (&'a ContactPair, &'a Evaluation)> {
+    system.pairs.iter().zip(&at.pairs)
+}
+
+/// Whether constraint `local` of a pair can hold at all at this iterate: its node has an overlap. A penalty potential always counts.
+pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> bool {
+    pair.penalty().is_some() || evaluation.coverage[local] > tolerances::ZERO_ROW
+}
+
+/// Takes nodes with a sliver of overlap out of the step; returns whether a multiplier was lost.
+pub fn drop_slivers<const D: usize>(system: &System<D>, at: &Linearization, dropped: &mut [bool], lambda: &mut [f64]) -> bool {
+    let mut lost = false;
+    for (pair, evaluation) in pairs_at(system, at).filter(|(pair, _)| pair.has_multipliers()) {
+        for row in pair.rows.clone() {
+            let covered = evaluation.coverage[row - pair.rows.start];
+            if !dropped[row] && covered > 0.0 && covered < tolerances::SLIVER {
+                dropped[row] = true;
+                lost |= lambda[row] != 0.0;
+                lambda[row] = 0.0;
+            }
+        }
+    }
+    lost
+}
+
+/// The largest violation of the contact conditions over what is tolerated, its constraint, and the energy of all violations.
+pub fn worst_violation<const D: usize>(
+    system: &System<D>,
+    at: &Linearization,
+    conditions: &Conditions,
+    dropped: &[bool],
+) -> (f64, usize, f64) {
+    let (mut worst, mut worst_row, mut work) = (0.0, 0, 0.0);
+    for (pair, evaluation) in pairs_at(system, at) {
+        for row in pair.rows.clone().filter(|&row| !dropped[row]) {
+            let (local, lambda) = (row - pair.rows.start, at.lambda[row]);
+            // A node that has come to lie opposite nothing must not keep its multiplier: the force would have no function.
+            let (natural, energy) = if has_row(pair, evaluation, local) {
+                violation(pair, conditions, row, evaluation.gap[local], lambda)
+            } else {
+                (lambda / pair.c, lambda * conditions.gap_n[row])
+            };
+            let violation = natural.abs() / pair.gap_tolerance;
+            if violation > worst {
+                (worst, worst_row) = (violation, row);
+            }
+            work += energy;
+        }
+    }
+    (worst, worst_row, work)
+}
+
+/// Whether an iterate meets the contact conditions.
+pub fn meets<const D: usize>(system: &System<D>, at: &Linearization, conditions: &Conditions) -> bool {
+    let (mut dropped, mut kept) = (vec![false; at.lambda.len()], at.lambda.clone());
+    !drop_slivers(system, at, &mut dropped, &mut kept) && worst_violation(system, at, conditions, &dropped).0 <= 1.0
+}
+
+/// The set that an iteration begins with: pressed nodes and nodes that overlap.
+pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, conditions: &Conditions, dropped: &[bool]) -> Vec<RowState> {
+    let mut set = vec![RowState::Open; system.multipliers];
+    for (pair, evaluation) in pairs_at(system, at) {
+        for row in pair.rows.clone() {
+            let local = row - pair.rows.start;
+            let presses = || at.lambda[row] - pair.c * (evaluation.gap[local] - conditions.targets[row]) > 0.0;
+            let is_pressed = pair.equality || pair.penalty().is_some() || presses();
+            set[row] = RowState::closed_if(is_pressed && !dropped[row] && has_row(pair, evaluation, local));
+        }
+    }
+    set
+}
+
+/// The constraint rows for a set of active nodes.
+pub fn constraint_rows<const D: usize>(
+    system: &System<D>,
+    at: &Linearization,
+    conditions: &Conditions,
+    set: &[RowState],
+) -> ConstraintRows {
+    let (diagonal, right) = (vec![1.0; system.multipliers], vec![0.0; system.multipliers]);
+    let mut rows = ConstraintRows { gradient: set.iter().map(|row| row.is_closed()).collect(), diagonal, right };
+    for (pair, evaluation) in pairs_at(system, at) {
+        for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
+            let gap = evaluation.gap[row - pair.rows.start];
+            let Some(kappa) = pair.penalty() else {
+                let compliance = conditions.compliance[row];
+                (rows.diagonal[row], rows.right[row]) = (compliance, conditions.targets[row] - gap + compliance * at.lambda[row]);
+                continue;
+            };
+            // lambda = p(Phi_1 + G_1 dq), divided by the slope so that all rows are of one size.
+            let (pressure, slope) = conditions.penalty_pressure(kappa, row, gap);
+            rows.gradient[row] = slope != 0.0;
+            if slope != 0.0 {
+                (rows.diagonal[row], rows.right[row]) = (-1.0 / slope, -pressure / slope);
+            }
+        }
+    }
+    rows
+}
+
+/// By how much an iterate with that weighted gap violates the condition of a constraint, as a weighted gap, and the energy that goes with
+/// it.
+pub fn violation(pair: &ContactPair, conditions: &Conditions, row: usize, gap: f64, lambda: f64) -> (f64, f64) {
+    if let Some(kappa) = pair.penalty() {
+        let off = lambda - conditions.penalty_pressure(kappa, row, gap).0;
+        return (off / pair.c, off * (gap + conditions.shift[row] - conditions.gap_n[row]));
+    }
+    let gap = gap - conditions.targets[row];
+    (if pair.equality { gap } else { gap.min(lambda / pair.c) }, lambda * gap)
+}

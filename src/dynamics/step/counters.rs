@@ -1,0 +1,29 @@
+//! What the equations of a model have cost.
+
+use std::time::Duration;
+
+/// Wall-clock time by phase since the simulation was made.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PhaseTimes {
+    /// Element loop: residual and tangent.
+    pub assembly: Duration,
+    /// Contact functions and their tangents.
+    pub contact: Duration,
+    /// Symbolic and numeric factorisation.
+    pub factorization: Duration,
+    /// Forward and backward substitution with refinement.
+    pub solve: Duration,
+    /// Search for candidate pairs.
+    pub search: Duration,
+}
+
+/// Work done so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counters {
+    /// Time by phase.
+    pub times: PhaseTimes,
+    /// Numeric factorisations.
+    pub factorizations: usize,
+    /// Times that forces were computed.
+    pub assemblies: usize,
+}

@@ -1,0 +1,69 @@
+//! Why a step did not converge.
+
+use super::large_motion::LargeMotion;
+use crate::bodies::Inverted;
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::part::Refusal;
+use crate::linear::LinearError;
+
+/// Why a step did not converge.
+pub enum Failure {
+    /// Too many iterations.
+    Iterations,
+    /// A cell turned inside out.
+    Inverted {
+        /// Its body.
+        body: String,
+        /// The cell.
+        inverted: Inverted,
+    },
+    /// The linear system could not be solved.
+    Linear(LinearError),
+    /// The iterate left the range of numbers.
+    Diverged,
+    /// Bodies moved farther than the candidate pairs reach.
+    BeyondSearch {
+        /// The contact.
+        pair: String,
+    },
+    /// Something that took no part in the step, since it was not expected to close, overlaps at its end.
+    Overlooked {
+        /// The contact.
+        pair: String,
+    },
+    /// The predicted motion is too large: the step was not tried.
+    Foreseen(LargeMotion),
+    /// Not a matter of the numerics: do not try again.
+    Fatal(StepError),
+}
+
+impl Failure {
+    /// What was seen, in two words.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Failure::Iterations => "iterations used up",
+            Failure::Inverted { .. } => "inverted cell",
+            Failure::Linear(_) => "singular system",
+            Failure::Diverged => "divergence",
+            Failure::Foreseen(_) | Failure::BeyondSearch { .. } | Failure::Overlooked { .. } => "motion too fast",
+            Failure::Fatal(_) => "given up",
+        }
+    }
+
+    /// The same, or the end of the run where a factorisation was interrupted.
+    pub fn or_interrupt(self, time: f64) -> Self {
+        match self {
+            Failure::Linear(LinearError::Interrupted) => Failure::Fatal(StepError::Interrupted { time }),
+            failure => failure,
+        }
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Inverted { body, inverted } => Failure::Inverted { body, inverted },
+            Refusal::Load(error) => Failure::Fatal(error),
+        }
+    }
+}

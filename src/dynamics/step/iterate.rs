@@ -1,0 +1,69 @@
+//! The equations of a step at an iterate, as a value: forces, contact functions, tangent.
+//!
+//! Whoever wants to know something of an iterate reads its linearization; there is no "last one".
+
+use crate::contact::Evaluation;
+
+/// The equations of a step at an iterate.
+#[derive(Default)]
+pub struct Linearization {
+    /// Positions.
+    pub q_1: Vec<f64>,
+    /// Multipliers.
+    pub lambda: Vec<f64>,
+    /// Forces there.
+    pub forces: Forces,
+    /// What every pair is there.
+    pub pairs: Vec<Evaluation>,
+    /// Values of the matrix without the rows and columns of constraints.
+    pub tangent: Vec<f64>,
+    /// Pattern that they are of; `None` while they are not computed.
+    pub(super) tangent_of: Option<usize>,
+    /// Pattern that their storage is of: what is not written there is zero.
+    pub(super) storage_of: Option<usize>,
+}
+
+/// Forces of a step at one iterate.
+#[derive(Default)]
+pub struct Forces {
+    /// Residual without contact forces.
+    pub without_contact: Vec<f64>,
+    /// Contact forces `Gbar^T lambda`, weighted.
+    pub contact: Vec<f64>,
+    /// Loads, weighted, gravity not included.
+    pub load: Vec<f64>,
+    /// Work of the internal forces over the step, to measure energies with.
+    pub internal_work: f64,
+    /// Size of the largest internal, inertial or external force component, to measure residuals with.
+    pub scale: f64,
+}
+
+/// Storage of iterates that are gone, and how many a step has had.
+#[derive(Default)]
+pub struct Spare {
+    gone: Vec<Linearization>,
+    /// Internal forces.
+    pub(super) internal: Vec<f64>,
+    /// Positions that loads act at, then the motion that the mass opposes.
+    pub(super) motion: Vec<f64>,
+    /// Iterates of this step, and of the one before.
+    iterates: [usize; 2],
+}
+
+impl Spare {
+    /// Starts counting anew.
+    pub fn begin_step(&mut self) {
+        self.iterates = [0, self.iterates[0]];
+    }
+
+    /// Storage for another iterate of the step, and whether that is probably the last one: the step before had as many.
+    pub fn next(&mut self) -> (Linearization, bool) {
+        self.iterates[0] += 1;
+        (self.gone.pop().unwrap_or_default(), self.iterates[0] == self.iterates[1])
+    }
+
+    /// Takes the storage of an iterate back.
+    pub fn recycle(&mut self, at: Linearization) {
+        self.gone.push(at);
+    }
+}

@@ -1,0 +1,37 @@
+//! A motion of a contact that is too large for one step.
+
+#[cfg(doc)]
+use crate::math::tolerances;
+
+/// What motion in a step is too large.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MotionKind {
+    /// Surfaces in contact would slide beyond [`tolerances::SLIDING`].
+    Sliding,
+    /// Bodies would approach each other beyond [`tolerances::APPROACH`] under the persistency rule.
+    Approach,
+    /// They have done so in a converged step, beyond [`tolerances::CAME_THROUGH`].
+    CameThrough,
+}
+
+impl MotionKind {
+    /// Its stable name.
+    pub fn name(self) -> &'static str {
+        match self {
+            MotionKind::Sliding => "sliding",
+            MotionKind::Approach => "approach",
+            MotionKind::CameThrough => "came_through",
+        }
+    }
+}
+
+/// A motion for which a step is halved although Newton's method did not fail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LargeMotion {
+    /// Name of the contact.
+    pub contact: String,
+    /// What it is.
+    pub kind: MotionKind,
+    /// How far within the step, in secondary facets.
+    pub facets: f64,
+}

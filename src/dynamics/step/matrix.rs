@@ -1,0 +1,120 @@
+//! The matrix of a step: its pattern, the factors, and the rows and columns that supports and idle constraints replace.
+//!
+//! Vertices are the nodes with `D` components each, then the multipliers with one. Every constraint row is always in the pattern; that of a
+//! node that is not active reads `lambda = right`, so that the active set never changes the pattern.
+
+use crate::dynamics::model::part::Part;
+use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::linear::{Factorization, LinearError, Pattern};
+use crate::math::workers::Workers;
+
+/// The matrix of a model's steps.
+pub struct Matrix {
+    /// Its pattern.
+    pub pattern: Pattern,
+    /// Its factors.
+    pub factorization: Factorization,
+    /// Counts patterns: values made for another one are of no use.
+    pub generation: usize,
+    /// Whether pattern and factorisation are those of other candidates.
+    pub is_stale: bool,
+    /// Diagonals of the rows of supports, what else stands in their rows and columns, diagonals of the multipliers.
+    identities: Vec<u32>,
+    zeros: Vec<u32>,
+    diagonals: Vec<u32>,
+}
+
+impl Matrix {
+    /// The matrix with a pattern; its places are found by [`Self::place`].
+    ///
+    /// # Errors
+    /// The pattern is too large.
+    pub fn new(pattern: Pattern, workers: &Workers) -> Result<Self, LinearError> {
+        let factorization = Factorization::new(&pattern)?.with_workers(workers);
+        Ok(Matrix {
+            pattern,
+            factorization,
+            generation: 0,
+            is_stale: false,
+            identities: Vec::new(),
+            zeros: Vec::new(),
+            diagonals: Vec::new(),
+        })
+    }
+
+    /// Takes another pattern.
+    ///
+    /// # Errors
+    /// The pattern is too large.
+    pub fn renew(&mut self, pattern: Pattern) -> Result<(), LinearError> {
+        self.pattern = pattern;
+        self.factorization.renew(&self.pattern)?;
+        self.generation += 1;
+        self.is_stale = false;
+        Ok(())
+    }
+
+    /// Finds the places of supports and multipliers.
+    pub fn place<const D: usize>(&mut self, fixed: &[bool], multipliers: usize) {
+        let (pattern, nodes) = (&self.pattern, fixed.len() / D);
+        self.diagonals = (nodes..nodes + multipliers).map(|v| pattern.block(v as u32, v as u32).start).collect();
+        (self.identities, self.zeros) = Default::default();
+        for (unknown, _) in fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+            let (node, i) = ((unknown / D) as u32, unknown % D);
+            for &other in pattern.neighbors(unknown / D) {
+                let (row, column) = (pattern.block(node, other), pattern.block(other, node));
+                let size = if (other as usize) < nodes { D } else { 1 };
+                for k in 0..size {
+                    self.zeros.push(row.at(i, k) as u32);
+                    self.zeros.push(column.at(k, i) as u32);
+                }
+            }
+            self.identities.push(pattern.block(node, node).at(i, i) as u32);
+        }
+    }
+
+    /// Writes the diagonals of the multipliers, and `identity` in place of what supports hold.
+    pub fn finish(&self, diagonal: &[f64], identity: f64, values: &mut [f64]) {
+        for (place, &diagonal) in self.diagonals.iter().zip(diagonal) {
+            values[*place as usize] = diagonal;
+        }
+        for &place in &self.zeros {
+            values[place as usize] = 0.0;
+        }
+        for &place in &self.identities {
+            values[place as usize] = identity;
+        }
+    }
+}
+
+/// The couplings of all parts and pairs. The anchor of a multiplier is its secondary node, if that one is free to move and no other pair's.
+pub fn pattern_of<'a, const D: usize>(
+    fixed: &[bool],
+    multipliers: usize,
+    parts: impl Iterator<Item = &'a dyn Part>,
+    pairs: &[ContactPair],
+) -> Pattern {
+    let nodes = fixed.len() / D;
+    let mut sizes = vec![D as u8; nodes];
+    sizes.resize(nodes + multipliers, 1);
+    // All in one piece: there are as many as cells.
+    let (mut members, mut ends) = (Vec::new(), vec![0]);
+    let mut add = |clique: &[u32]| {
+        members.extend_from_slice(clique);
+        ends.push(members.len());
+    };
+    parts.for_each(|part| part.for_each_coupling(&mut add));
+    pairs.iter().for_each(|pair| pair.for_each_coupling(nodes, &mut add));
+    let mut taken: Vec<bool> = fixed.chunks_exact(D).map(|components| components.contains(&true)).collect();
+    let mut anchors = Vec::with_capacity(multipliers);
+    for pair in pairs {
+        // Several rows of one node oppose its motion in different directions.
+        let rows: Vec<usize> = pair.rows.clone().collect();
+        for (rows, &node) in rows.chunks_exact(pair.kernel.rows_per_node()).zip(pair.kernel.row_nodes()) {
+            if !std::mem::replace(&mut taken[node as usize], true) {
+                anchors.extend(rows.iter().map(|row| ((nodes + row) as u32, node)));
+            }
+        }
+    }
+    Pattern::new(&sizes, ends.windows(2).map(|ends| &members[ends[0]..ends[1]])).with_anchors(anchors)
+}

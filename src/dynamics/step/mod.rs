@@ -1,0 +1,18 @@
+//! One step of a model: its equations, their linearization at an iterate as a value, Newton's method, contact conditions, prediction.
+
+pub mod assembly;
+pub mod conditions;
+pub mod constraints;
+pub mod contact_set;
+pub mod counters;
+pub mod failure;
+pub mod foresight;
+pub mod iterate;
+pub mod large_motion;
+pub mod matrix;
+pub mod newton;
+pub mod predictor;
+pub mod push;
+pub mod search_history;
+pub mod start;
+pub mod system;

@@ -1,0 +1,391 @@
+//! Newton's method of one step, with the contact conditions found together with the nonlinear equations.
+//!
+//! Semi-smooth Newton: the set of active nodes is finished on the frozen linearisation of each iteration before the geometry is evaluated
+//! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap sit out the step; convergence is decided by the
+//! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
+
+use super::conditions::Conditions;
+use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, starting_set, violation, worst_violation};
+use super::failure::Failure;
+use super::iterate::Linearization;
+use super::start::StepStart;
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::contact::Correction;
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::parts::nodal::{add_force, add_moment};
+use crate::math::norms::largest_size;
+use crate::math::tolerances;
+
+/// A converged step.
+pub struct Solution {
+    /// The equations at its end.
+    pub at: Linearization,
+    /// What every constraint row is.
+    pub active: Vec<RowState>,
+    /// Newton iterations.
+    pub iterations: usize,
+}
+
+/// The course of Newton's method, kept for the report of a failure.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// The iterations of the last strategy.
+    pub iterations: Vec<Iteration>,
+    /// The last iterate.
+    pub q_1: Vec<f64>,
+    /// The iterations of strategies that were tried before.
+    pub earlier: Vec<Vec<Iteration>>,
+}
+
+/// What an iteration looked like.
+#[derive(Clone, Debug, Default)]
+pub struct Iteration {
+    /// Largest component of the residual.
+    pub residual: f64,
+    /// Its unknown.
+    pub worst: usize,
+    /// Force by which residuals are judged in this iteration.
+    pub target: f64,
+    /// Round-off of the forces: a residual below it cannot be trusted to fall.
+    pub floor: f64,
+    /// Energy that the residual can still move, over what is tolerated.
+    pub energy: f64,
+    /// Largest violation of the contact conditions over what is tolerated.
+    pub violation: f64,
+    /// Its constraint.
+    pub worst_row: usize,
+    /// Constraints whose contact state changed.
+    pub changed: Vec<usize>,
+    /// Active contact nodes.
+    pub active: usize,
+}
+
+/// How Newton's method proceeds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Strategy {
+    /// Set finished on the frozen linearisation, increments limited.
+    InnerLoop,
+    /// One set update per iteration, backtracking on the residual: for what the first did not solve.
+    Backtracking,
+}
+
+/// Where Newton's method starts and when it is done.
+pub struct Task<'a> {
+    /// The step.
+    pub start: &'a StepStart<'a>,
+    /// Positions to begin with.
+    pub predicted: &'a [f64],
+    /// Multipliers to begin with.
+    pub lambda: &'a [f64],
+    /// What contacts demand.
+    pub conditions: &'a Conditions,
+    /// Energy that residuals are judged by.
+    pub energy: f64,
+    /// Share of it that the residual may still move.
+    pub tolerance: f64,
+    /// Iterations before it may be done: a step that starts at its own solution moves no energy, whatever its residual.
+    pub at_least: usize,
+    /// Whether the user wants the run to end.
+    pub interrupted: &'a dyn Fn() -> bool,
+}
+
+const MAX_ITERATIONS: usize = 25;
+const MAX_BACKTRACKING_ITERATIONS: usize = 40;
+const MAX_INNER: usize = 20;
+
+/// Growth of the energy, over what is tolerated, up to which a residual that falls no longer may be round-off, and what counts as falling.
+const STALLED: f64 = 100.0;
+const FALLING: f64 = 0.5;
+
+/// Fractions of an increment that backtracking tries.
+const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+
+/// The ways in which a step is tried until one converges: how Newton's method proceeds, and with which discrete gradient of the contacts.
+const ATTEMPTS: [(Strategy, Correction); 5] = [
+    (Strategy::InnerLoop, Correction::PerPatch),
+    (Strategy::InnerLoop, Correction::SteadyEnds),
+    (Strategy::InnerLoop, Correction::PerNode),
+    (Strategy::Backtracking, Correction::PerPatch),
+    (Strategy::Backtracking, Correction::PerNode),
+];
+
+/// Solves one step by the first attempt that converges; `iterations` counts, `trace` tells their course.
+///
+/// # Errors
+/// Why the last attempt did not converge.
+pub fn solve<const D: usize>(system: &mut System<D>, task: &Task, iterations: &mut usize, trace: &mut Trace) -> Result<Solution, Failure>
+where
+    Space<D>: Elements<D>,
+{
+    let before = system.counters.factorizations;
+    trace.earlier.clear();
+    let mut outcome = Err(Failure::Iterations);
+    for (number, (strategy, correction)) in ATTEMPTS.into_iter().enumerate() {
+        if number > 0 {
+            trace.earlier.push(std::mem::take(&mut trace.iterations));
+        }
+        system.set_correction(correction);
+        outcome = attempt(system, task, strategy, trace).map_err(|failure| failure.or_interrupt(task.start.time));
+        system.set_correction(Correction::default());
+        // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
+        let is_hopeless = number == 0 && matches!(outcome, Err(Failure::Inverted { .. }));
+        if system.multipliers == 0 || is_hopeless || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
+            break;
+        }
+    }
+    *iterations += outcome.as_ref().map_or(system.counters.factorizations - before, |solution| solution.iterations);
+    outcome
+}
+
+/// An attempt that goes on.
+struct Attempt<'a, const D: usize> {
+    system: &'a mut System<D>,
+    task: &'a Task<'a>,
+    /// Constraints that sit out the step.
+    dropped: Vec<bool>,
+    /// The active set of the last iteration.
+    active: Vec<RowState>,
+    /// Largest component of an increment that is taken whole.
+    limit: f64,
+}
+
+/// Solves one step in one way; `trace` tells its course.
+fn attempt<const D: usize>(system: &mut System<D>, task: &Task, strategy: Strategy, trace: &mut Trace) -> Result<Solution, Failure>
+where
+    Space<D>: Elements<D>,
+{
+    *trace = Trace { iterations: Vec::new(), q_1: task.predicted.to_vec(), earlier: std::mem::take(&mut trace.earlier) };
+    let members = &task.conditions.members;
+    let lambda: Vec<f64> = task.lambda.iter().zip(members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
+    let mut attempt = Attempt {
+        dropped: members.iter().map(|member| !member).collect(),
+        active: vec![RowState::Open; system.multipliers],
+        limit: system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min) * tolerances::STEP_LIMIT,
+        system,
+        task,
+    };
+    let mut last_energy = f64::INFINITY;
+    let iterations = if strategy == Strategy::InnerLoop { MAX_ITERATIONS } else { MAX_BACKTRACKING_ITERATIONS };
+    let mut at = attempt.system.linearize(task.start, task.predicted, &lambda)?;
+    for iteration in 0..=iterations {
+        if (task.interrupted)() {
+            return Err(Failure::Fatal(StepError::Interrupted { time: task.start.time }));
+        }
+        if iteration > 0 {
+            at = attempt.without_slivers(at)?;
+        }
+        let (mut record, moved) = attempt.measure(&at);
+        let small = task.tolerance * task.energy.max(at.forces.internal_work.abs());
+        record.energy = moved / small;
+        // Round-off: the energy no longer falls although everything else has converged.
+        let stalled = (moved <= STALLED * small || record.residual <= record.floor) && moved > FALLING * last_energy;
+        let is_met = record.residual <= record.target && record.violation <= 1.0;
+        if iteration >= task.at_least && is_met && (moved <= small || stalled) {
+            // With a penalty every covered node is in the system: in contact are those that press.
+            let mut active = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
+            active.iter_mut().zip(&at.lambda).filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
+            return Ok(Solution { at, active, iterations: iteration });
+        }
+        last_energy = moved;
+        if iteration == iterations {
+            record.active = attempt.active.iter().filter(|row| row.is_closed()).count();
+            trace.iterations.push(record);
+            break;
+        }
+        let (mut set, increment, new_lambda);
+        set = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
+        (increment, new_lambda) = match strategy {
+            Strategy::InnerLoop => attempt.inner_loop(&mut at, &mut set)?,
+            Strategy::Backtracking => {
+                let rows = constraint_rows(attempt.system, &at, task.conditions, &set);
+                attempt.system.solve(task.start, &mut at, &rows)?
+            }
+        };
+        record.changed = (0..set.len()).filter(|&row| set[row] != attempt.active[row]).collect();
+        record.active = set.iter().filter(|row| row.is_closed()).count();
+        attempt.active = set;
+        trace.iterations.push(record);
+        at = attempt.moved(strategy, at, &increment, &new_lambda, &mut trace.q_1)?;
+    }
+    Err(Failure::Iterations)
+}
+
+impl<const D: usize> Attempt<'_, D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The same iterate without nodes that have a sliver of overlap: where multipliers go with them, the forces change.
+    fn without_slivers(&mut self, at: Linearization) -> Result<Linearization, Failure> {
+        let mut lambda = at.lambda.clone();
+        if !drop_slivers(self.system, &at, &mut self.dropped, &mut lambda) {
+            return Ok(at);
+        }
+        let q_1 = at.q_1.clone();
+        self.system.recycle(at);
+        self.system.linearize(self.task.start, &q_1, &lambda)
+    }
+
+    /// The next iterate, whose positions `q_1` tells even where forces cannot be computed.
+    fn moved(
+        &mut self,
+        strategy: Strategy,
+        at: Linearization,
+        increment: &[f64],
+        lambda: &[f64],
+        q_1: &mut Vec<f64>,
+    ) -> Result<Linearization, Failure> {
+        let largest = largest_size(increment);
+        if !largest.is_finite() {
+            return Err(Failure::Diverged);
+        }
+        let moved_to = |at: &Linearization, alpha: f64| -> (Vec<f64>, Vec<f64>) {
+            (
+                at.q_1.iter().zip(increment).map(|(q, d)| q + alpha * d).collect(),
+                at.lambda.iter().zip(lambda).map(|(old, new)| old + alpha * (new - old)).collect(),
+            )
+        };
+        if strategy == Strategy::InnerLoop {
+            let alpha = if largest > self.limit { self.limit / largest } else { 1.0 };
+            let (q, lambda) = moved_to(&at, alpha);
+            self.system.recycle(at);
+            *q_1 = q;
+            return self.system.linearize(self.task.start, q_1, &lambda);
+        }
+        let merit_before = self.merit(&at);
+        let mut best: Option<(f64, Linearization)> = None;
+        let mut refused = None;
+        for alpha in FRACTIONS {
+            let (q, lambda) = moved_to(&at, alpha);
+            let trial = match self.system.linearize(self.task.start, &q, &lambda) {
+                Ok(trial) => trial,
+                Err(failure) => {
+                    refused = Some(failure);
+                    continue;
+                }
+            };
+            let merit = self.merit(&trial);
+            let worse =
+                if best.as_ref().is_none_or(|(least, _)| merit < *least) { best.replace((merit, trial)) } else { Some((merit, trial)) };
+            worse.into_iter().for_each(|(_, trial)| self.system.recycle(trial));
+            if merit < merit_before {
+                break;
+            }
+        }
+        let (_, best) = best.ok_or_else(|| refused.unwrap_or(Failure::Diverged))?;
+        self.system.recycle(at);
+        q_1.clone_from(&best.q_1);
+        Ok(best)
+    }
+
+    /// The iterate in numbers, and the energy that its residual can still move.
+    fn measure(&self, at: &Linearization) -> (Iteration, f64) {
+        let (system, task, forces) = (&*self.system, self.task, &at.forces);
+        let mut record = Iteration::default();
+        let mut work = 0.0;
+        let (mut resultant, mut turning) = ([0.0; 3], [0.0; 3]);
+        // One pass over the nodes: long vectors are not read twice.
+        for node in 0..at.q_1.len() / D {
+            let mut unbalanced = [0.0; D];
+            for i in 0..D {
+                let k = node * D + i;
+                if system.supports.fixed[k] {
+                    continue;
+                }
+                let r = forces.without_contact[k] - forces.contact[k];
+                unbalanced[i] = r;
+                if r.abs() > record.residual {
+                    (record.residual, record.worst) = (r.abs(), k);
+                }
+                work += r * (at.q_1[k] - task.start.q_0[k]);
+            }
+            add_force(&mut resultant, &unbalanced);
+            add_moment(&mut turning, &at.q_1[node * D..][..D], &unbalanced);
+        }
+        // Momenta that the residual gives, as an energy at the speed that the energy stands for.
+        let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let kick = size(resultant) + size(turning) / system.nodes.extent;
+        let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
+        // Positions carry round-off in proportion to their size; stiffness and inertia turn it into force.
+        let reach = largest_size(&at.q_1).max(system.nodes.extent);
+        let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
+        let stiffness = system.nodes.modulus * system.nodes.extent.powi(D as i32 - 2) + inertia * system.nodes.largest_nodal_mass;
+        record.floor = tolerances::FORCE_FLOOR * stiffness * reach;
+        record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
+        let contact_work;
+        (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);
+        (record, momentum.max(work.abs() + contact_work.abs()))
+    }
+
+    /// Finishes the set on the frozen linearisation: active nodes that pull leave, inactive nodes that would overlap enter.
+    fn inner_loop(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+        let mut seen = vec![set.clone()];
+        let mut one_at_a_time = false;
+        for inner in 0..MAX_INNER {
+            let rows = constraint_rows(self.system, at, self.task.conditions, set);
+            let (increment, new_lambda) = self.system.solve(self.task.start, at, &rows)?;
+            let gaps = self.system.linearized_gaps(&at.pairs, &increment);
+            let (mut next, worst) = self.next_set(at, set, &gaps, &new_lambda);
+            if next == *set || inner + 1 == MAX_INNER {
+                return Ok((increment, new_lambda));
+            }
+            one_at_a_time |= seen.contains(&next);
+            if one_at_a_time {
+                let Some(worst) = worst else { return Ok((increment, new_lambda)) };
+                next = set.clone();
+                next[worst] = set[worst].switched();
+                if seen.contains(&next) {
+                    return Ok((increment, new_lambda));
+                }
+            }
+            seen.push(next.clone());
+            *set = next;
+        }
+        unreachable!("the last pass returns")
+    }
+
+    /// The set that the solution of Newton's system asks for, and the constraint that asks most.
+    fn next_set(&self, at: &Linearization, set: &[RowState], gaps: &[f64], lambda: &[f64]) -> (Vec<RowState>, Option<usize>) {
+        let mut next = set.to_vec();
+        let (mut largest, mut worst) = (0.0, None);
+        for (pair, evaluation) in pairs_at(self.system, at).filter(|(pair, _)| !pair.equality && pair.has_multipliers()) {
+            for row in pair.rows.clone().filter(|&row| !self.dropped[row] && has_row(pair, evaluation, row - pair.rows.start)) {
+                let violation = if set[row].is_closed() {
+                    -lambda[row] / pair.c
+                } else {
+                    self.task.conditions.targets[row] - gaps[row] - tolerances::CLEARLY * pair.gap_tolerance
+                };
+                if violation > 0.0 || (set[row].is_closed() && lambda[row] <= 0.0) {
+                    next[row] = set[row].switched();
+                    if violation > largest {
+                        (largest, worst) = (violation, Some(row));
+                    }
+                }
+            }
+        }
+        (next, worst)
+    }
+
+    /// Size of residual and contact violation, for the line search: forces and multipliers times facet size.
+    fn merit(&self, at: &Linearization) -> f64 {
+        let mut sum = 0.0;
+        for (k, (r, c)) in at.forces.without_contact.iter().zip(&at.forces.contact).enumerate() {
+            if !self.system.supports.fixed[k] {
+                sum += (r - c) * (r - c);
+            }
+        }
+        for (pair, evaluation) in pairs_at(self.system, at) {
+            let size = pair.kernel.facet_size();
+            for row in pair.rows.clone() {
+                let local = row - pair.rows.start;
+                if self.dropped[row] || !has_row(pair, evaluation, local) {
+                    continue;
+                }
+                let natural = size * pair.c * violation(pair, self.task.conditions, row, evaluation.gap[local], at.lambda[row]).0;
+                sum += natural * natural;
+            }
+        }
+        sum.sqrt()
+    }
+}

@@ -1,0 +1,337 @@
+//! The equations of one model: its parts in one numbering, and what joins them at the start of a step.
+//!
+//! Unknowns: the displacement components of all nodes, then one multiplier per row of every contact pair. Newton's system of a step is
+//!
+//! ```text
+//! [ K   -Gbar^T ] [ dq     ]     [ r_0 ]         K = d r / d q_1  with the contact forces' part,
+//! [ G_1     0   ] [ lambda ] = - [ Phi ]         r = r_0 - Gbar^T lambda
+//! ```
+//!
+//! (Hesch and Betsch 2007, equation 3). Its numbers at an iterate are a [`Linearization`](super::iterate::Linearization).
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::counters::Counters;
+use super::iterate::Spare;
+use super::matrix::{Matrix, pattern_of};
+use super::search_history::SearchHistory;
+use crate::bodies::{Elements, Inverted, Space, nodal_areas};
+use crate::contact::{Correction, Outlook};
+use crate::dynamics::model::boundaries::boundary_facets;
+use crate::dynamics::model::definitions::{LoadKind, Model};
+use crate::dynamics::model::error::{ModelError, StepError};
+use crate::dynamics::model::part::{Numbering, Part};
+use crate::dynamics::parts::body::Body;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
+use crate::dynamics::parts::loads::{NodalLoad, loads_into};
+use crate::dynamics::parts::nodes::Nodes;
+use crate::dynamics::parts::pairing::contact_pairs;
+use crate::dynamics::parts::supports::Supports;
+use crate::linear::{Block, LinearError, Watch, Work};
+use crate::math::workers::Workers;
+
+/// The equations of a model in `D` dimensions.
+pub struct System<const D: usize> {
+    /// The nodes of all bodies.
+    pub nodes: Nodes<D>,
+    /// What holds or moves some of them.
+    pub supports: Supports,
+    /// Deformable bodies.
+    pub bodies: Vec<Body<D>>,
+    /// Loads.
+    pub loads: Vec<NodalLoad<D>>,
+    /// What pushes on nodes besides.
+    pub others: Vec<Box<dyn Part>>,
+    /// Contacts, obstacles and ties, then the corners that belong to them.
+    pub pairs: Vec<ContactPair>,
+    /// Number of their rows.
+    pub multipliers: usize,
+    /// The matrix of the steps.
+    pub matrix: Matrix,
+    /// What has been done so far.
+    pub counters: Counters,
+    /// Storage of iterates that are gone.
+    pub spare: Spare,
+    /// What the next step takes over from the ones before, as it was asked for last.
+    search: Arc<SearchHistory>,
+    pub workers: Workers,
+}
+
+/// Everything that pushes on nodes, bodies first.
+pub fn parts<'a, const D: usize>(
+    bodies: &'a [Body<D>],
+    loads: &'a [NodalLoad<D>],
+    others: &'a [Box<dyn Part>],
+) -> impl Iterator<Item = &'a dyn Part> {
+    let bodies = bodies.iter().map(|body| body as &dyn Part);
+    bodies.chain(loads.iter().map(|load| load as &dyn Part)).chain(others.iter().map(|part| &**part))
+}
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The equations of a model in its initial configuration.
+    ///
+    /// # Errors
+    /// A model that cannot be simulated.
+    pub fn new(model: &Model, threads: usize) -> Result<Self, ModelError> {
+        model.check()?;
+        let (bodies, reference) = bodies_of(model)?;
+        let first = |body: usize| bodies[body].nodes.start;
+        let supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
+        let loads = loads_of(model, &bodies);
+        let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
+        let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
+        let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
+        let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &reference);
+        let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
+        let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
+        let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern);
+        let workers = Workers::new(threads);
+        let matrix = Matrix::new(pattern, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
+        let mut system = System {
+            nodes,
+            supports,
+            bodies,
+            loads,
+            others,
+            pairs,
+            multipliers,
+            matrix,
+            counters: Counters::default(),
+            spare: Spare::default(),
+            search: Arc::default(),
+            workers,
+        };
+        system.place();
+        Ok(system)
+    }
+
+    /// Energy that parts other than bodies store `[energy]`.
+    pub fn stored_energy(&self, q: &[f64]) -> f64 {
+        self.others.iter().map(|part| part.energy(q)).sum()
+    }
+
+    /// Strain energy `[energy]`.
+    pub fn strain_energy(&self, q: &[f64]) -> f64 {
+        self.bodies.iter().map(|body| body.energy(q)).sum()
+    }
+}
+
+/// The bodies of a model, and the positions of their nodes at rest.
+fn bodies_of<const D: usize>(model: &Model) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
+where
+    Space<D>: Elements<D>,
+{
+    let (mut bodies, mut reference): (Vec<Body<D>>, Vec<f64>) = (Vec::new(), Vec::new());
+    for (number, body) in model.bodies.iter().enumerate() {
+        let first = reference.len() / D;
+        let elements = Space::<D>::elements(&body.mesh, &body.material, first)
+            .map_err(|Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant })?;
+        reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
+        bodies.push(Body { name: body.name.clone(), number, nodes: first..reference.len() / D, elements });
+    }
+    Ok((bodies, reference))
+}
+
+/// The loads of a model.
+fn loads_of<const D: usize>(model: &Model, bodies: &[Body<D>]) -> Vec<NodalLoad<D>> {
+    let first = |body: usize| bodies[body].nodes.start;
+    let load = model.loads.iter().map(|load| NodalLoad {
+        kind: load.kind,
+        weights: nodal_areas(&model.bodies[load.on.body].mesh, &load.on.boundary)
+            .into_iter()
+            .map(|(node, weight)| (node + first(load.on.body) as u32, weight))
+            .collect(),
+        facets: match load.kind {
+            LoadKind::Pressure(_) => {
+                let facets = boundary_facets(model, &load.on, first(load.on.body)).into_iter();
+                facets.map(|facet| (facet, [Block::default(); 4])).collect()
+            }
+            _ => Vec::new(),
+        },
+        amplitude: load.amplitude.clone(),
+        name: model.boundary_name(&load.on),
+    });
+    load.collect()
+}
+
+impl<const D: usize> System<D> {
+    /// Everything that pushes on nodes, bodies first.
+    pub fn parts(&self) -> impl Iterator<Item = &dyn Part> {
+        parts(&self.bodies, &self.loads, &self.others)
+    }
+
+    /// Chooses the contact kernels' discrete gradient.
+    pub fn set_correction(&mut self, correction: Correction) {
+        self.pairs.iter_mut().for_each(|pair| pair.kernel.set_correction(correction));
+    }
+
+    /// What the linear solver has done.
+    pub fn work(&self) -> Work {
+        self.matrix.factorization.work()
+    }
+
+    /// Bytes of the factors.
+    pub fn factor_bytes(&self) -> usize {
+        self.matrix.factorization.bytes()
+    }
+
+    /// Lets long factorisations be looked into.
+    pub fn watch(&mut self, watch: Watch) {
+        self.matrix.factorization.set_watch(watch);
+    }
+
+    /// Number of secondary nodes in contact: active constraints, those of ties left out.
+    pub fn touching(&self, active: &[RowState]) -> usize {
+        self.closed_nodes(active).iter().zip(&self.pairs).filter(|(_, pair)| pair.kind != PairKind::Tie).map(|(closed, _)| closed).sum()
+    }
+
+    /// Number of nodes that active constraints hold, of each contact in the order of the model.
+    pub fn closed_nodes(&self, active: &[RowState]) -> Vec<usize> {
+        let held_by = |pair: &ContactPair| -> Vec<u32> {
+            let stride = pair.kernel.rows_per_node();
+            let rows = active[pair.rows.clone()].chunks_exact(stride).enumerate().filter(|(_, rows)| rows.contains(&RowState::Closed));
+            // Corners of obstacles are numbered by their rows, from behind.
+            rows.map(|(index, _)| pair.kernel.row_nodes().get(index).copied().unwrap_or(u32::MAX - index as u32)).collect()
+        };
+        let of = |(index, pair): (usize, &ContactPair)| {
+            let mut nodes = held_by(pair);
+            let corners = self.corners_of(index);
+            corners.for_each(|corners| nodes.extend(held_by(corners)));
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes.len()
+        };
+        self.contacts().map(of).collect()
+    }
+
+    /// The pairs that are contacts of the model, with their indices.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, &ContactPair)> {
+        self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none())
+    }
+
+    /// The pairs that belong to a contact besides.
+    pub fn corners_of(&self, index: usize) -> impl Iterator<Item = &ContactPair> {
+        self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
+    }
+
+    /// Name of the body that owns a node, and the node's number in the body's mesh.
+    pub fn owner(&self, node: usize) -> (&str, usize) {
+        let body = self.bodies.iter().find(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
+        (&body.name, node - body.nodes.start)
+    }
+
+    /// A motion and multipliers that the singular tangent of the last solve maps to zero, near enough.
+    pub fn near_null_vector(&self) -> &[f64] {
+        self.matrix.factorization.near_null_vector().unwrap_or_default()
+    }
+
+    /// Loads at a configuration and time, gravity not included; tells whether any acted.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn loads_into(&self, q: &[f64], time: f64, force: &mut [f64]) -> Result<bool, StepError> {
+        loads_into::<D>(&self.loads, q, time, force)
+    }
+
+    /// Potential energy of the penalty springs at the given weighted gaps `[energy]`.
+    pub fn penalty_energy(&self, gaps: &[f64]) -> f64 {
+        let of = |pair: &ContactPair| {
+            0.5 * pair.penalty().unwrap_or(0.0) * gaps[pair.rows.clone()].iter().map(|gap| gap.min(0.0).powi(2)).sum::<f64>()
+        };
+        self.pairs.iter().map(of).sum()
+    }
+
+    /// Finds the places of all contributions in a new pattern.
+    fn place(&mut self) {
+        let (pattern, nodes) = (&self.matrix.pattern, self.nodes.count());
+        self.bodies.iter_mut().for_each(|body| body.place(pattern));
+        self.loads.iter_mut().for_each(|load| load.place(pattern));
+        self.others.iter_mut().for_each(|part| part.place(pattern));
+        self.pairs.iter_mut().for_each(|pair| pair.place(pattern, nodes));
+        self.matrix.place::<D>(&self.supports.fixed, self.multipliers);
+    }
+
+    /// Puts the rigid obstacles where they are in a step of that size from `time`.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn move_obstacles(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        self.pairs.iter_mut().try_for_each(|pair| pair.move_obstacle(time, dt))
+    }
+
+    /// What the next step takes over from the ones before; the same value as long as nothing has changed.
+    pub fn search(&mut self) -> Arc<SearchHistory> {
+        let (kept, factorization) = (&self.search.candidates, &self.matrix.factorization);
+        let (order, account) = (factorization.order(), factorization.account());
+        let are_same = kept.len() == self.pairs.len()
+            && self.pairs.iter().zip(kept.iter()).all(|(pair, kept)| pair.kernel.candidates() == kept.as_ref());
+        if !are_same || self.search.account != account || self.search.order.as_ref() != Some(order) {
+            let listed = || Arc::new(self.pairs.iter().map(|pair| pair.kernel.candidates().cloned()).collect());
+            let candidates = if are_same { kept.clone() } else { listed() };
+            self.search = Arc::new(SearchHistory { candidates, order: Some(order.clone()), account });
+        }
+        self.search.clone()
+    }
+
+    /// Puts the candidates of an earlier step in place, at its positions.
+    pub fn restore_search(&mut self, search: &Arc<SearchHistory>, q: &[f64], time: f64) {
+        // A time function that fails does so again, with its error, in the next step.
+        let _ = self.move_obstacles(time, 0.0);
+        if *self.search() == **search {
+            return;
+        }
+        for (pair, candidates) in self.pairs.iter_mut().zip(search.candidates.iter()) {
+            if let Some(candidates) = candidates {
+                pair.kernel.restore_candidates(candidates, q);
+            }
+        }
+        if let Some(order) = &search.order {
+            self.matrix.factorization.restore_order(order, search.account);
+        }
+        self.search = search.clone();
+        self.matrix.is_stale = true;
+    }
+
+    /// Starts a step (or a piece of one): candidate pairs of each contact, and what the kernels keep of the start.
+    ///
+    /// # Errors
+    /// The equations do not fit into memory.
+    pub fn begin_step(&mut self, outlook: &Outlook) -> Result<(), LinearError> {
+        self.spare.begin_step();
+        let clock = Instant::now();
+        let mut changed = false;
+        for pair in &mut self.pairs {
+            changed |= pair.kernel.update_candidates(outlook);
+        }
+        self.counters.times.search += clock.elapsed();
+        if changed || self.matrix.is_stale {
+            let clock = Instant::now();
+            self.matrix.renew(pattern_of::<D>(
+                &self.supports.fixed,
+                self.multipliers,
+                parts(&self.bodies, &self.loads, &self.others),
+                &self.pairs,
+            ))?;
+            self.place();
+            self.counters.times.factorization += clock.elapsed();
+        }
+        let clock = Instant::now();
+        for pair in &mut self.pairs {
+            pair.kernel.begin_step(outlook.q);
+        }
+        self.counters.times.contact += clock.elapsed();
+        Ok(())
+    }
+
+    /// What contacts see at `q` before there is a step: gaps are known from the start.
+    pub fn survey(&mut self, q: &[f64]) {
+        for pair in &mut self.pairs {
+            self.matrix.is_stale |= pair.kernel.update_candidates(&Outlook::within(q, 0.0));
+            pair.kernel.begin_step(q);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Which force stands for that of a potential in a step.
+//!
+//! For a potential `f(pi(q))` of quadratic invariants `pi_k = q.A_k q / 2` every choice has the same form,
+//!
+//! ```text
+//! force    Dpi(q_test)^T g
+//! tangent  share sum_k g_k A_k + Dpi(q_test)^T T Dpi(q_trial)        derivative with respect to q_1
+//! ```
+//!
+//! and differs in where ([`Placement`]) and with what `g`, `T`. A material or a contact method supplies values, gradients and Hessians of
+//! `f` and is told a `Derivative`; it never sees a scheme.
+
+/// A configuration of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Configuration {
+    /// `(q_0 + q_1) / 2`.
+    Middle,
+    /// `q_1`.
+    End,
+}
+
+impl Configuration {
+    /// Its derivative with respect to `q_1`, and the share of the step that has passed there.
+    #[inline(always)]
+    pub fn share(self) -> f64 {
+        match self {
+            Configuration::Middle => 0.5,
+            Configuration::End => 1.0,
+        }
+    }
+
+    /// Its positions, into `out`.
+    pub fn positions_into(self, q_0: &[f64], q_1: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        match self {
+            Configuration::Middle => out.extend(q_0.iter().zip(q_1).map(|(a, b)| 0.5 * (a + b))),
+            Configuration::End => out.extend_from_slice(q_1),
+        }
+    }
+}
+
+/// How a potential is differentiated across a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Derivative {
+    /// By a discrete gradient: the force does exactly the work by which the potential changes.
+    DiscreteGradient,
+    /// By its gradient at one configuration.
+    Gradient(Configuration),
+}
+
+/// Where the gradients of the invariants are evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Configuration of the left factor `Dpi(q_test)`, which carries the force.
+    pub test: Configuration,
+    /// Configuration of the right factor `Dpi(q_trial)` in the tangent.
+    pub trial: Configuration,
+    /// `d q_test / d q_1`.
+    pub share: f64,
+}
+
+impl Derivative {
+    /// The gradient at the end of the step.
+    pub const AT_END: Derivative = Derivative::Gradient(Configuration::End);
+
+    /// Every way.
+    pub const ALL: [Derivative; 3] = [Derivative::DiscreteGradient, Derivative::Gradient(Configuration::Middle), Derivative::AT_END];
+
+    /// Where it evaluates.
+    #[inline(always)]
+    pub fn placement(self) -> Placement {
+        let (test, trial) = match self {
+            Derivative::DiscreteGradient => (Configuration::Middle, Configuration::End),
+            Derivative::Gradient(at) => (at, at),
+        };
+        Placement { test, trial, share: test.share() }
+    }
+}

@@ -1,0 +1,15 @@
+//! Trapezoidal rule: the mean of the forces at both ends, which is Newmark's method with beta = 1/4, gamma = 1/2 (Newmark, J. Eng. Mech.
+//! Div. ASCE 85, 1959).
+
+use super::derivative::{Configuration, Derivative};
+use super::scheme::{Kinematics, Promises, Scheme};
+
+/// Linear momentum exact, energy and angular momentum in small motions only.
+pub static TRAPEZOIDAL: Scheme = Scheme {
+    name: "trapezoidal",
+    summary: "trapezoidal rule (Newmark, beta = 1/4, gamma = 1/2): keeps neither the energy nor the angular momentum in large motions",
+    derivative: Derivative::Gradient(Configuration::End),
+    weight: 0.5,
+    kinematics: Kinematics { slope: 2.0 },
+    promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
+};

@@ -1,0 +1,44 @@
+//! Numbers that begin at a cache line, kept from one factorisation to the next.
+
+use std::collections::TryReserveError;
+
+/// Numbers in a cache line.
+const LINE: usize = 8;
+
+/// Part of a buffer's length that is set aside for growth.
+const SLACK: usize = 16;
+
+/// Numbers that begin at a cache line.
+#[derive(Debug, Default)]
+pub(super) struct AlignedBuffer {
+    storage: Vec<f64>,
+    offset: usize,
+    length: usize,
+}
+
+impl AlignedBuffer {
+    /// Makes room for at least `length` numbers, whose values are lost.
+    pub(super) fn resize(&mut self, length: usize) -> Result<(), TryReserveError> {
+        if self.storage.len() < length + LINE {
+            // The old numbers go first: both at once would be the peak of the whole run.
+            self.storage = Vec::new();
+            let mut storage = Vec::new();
+            // Some more, because structures tend to grow a little while surfaces slide, and new pages are slow.
+            let length = length + length / SLACK + LINE;
+            storage.try_reserve_exact(length)?;
+            storage.resize(length, 0.0);
+            self.offset = storage.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
+            self.storage = storage;
+        }
+        self.length = length;
+        Ok(())
+    }
+
+    pub(super) fn all(&self) -> &[f64] {
+        &self.storage[self.offset..][..self.length]
+    }
+
+    pub(super) fn all_mut(&mut self) -> &mut [f64] {
+        &mut self.storage[self.offset..][..self.length]
+    }
+}

@@ -1,0 +1,47 @@
+//! The order of elimination and the blocks that have room in the factors, as a value that is kept and put in place again.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::ordering::{Order, anchored};
+use super::pattern::{Couplings, Pattern};
+use super::symbolic::Symbolic;
+
+/// An order of elimination, which outlives changes of the pattern, and the blocks that the factors have room for: which ones are in use
+/// depends on the matrices before. It stays equal to itself while matrices are factored, and copies share it; what is counted meanwhile is
+/// an [`Account`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EliminationOrder {
+    /// The order that was found best.
+    pub(super) found: Arc<Order>,
+    /// Work of a factorisation when the order was made.
+    pub(super) best: f64,
+    /// The couplings whose blocks are in the structure; none before the first matrix.
+    pub(super) kept: Arc<Couplings>,
+    /// Work of a factorisation when `kept` was that of one matrix alone.
+    pub(super) least: f64,
+}
+
+/// What has been counted since an order and its blocks were chosen. When they are given up depends on it, so who goes back to an earlier
+/// order goes back to its account, too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Account {
+    /// Factorisations since the blocks were those of one matrix alone.
+    pub(super) uses: usize,
+    /// Work in excess of the best since the order was made.
+    pub(super) wasted: f64,
+}
+
+impl EliminationOrder {
+    /// Whether the order, and a structure in it, is that of a pattern's vertices.
+    pub(super) fn fits(&self, pattern: &Pattern) -> bool {
+        self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()
+    }
+
+    /// The structure of the factors in this order, with these blocks of a pattern.
+    pub(super) fn structure(&self, pattern: &Pattern, couplings: &Couplings) -> Symbolic {
+        let restricted = pattern.restricted(couplings);
+        Symbolic::new(&restricted, &anchored(&restricted, &self.found.repaired(&restricted)))
+    }
+}

@@ -1,0 +1,111 @@
+//! Fronts, and where the entries of the matrix and of updates go in them.
+//!
+//! A *front* is a dense matrix of a few pivots and of the unknowns that their elimination couples. Its remainder after elimination, the
+//! *update*, is added to the front of its parent in the tree (multifrontal method: Duff and Reid 1983, Liu 1992).
+
+use std::ops::Range;
+
+use super::pattern::Block;
+
+/// A front. Ranges are into the lists of [`super::symbolic::Symbolic`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Front {
+    /// First pivot in the order of elimination.
+    pub(super) first: usize,
+    /// Number of pivots.
+    pub(super) pivots: usize,
+    /// Number of other unknowns.
+    pub(super) update: usize,
+    /// The same, padded.
+    pub(super) p: usize,
+    pub(super) u: usize,
+    /// Place of the front's factors: `p * p` of the pivot block, `u * p` below it, `u * p` to its right.
+    pub(super) factors: usize,
+    /// Where its update waits for the parent: in one of two stacks (0 or 1), by turns from level to level of the tree, or, if the front is
+    /// the last of a task, among the updates that are handed over (2).
+    pub(super) side: usize,
+    pub(super) update_at: usize,
+    /// The other unknowns in `rows`.
+    pub(super) rows: Range<usize>,
+    /// Their places in the parent's front, in `runs`: first those that are pivots there, then the others.
+    pub(super) to_pivots: Range<usize>,
+    pub(super) to_others: Range<usize>,
+    pub(super) parent: Option<u32>,
+    /// Fronts whose updates are added, in ascending order.
+    pub(super) children: Range<usize>,
+    /// Entries of the matrix in the pivot block and beside it.
+    pub(super) inside: Range<usize>,
+    pub(super) beside: Range<usize>,
+}
+
+impl Front {
+    /// Length of the front's factors.
+    pub(super) fn length(&self) -> usize {
+        (self.p + 2 * self.u) * self.p
+    }
+
+    /// Floating-point operations of its elimination.
+    pub(super) fn operations(&self) -> f64 {
+        let (p, u) = (self.pivots as f64, self.update as f64);
+        2.0 / 3.0 * p * p * p + 2.0 * p * p * u + 2.0 * p * u * u
+    }
+
+    /// Time of its elimination in units of an operation: assembling an entry costs about twenty.
+    pub(super) fn work(&self) -> f64 {
+        let side = (self.p + self.u) as f64;
+        self.operations() + 20.0 * side * side
+    }
+}
+
+/// A block of the matrix that goes into the pivot block of a front.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Inside {
+    pub(super) source: Block,
+    /// Place of the block's first entry in the pivot block.
+    pub(super) target: u32,
+    /// Vertices of the rows and columns.
+    pub(super) row: u32,
+    pub(super) column: u32,
+}
+
+/// A block below the pivot block and its mirror image to the right.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside {
+    pub(super) lower: Block,
+    pub(super) upper: Block,
+    /// Place of the first entry of both, the right one stored transposed.
+    pub(super) target: u32,
+    /// The vertex among the pivots and the other one.
+    pub(super) pivot: u32,
+    pub(super) other: u32,
+}
+
+/// Unknowns of an update that stay side by side in the parent's front.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// First of them in the update.
+    pub(super) source: u32,
+    /// Its place among the parent's pivots, or among the parent's others.
+    pub(super) target: u32,
+    pub(super) length: u32,
+}
+
+impl Run {
+    /// The part whose places are among `count` places from `first` on, its target counted from there.
+    pub(super) fn within(&self, first: usize, count: usize) -> Option<Self> {
+        let (first, end) = (first as u32, (first + count) as u32);
+        let from = self.target.max(first);
+        let to = (self.target + self.length).min(end);
+        (from < to).then(|| Run { source: self.source + from - self.target, target: from - first, length: to - from })
+    }
+}
+
+/// How fronts and pivots are numbered.
+pub(super) struct Numbering {
+    /// Per front, the last of its vertices (numbers in the order of elimination, as everywhere in the tree).
+    pub(super) roots: Vec<u32>,
+    /// Per vertex, its first pivot.
+    pub(super) first: Vec<u32>,
+    /// Vertices in the order of their pivots.
+    pub(super) sequence: Vec<u32>,
+}

@@ -1,0 +1,206 @@
+//! Work on strips: a few rows or columns of a front's blocks at a time, each of which a thread can take; what one computes depends on no
+//! other.
+
+use pulp::bytemuck::cast;
+use pulp::{Simd, WithSimd};
+
+use super::tiles::{WIDTH, four, outer_products, store, subtract_from, tiles};
+
+/// Rows of a strip: the largest tile.
+pub(super) const STRIP: usize = 2 * WIDTH;
+
+/// Columns of a pivot block that are factored before the rest of it is updated.
+pub(super) const PANEL: usize = 64;
+
+/// Pivots that are summed over before the next strip.
+const DEPTH: usize = 192;
+
+/// Forward substitution of the rows `i..i + 4` of four columns with the unit lower factor whose columns begin with number `from`; `rows`
+/// are those above. Returns the rows.
+#[inline(always)]
+pub(super) fn substitute_four<'r, S: Simd>(
+    simd: S,
+    left: &[f64],
+    p: usize,
+    from: usize,
+    i: usize,
+    rows: impl Iterator<Item = &'r [f64; WIDTH]>,
+    panel: &mut [f64],
+) -> [[f64; WIDTH]; WIDTH] {
+    let mut tile = outer_products::<S, 1>(simd, &left[i..], p, rows);
+    subtract_from(simd, &panel[i..], p, &mut tile);
+    let mut columns: [[f64; WIDTH]; WIDTH] = [[0.0; WIDTH]; WIDTH];
+    for (column, [x]) in columns.iter_mut().zip(tile) {
+        *column = cast(x);
+        for c in 0..WIDTH - 1 {
+            let below = four(&left[(i - from + c) * p + i..]);
+            for r in c + 1..WIDTH {
+                column[r] -= below[r] * column[c];
+            }
+        }
+    }
+    for (column, target) in columns.iter().zip(panel[i..].chunks_mut(p)) {
+        target[..WIDTH].copy_from_slice(column);
+    }
+    std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]))
+}
+
+/// Copies a strip of rows out of its block and solves it there ([`solve_strip`]).
+pub(super) struct SolveStrip<'a, const UNIT: bool> {
+    pub(super) source: &'a [f64],
+    pub(super) stride: usize,
+    pub(super) diagonal: &'a [f64],
+    pub(super) p: usize,
+    pub(super) rows: &'a [[f64; WIDTH]],
+    pub(super) out: &'a mut [f64],
+}
+
+impl<const UNIT: bool> WithSimd for SolveStrip<'_, UNIT> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let SolveStrip { source, stride, diagonal, p, rows, out } = self;
+        let width = out.len() / p;
+        for (column, source) in out.chunks_exact_mut(width).zip(source.chunks(stride)) {
+            column.copy_from_slice(&source[..width]);
+        }
+        match width / WIDTH {
+            1 => solve_strip::<S, 1, UNIT, false>(simd, out, WIDTH, diagonal, p, rows),
+            _ => solve_strip::<S, 2, UNIT, false>(simd, out, 2 * WIDTH, diagonal, p, rows),
+        }
+    }
+}
+
+/// Subtracts `lower * right^T` from a few columns of the remainder.
+pub(super) struct UpdateColumns<'a> {
+    /// All strips of the rows below, and those of these columns.
+    pub(super) lower: &'a [f64],
+    pub(super) right: &'a [f64],
+    pub(super) columns: &'a mut [f64],
+    pub(super) p: usize,
+    pub(super) u: usize,
+    pub(super) pivots: usize,
+}
+
+impl WithSimd for UpdateColumns<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let UpdateColumns { lower, right, columns, p, u, pivots } = self;
+        let width = columns.len() / u;
+        for k in (0..pivots).step_by(DEPTH) {
+            let depth = DEPTH.min(pivots - k);
+            let right = &right[k * width..];
+            tiles!(i in 0, u; M => {
+                let strip = &lower[i * p + k * M * WIDTH..];
+                for j in (0..width).step_by(WIDTH) {
+                    let rows = right[j..].chunks(width).take(depth).map(four);
+                    let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, rows);
+                    let place = &mut columns[j * u + i..];
+                    subtract_from(simd, place, u, &mut tile);
+                    store::<S, M>(&tile, place, u);
+                }
+            });
+        }
+    }
+}
+
+/// Brings a few columns of the pivot block up to date with a panel to their left.
+pub(super) struct UpdatePanel<'a> {
+    /// The panel's columns, and its rows from `to` on in strips.
+    pub(super) left: &'a [f64],
+    pub(super) strips: &'a [f64],
+    pub(super) columns: &'a mut [f64],
+    pub(super) p: usize,
+    pub(super) from: usize,
+    pub(super) to: usize,
+}
+
+impl WithSimd for UpdatePanel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let UpdatePanel { left, strips, columns, p, from, to } = self;
+        let depth = to - from;
+        let mut rows = [[0.0; WIDTH]; PANEL];
+        for columns in columns.chunks_exact_mut(WIDTH * p) {
+            for i in (from..to).step_by(WIDTH) {
+                let new = substitute_four(simd, left, p, from, i, rows[..i - from].iter(), columns);
+                rows[i - from..][..WIDTH].copy_from_slice(&new);
+            }
+            tiles!(i in to, p; M => {
+                let strip = &strips[(i - to) * depth..];
+                let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, rows[..depth].iter());
+                subtract_from(simd, &columns[i..], p, &mut tile);
+                store::<S, M>(&tile, &mut columns[i..], p);
+            });
+        }
+    }
+}
+
+/// `X := X T^-1` for `4 * M` rows, with `T` the upper factor or (`UNIT`) the transposed lower factor of the pivot block, whose rows are
+/// given as the factorisation of the pivot block leaves them.
+#[inline(always)]
+pub(super) fn solve_strip<S: Simd, const M: usize, const UNIT: bool, const STRIDED: bool>(
+    simd: S,
+    x: &mut [f64],
+    stride: usize,
+    diagonal: &[f64],
+    p: usize,
+    mut all_rows: &[[f64; WIDTH]],
+) {
+    for j in (0..p).step_by(WIDTH) {
+        let (left, right) = x.split_at_mut(j * stride);
+        let mut tile = if STRIDED {
+            outer_products::<S, M>(simd, left, stride, diagonal[j..].chunks(p).take(j).map(four))
+        } else {
+            let (rows, later) = all_rows.split_at(j);
+            all_rows = later;
+            outer_products::<S, M>(simd, left, stride, rows.iter())
+        };
+        subtract_from(simd, right, stride, &mut tile);
+        // Written out, not in loops: only so does the tile stay in registers.
+        let t = |row: usize, column: usize| if UNIT { diagonal[(j + row) * p + j + column] } else { diagonal[(j + column) * p + j + row] };
+        let [mut x_0, mut x_1, mut x_2, mut x_3] = tile;
+        if !UNIT {
+            scale(simd, &mut x_0, t(0, 0));
+        }
+        eliminate::<S, M>(simd, &mut x_1, &x_0, t(0, 1));
+        eliminate::<S, M>(simd, &mut x_2, &x_0, t(0, 2));
+        eliminate::<S, M>(simd, &mut x_3, &x_0, t(0, 3));
+        if !UNIT {
+            scale(simd, &mut x_1, t(1, 1));
+        }
+        eliminate::<S, M>(simd, &mut x_2, &x_1, t(1, 2));
+        eliminate::<S, M>(simd, &mut x_3, &x_1, t(1, 3));
+        if !UNIT {
+            scale(simd, &mut x_2, t(2, 2));
+        }
+        eliminate::<S, M>(simd, &mut x_3, &x_2, t(2, 3));
+        if !UNIT {
+            scale(simd, &mut x_3, t(3, 3));
+        }
+        store::<S, M>(&[x_0, x_1, x_2, x_3], right, stride);
+    }
+}
+
+/// `x *= factor`.
+#[inline(always)]
+fn scale<S: Simd, const M: usize>(simd: S, x: &mut [S::f64s; M], factor: f64) {
+    let factor = simd.splat_f64s(factor);
+    for x in x {
+        *x = simd.mul_f64s(*x, factor);
+    }
+}
+
+/// `x -= factor * y`.
+#[inline(always)]
+fn eliminate<S: Simd, const M: usize>(simd: S, x: &mut [S::f64s; M], y: &[S::f64s; M], factor: f64) {
+    let factor = simd.splat_f64s(-factor);
+    for (x, y) in x.iter_mut().zip(y) {
+        *x = simd.mul_add_e_f64s(factor, *y, *x);
+    }
+}

@@ -1,0 +1,120 @@
+//! Substitution along the tree: from the leaves to the roots with the lower factors, back with the upper ones.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::symbolic::Symbolic;
+use super::triangular::{substitute_lower, substitute_upper};
+
+/// Whether a substitution goes from the leaves to the roots (the lower factor) or back (the upper one).
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Direction {
+    Down,
+    Up,
+}
+
+/// Consecutive fronts and the part of the vector that they own, with what they exchange with the fronts above.
+pub(super) struct Part<'a> {
+    pub(super) fronts: Range<usize>,
+    /// Place of the first owned number.
+    pub(super) start: usize,
+    pub(super) own: &'a mut [f64],
+    /// Places of the numbers above that matter, ascending, and what is added to them, or what they are.
+    pub(super) rows: &'a [u32],
+    pub(super) outside: &'a mut [f64],
+}
+
+/// The parts of a vector that belong to the tasks.
+pub(super) fn parts<'a>(symbolic: &'a Symbolic, mut ordered: &'a mut [f64], mut outside: &'a mut [f64]) -> Vec<Part<'a>> {
+    let mut done = 0;
+    let part = |task: &Range<usize>| {
+        let (start, last) = (symbolic.fronts[task.start].first, &symbolic.fronts[task.end - 1]);
+        let end = last.first + last.pivots;
+        // What stands between two tasks belongs to fronts above.
+        let _ = ordered.split_off_mut(..start - done);
+        done = end;
+        Part {
+            fronts: task.clone(),
+            start,
+            own: ordered.split_off_mut(..end - start).unwrap_or_default(),
+            rows: &symbolic.places.rows[last.rows.clone()],
+            outside: outside.split_off_mut(..last.update).unwrap_or_default(),
+        }
+    };
+    symbolic.tasks.iter().map(part).collect()
+}
+
+/// A substitution along some fronts.
+pub(super) struct Substitution<'a, 'p> {
+    pub(super) symbolic: &'a Symbolic,
+    pub(super) factors: &'a [f64],
+    pub(super) swaps: &'a [u32],
+    pub(super) part: &'a mut Part<'p>,
+    pub(super) at_front: &'a mut [f64],
+    pub(super) direction: Direction,
+}
+
+impl WithSimd for Substitution<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Substitution { symbolic, factors, swaps, part, at_front, direction } = self;
+        let Part { fronts, start, own: ordered, rows: above, outside } = part;
+        let fronts = &symbolic.fronts[fronts.clone()];
+        let end = *start + ordered.len();
+        if direction == Direction::Down {
+            for front in fronts {
+                let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
+                let own = &mut ordered[front.first - *start..][..front.pivots];
+                for (k, &other) in swaps[front.first..][..front.pivots].iter().enumerate() {
+                    own.swap(k, other as usize);
+                }
+                let (inside, padding) = pivots.split_at_mut(front.pivots);
+                inside.copy_from_slice(own);
+                padding.fill(0.0);
+                others.fill(0.0);
+                let factors = &factors[front.factors..][..front.length()];
+                let (diagonal, beside) = factors.split_at(front.p * front.p);
+                substitute_lower(simd, diagonal, &beside[..front.u * front.p], pivots, others);
+                own.copy_from_slice(&pivots[..front.pivots]);
+                let rows = &symbolic.places.rows[front.rows.clone()];
+                let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+                for (&row, value) in mine.iter().zip(&*others) {
+                    ordered[row as usize - *start] += value;
+                }
+                let mut k = 0;
+                for (&row, value) in theirs.iter().zip(&others[mine.len()..]) {
+                    k += above[k..].iter().take_while(|&&other| other < row).count();
+                    outside[k] += value;
+                }
+            }
+            return;
+        }
+        for front in fronts.iter().rev() {
+            let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
+            let (known, padding) = others.split_at_mut(front.update);
+            let rows = &symbolic.places.rows[front.rows.clone()];
+            let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+            let (inside, beyond) = known.split_at_mut(mine.len());
+            for (&row, value) in mine.iter().zip(inside) {
+                *value = ordered[row as usize - *start];
+            }
+            let mut k = 0;
+            for (&row, value) in theirs.iter().zip(beyond) {
+                k += above[k..].iter().take_while(|&&other| other < row).count();
+                *value = outside[k];
+            }
+            padding.fill(0.0);
+            let own = &mut ordered[front.first - *start..][..front.pivots];
+            let (inside, padding) = pivots.split_at_mut(front.pivots);
+            inside.copy_from_slice(own);
+            padding.fill(0.0);
+            let factors = &factors[front.factors..][..front.length()];
+            let (diagonal, beside) = factors.split_at(front.p * front.p);
+            substitute_upper(simd, diagonal, &beside[front.u * front.p..], pivots, others);
+            own.copy_from_slice(&pivots[..front.pivots]);
+        }
+    }
+}

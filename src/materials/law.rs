@@ -1,0 +1,50 @@
+//! What a stored-energy law gives: energy, stress, tangent, and what a discrete gradient needs of an increment.
+
+use crate::math::lanes::Real;
+use crate::math::tensor::Tensor;
+use crate::math::tolerances::STRAIN_QUOTIENT;
+
+/// A stored-energy function `W(E)` of the Green-Lagrange strain, per reference volume `[energy/volume]`.
+pub trait Law: Send + Sync + 'static {
+    /// `W(E)`, with relative accuracy at small strain.
+    fn energy<T: Tensor>(&self, strain: &T) -> T::Scalar;
+    /// Second Piola-Kirchhoff stress `S = dW/dE` `[stress]`.
+    fn stress<T: Tensor>(&self, strain: &T) -> T;
+    /// Stress and tangent `d2W/dE2` `[stress]`.
+    fn stress_tangent<T: Tensor>(&self, strain: &T) -> (T, T::Tangent);
+    /// `W(E1) - W(E0) - S((E0 + E1)/2):(E1 - E0)`, without cancellation.
+    ///
+    /// The default is a five-point Lobatto rule for the line integral of `S - S_mid` below `|dE| = 5e-3` and the plain difference above.
+    /// One decision for all lanes of a batch, by its largest increment.
+    #[inline(always)]
+    fn remainder<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> T::Scalar {
+        let (mid, d) = ((*strain_n + *strain_n1) * 0.5, *strain_n1 - *strain_n);
+        let stress_mid = self.stress(&mid);
+        let difference = self.energy(strain_n1) - self.energy(strain_n) - stress_mid.dot(&d);
+        let slope = |s: f64| (self.stress(&(mid + d * s)) - stress_mid).dot(&d);
+        let s = 0.5 * (3.0f64 / 7.0).sqrt();
+        let line = (slope(-0.5) + slope(0.5)) * 0.05 + (slope(-s) + slope(s)) * (49.0 / 180.0);
+        let square = d.dot(&d);
+        let limit = STRAIN_QUOTIENT * STRAIN_QUOTIENT;
+        line + square.if_above(limit, difference - line)
+    }
+    /// What a discrete gradient needs of an increment; a law for which some of it follows from the rest says so here.
+    #[inline(always)]
+    fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
+        let (stress, tangent) = self.stress_tangent(&((*strain_n + *strain_n1) * 0.5));
+        Increment { stress, tangent, stress_end: self.stress(strain_n1), remainder: self.remainder(strain_n, strain_n1) }
+    }
+}
+
+/// What a discrete gradient needs of an increment of the strain.
+#[derive(Clone, Copy, Debug)]
+pub struct Increment<T: Tensor> {
+    /// Stress at the mean of the two strains `[stress]`.
+    pub stress: T,
+    /// Tangent there `[stress]`.
+    pub tangent: T::Tangent,
+    /// Stress at the end `[stress]`.
+    pub stress_end: T,
+    /// [`Law::remainder`].
+    pub remainder: T::Scalar,
+}

@@ -1,0 +1,131 @@
+//! What every law of the catalogue promises, in plane strain and in space.
+
+use super::row::lame;
+use super::*;
+use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::tensor::Tensor;
+use crate::math::tolerances::STRAIN_QUOTIENT;
+
+/// Strains of a few sizes in the plane and in space, with increments of a few sizes; reproducible.
+fn pairs<const S: usize>() -> Vec<(Components<S>, Components<S>)> {
+    let mut seed = 7u64;
+    let mut random = move || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let mut all = Vec::new();
+    for size in [1e-6, 1e-3, 0.2] {
+        for step in [1e-7, 1e-4, 1e-2, 0.2] {
+            let n: [f64; S] = std::array::from_fn(|_| size * random());
+            let d: [f64; S] = std::array::from_fn(|_| step * random());
+            let at = |s: f64| std::array::from_fn(|k| Lanes([n[k] + s * d[k]; WIDTH]));
+            all.push((at(0.0), at(1.0)));
+        }
+    }
+    all
+}
+
+fn energy<const S: usize>(law: &dyn BatchedLaw<S>, strain: &Components<S>) -> f64 {
+    let mut energy = [Lanes::ZERO];
+    law.energies_into(&[*strain], &mut energy);
+    energy[0].0[5]
+}
+
+fn stress_tangent<const S: usize>(law: &dyn BatchedLaw<S>, strain: &Components<S>) -> ([f64; S], [[f64; S]; S]) {
+    let (mut response, mut only_stress) = ([Response::ZERO], [[Lanes::ZERO; S]]);
+    law.responses_into(&[*strain], &mut response);
+    law.stresses_into(&[*strain], &mut only_stress);
+    assert_eq!(response[0].stress, only_stress[0], "the two calls agree");
+    (response[0].stress.map(|c| c.0[2]), response[0].tangent.map(|row| row.map(|c| c.0[2])))
+}
+
+fn increment<const S: usize>(law: &dyn BatchedLaw<S>, strain_n: &Components<S>, strain_n1: &Components<S>) -> IncrementResponse<S> {
+    let mut increment = [IncrementResponse::ZERO];
+    law.increments_into(&[*strain_n], &[*strain_n1], &mut increment);
+    increment[0]
+}
+
+fn shifted<const S: usize>(strain: &Components<S>, component: usize, by: f64) -> Components<S> {
+    let mut moved = *strain;
+    moved[component] = moved[component] + by;
+    moved
+}
+
+fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>) {
+    let rest = [Lanes::ZERO; S];
+    let (stress, tangent) = stress_tangent(law, &rest);
+    assert_eq!(energy(law, &rest), 0.0, "{name}: no energy at rest");
+    assert_eq!(stress, [0.0; S], "{name}: no stress at rest");
+    // Tangent at rest: uniaxial modulus lambda + 2 mu and, because of Mandel components, 2 mu on the shear diagonal.
+    let (lambda, mu) = lame(1000.0, 0.3);
+    assert!((tangent[0][0] - lambda - 2.0 * mu).abs() < 1e-12 * mu, "{name}: modulus at rest");
+    assert!((tangent[S - 1][S - 1] - 2.0 * mu).abs() < 1e-12 * mu, "{name}: shear modulus at rest");
+    for (n, n1) in pairs::<S>() {
+        let (stress, tangent) = stress_tangent(law, &n1);
+        let h = 1e-5;
+        for k in 0..S {
+            // Central differences leave h^2/6 times a third derivative of stress or energy, seen to be 60 and 600 moduli where the
+            // strain is largest; round-off eps/h is below.
+            let (up, down) = (shifted(&n1, k, h), shifted(&n1, k, -h));
+            let difference = (energy(law, &up) - energy(law, &down)) / (2.0 * h);
+            assert!((difference - stress[k]).abs() < 2e-9 * mu, "{name}: stress {k} {difference} {}", stress[k]);
+            let (above, below) = (stress_tangent(law, &up).0, stress_tangent(law, &down).0);
+            for l in 0..S {
+                let difference = (above[l] - below[l]) / (2.0 * h);
+                assert!((difference - tangent[l][k]).abs() < 2e-8 * mu, "{name}: tangent {l}{k} {difference} {}", tangent[l][k]);
+            }
+        }
+        // The remainder against its definition, where that does not cancel, and against its size where it does.
+        let mid: Components<S> = std::array::from_fn(|k| (n[k] + n1[k]) * 0.5);
+        let d: [f64; S] = std::array::from_fn(|k| n1[k].0[0] - n[k].0[0]);
+        let work: f64 = stress_tangent(law, &mid).0.iter().zip(d).map(|(s, d)| s * d).sum();
+        let plain = energy(law, &n1) - energy(law, &n) - work;
+        let IncrementResponse { mean, stress_end, remainder } = increment(law, &n, &n1);
+        let remainder = remainder.0[0];
+        let expected = stress_tangent(law, &mid);
+        assert!(mean.tangent.iter().flatten().zip(expected.1.iter().flatten()).all(|(a, b)| (a.0[2] - b).abs() < 1e-14 * mu), "{name}");
+        for k in 0..S {
+            assert!((mean.stress[k].0[2] - expected.0[k]).abs() < 1e-15 * mu, "{name}: stress {k} at the mean");
+            // Round-off of logarithms of order one, times a modulus.
+            assert!((stress_end[k].0[2] - stress[k]).abs() < 1e-14 * mu, "{name}: stress {k} at the end");
+        }
+        let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
+        assert!((remainder - plain).abs() < 1e-14 * scale, "{name}: remainder {remainder} against {plain}");
+    }
+}
+
+#[test]
+fn every_law_fulfils_the_contract_in_plane_strain_and_in_space() {
+    for row in CATALOGUE {
+        let values: Vec<f64> = row.parameters.iter().map(|p| if p.name == "poisson_ratio" { 0.3 } else { 1000.0 }).collect();
+        let material = Material::new(row, &values).expect("the values are in their ranges");
+        contract::<3>(row.name, &*material.plane());
+        contract::<6>(row.name, &*material.space());
+    }
+}
+
+#[test]
+fn default_remainder_is_exact_for_a_cubic_energy() {
+    struct Sampled(f64);
+    impl Law for Sampled {
+        fn energy<T: Tensor>(&self, e: &T) -> T::Scalar {
+            let t = e.trace();
+            t * t * t * self.0
+        }
+        fn stress<T: Tensor>(&self, e: &T) -> T {
+            T::identity() * (e.trace() * e.trace() * (3.0 * self.0))
+        }
+        fn stress_tangent<T: Tensor>(&self, e: &T) -> (T, T::Tangent) {
+            (self.stress(e), T::isotropic_tangent(e.trace() * (6.0 * self.0), T::Scalar::splat(0.0), &T::identity()))
+        }
+    }
+    // W = c (tr E)^3: remainder exactly c (tr dE)^3 / 4 at every step size, below and above the threshold.
+    for step in [1e-7, 1e-3, 0.1] {
+        let (n, n1) = ([Lanes::splat(0.1); 3], [Lanes::splat(0.1 + step); 3]);
+        let remainder = increment::<3>(&Sampled(5.0), &n, &n1).remainder.0[0];
+        let exact = 5.0 * (2.0 * step).powi(3) / 4.0;
+        // The plain difference (step 0.1) has the round-off of the energies.
+        let round_off = if step < STRAIN_QUOTIENT { 15.0 * 0.4f64.powi(2) * step } else { 5.0 * 0.4f64.powi(3) };
+        assert!((remainder - exact).abs() < 1e-15 * round_off, "step {step}: {remainder} {exact}");
+    }
+}

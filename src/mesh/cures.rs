@@ -1,0 +1,102 @@
+//! How to mend a mesh, one sentence for each error.
+
+use super::error::MeshError;
+
+impl MeshError {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        use MeshError::*;
+        match self {
+            NotPositive { what: "a scale factor", .. } => "scale by positive numbers; a mirrored mesh would be inside out".into(),
+            NotPositive { what, .. } => format!("choose {what} greater than 0"),
+            NotFinite { what, .. } => format!("give {what} as a finite number"),
+            FewCorners { .. } => "name the corners in their order around the polygon, the first one once".into(),
+            CrossingSides { .. } => "name the corners in their order around the polygon, so that its sides meet at corners only".into(),
+            EmptySide { .. } => "leave out one of the two corners".into(),
+            NoTriangulation => "check that no two of its sides nearly coincide, or choose smaller cells".into(),
+            NotMultiple { count, of, .. } => {
+                format!("ask for {} or {}", count / of * of, (count / of + 1) * of).replace("ask for 0 or ", "ask for ")
+            }
+            TooFewCells { least, .. } => format!("ask for {least} or more"),
+            TooManyCells { .. } => "use a coarser mesh".into(),
+            Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
+            LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
+            NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
+            UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {
+                (Some(near), _) => format!("did you mean \"{near}\"?"),
+                (None, true) => "name the physical surfaces (in space: volumes) in Gmsh with `Physical Surface(\"name\") = {…};`".into(),
+                (None, false) => "use one of these names".into(),
+            },
+            BoundaryExists { .. } => "choose another name".into(),
+            InvertedCell { inverted, cells, .. } if inverted == cells => "the nodes of all cells run the wrong way round: reverse them in \
+                 Gmsh (`ReverseMesh Surface{:};`, or turn the curve loops counter-clockwise) and save again"
+                .into(),
+            InvertedCell { .. } => {
+                "mend the mesh there: nodes of a plane cell run counter-clockwise and its angles stay below 180 degrees".into()
+            }
+            DegenerateCell { .. } => "mend the mesh there: nodes of a cell must not coincide or lie on one line".into(),
+            RepeatedNode { .. } => "use cells with distinct nodes; a triangle written as a collapsed cell is not a quad4".into(),
+            CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
+            UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
+            BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
+            Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script".into(),
+            NotText { .. } | Binary { .. } => "save it as ASCII: `Mesh.Binary = 0;` in Gmsh".into(),
+            OtherFormat { .. } => "open it in Gmsh and save it as MSH 4.1 ASCII (`Mesh.MshFileVersion = 4.1;`)".into(),
+            Version { .. } => "save it with `Mesh.MshFileVersion = 4.1;` (or 2.2) in Gmsh".into(),
+            Truncated { .. } | MissingSection { .. } => "the file is incomplete: write or copy it again".into(),
+            Count { .. } | RepeatedSection { .. } | DuplicateNode { .. } | MissingNode { .. } | UnknownEntity { .. } | Malformed { .. } => {
+                "the file is damaged or was edited by hand: write it again with Gmsh".into()
+            }
+            Partitioned { .. } => "save it as one piece: `UnpartitionMesh;` in Gmsh".into(),
+            Coordinate { .. } => "give every node finite coordinates".into(),
+            DuplicateCell { .. } => {
+                "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent".into()
+            }
+            UnsupportedCell { gmsh_type, .. } => unsupported_cure(*gmsh_type).into(),
+            MixedKinds { .. } => "save plane and solid bodies in files of their own".into(),
+            NoCells { .. } => "mesh surfaces with quadrilaterals (`Mesh.RecombineAll = 1;`, `Mesh 2;`) or volumes with hexahedra, and put \
+                 them into a physical group: Gmsh saves nothing else once there is one"
+                .into(),
+            StrayFacet { .. } => {
+                "take the element out of the group, or mesh the surface that it bounds; curves that are only drawn on top of \
+                 a surface are not part of its mesh"
+                    .into()
+            }
+            NotPlane { .. } => "move the mesh into the plane z = 0, or mesh a volume with hexahedra".into(),
+            AmbiguousName { .. } => "give each physical group its own name".into(),
+        }
+    }
+}
+
+/// The name that is written most like `name`, if one is similar.
+fn nearest_name<'a>(name: &str, available: &'a [String]) -> Option<&'a str> {
+    let similarity = |other: &str| strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
+    let (best, near) = available.iter().map(|other| (similarity(other), other)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    // half of the letters agree: `body1` finds `body_1`, unrelated words find nothing
+    (best >= 0.5).then_some(near.as_str())
+}
+
+fn unsupported_cure(gmsh_type: u64) -> &'static str {
+    match gmsh_type {
+        2 => "recombine the triangles in Gmsh: `Mesh.RecombineAll = 1;`, and `Mesh.SubdivisionAlgorithm = 1;` where some are left over",
+        4 | 6 | 7 => {
+            "mesh with hexahedra in Gmsh: extrude a recombined surface (`Recombine;`), use transfinite volumes, or \
+             `Mesh.SubdivisionAlgorithm = 2;`"
+        }
+        _ => "mesh with first-order quadrilaterals or hexahedra in Gmsh: `Mesh.ElementOrder = 1;`, `Mesh.RecombineAll = 1;`",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_part_suggests_the_nearest() {
+        let error = MeshError::UnknownPart { name: "body1".into(), available: vec!["body_1".into(), "ring".into()] };
+        assert_eq!(error.to_string(), "the mesh has no part \"body1\"; its parts are \"body_1\", \"ring\"");
+        assert_eq!(error.cure(), "did you mean \"body_1\"?");
+        let unlike = MeshError::UnknownPart { name: "x".into(), available: vec!["body_1".into()] };
+        assert_eq!(unlike.cure(), "use one of these names");
+    }
+}

@@ -1,0 +1,144 @@
+//! `expect_conserved`: energy, momenta, or the balance of every step.
+
+use rhai::{Dynamic, EvalAltResult};
+
+use super::verdicts::{failed, only_listed, passed};
+use crate::dynamics::LedgerRow;
+use crate::math::catalogue::Interval;
+use crate::math::tolerances::SAME_MOMENT;
+use crate::output::Inertia;
+use crate::script::api::examples::flight_example;
+use crate::script::api::simulations::handle::SimulationHandle;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, number_text, significant};
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// What can be conserved, and what it is called.
+const QUANTITIES: &[&str] = &["energy", "momentum", "angular_momentum", "ledger"];
+
+/// `expect_conserved`: a quantity that must not drift.
+pub fn expect_conserved() -> Function {
+    Function {
+        name: "expect_conserved",
+        form: Form::Function,
+        topic: Topic::Checks,
+        summary: "ends the script with an error when a quantity drifts by more than a relative tolerance; \"ledger\" asks \
+                  whether the energy balance of every step closes",
+        parameters: vec![
+            Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
+            Parameter::new("quantity", Kind::Choice(QUANTITIES), "what should be conserved"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("after", "time", Interval::Finite, "the time from which it should be constant")
+                        .or(Absent::Number(0.0)),
+                    Parameter::number("tolerance", "1", Interval::NonNegative, "the largest drift, relative to the size of the quantity"),
+                ]),
+                "from when and how well",
+            ),
+        ],
+        returns: "",
+        example: flight_example("sim.run_to(0.05);\nexpect_conserved(sim, \"energy\", #{ after: 0.0, tolerance: 1e-10 });"),
+        see_also: &["expect_close", "history"],
+        body: body(conserved),
+    }
+}
+
+fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+    let (handle, quantity, options) = (call.handle::<SimulationHandle>("simulation")?, call.text("quantity")?, call.options("options")?);
+    let (after, tolerance) = (options.number("after")?, options.number("tolerance")?);
+    let what = format!("{} of \"{}\" after t = {}", title(&quantity), handle.0.name, number_text(after));
+    if only_listed(call, &format!("{what} drifts by at most {}", number_text(tolerance))) {
+        return Ok(Dynamic::UNIT);
+    }
+    let rows = handle.0.history.borrow();
+    // The row at `after` may lie a little behind it, because steps meet a time only up to round-off.
+    let last = rows.iter().rposition(|row| row.time <= after + SAME_MOMENT * after.abs().max(row.dt)).unwrap_or(0);
+    let window = &rows[last..];
+    if window.len() < 2 {
+        let failure = failed(call, format!("the simulation \"{}\" took no step after t = {}", handle.0.name, number_text(after)));
+        let end = rows.last().map_or(0.0, |row| row.time);
+        return Err(failure
+            .cause(format!("it ended at t = {}", number_text(end)))
+            .hint("run it longer, or choose an earlier `after`")
+            .into());
+    }
+    let drift = worst_drift(&quantity, window, &rows, Inertia::of(&handle.0.model.model));
+    let measured = format!("{what} drifts by {} at most, at step {} (t = {})", significant(drift.size, 3), drift.step, brief(drift.time));
+    if drift.size <= tolerance {
+        return passed(call, &format!("ok  {measured}; tolerance {}", number_text(tolerance)));
+    }
+    let failure = failed(call, format!("{} of \"{}\" is not conserved", title(&quantity), handle.0.name))
+        .label(format!("tolerance {}", number_text(tolerance)));
+    let failure = failure.cause(measured).cause(format!(
+        "relative to {}; its first value in this time is {}",
+        brief(drift.scale),
+        brief(drift.first)
+    ));
+    let hint = match quantity.as_str() {
+        "energy" if window[1..].iter().any(|row| row.load_work != 0.0) => "a load does work in this time: choose a later `after`",
+        "energy" if window[1..].iter().any(|row| row.contact_work != 0.0) => {
+            "closing contact costs energy under the update rule \"gap\"; \"ledger\" asks whether all of it is booked"
+        }
+        "energy" | "ledger" => "only `energy_momentum()` conserves the energy for every step size",
+        _ => "supports and loads change momenta",
+    };
+    Err(failure.hint(hint).into())
+}
+
+struct Drift {
+    size: f64,
+    scale: f64,
+    first: f64,
+    step: usize,
+    time: f64,
+}
+
+fn title(quantity: &str) -> &'static str {
+    match quantity {
+        "energy" => "the energy",
+        "momentum" => "the linear momentum",
+        "angular_momentum" => "the angular momentum",
+        _ => "the energy balance",
+    }
+}
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}
+
+/// The largest drift of a quantity over a window of rows, relative to its scale: the largest energy, or the momentum that the bodies
+/// would have if all their kinetic energy were translation.
+fn worst_drift(quantity: &str, window: &[LedgerRow], rows: &[LedgerRow], inertia: Inertia) -> Drift {
+    let largest =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |largest, value| if value <= largest { largest } else { value });
+    let kinetic = largest(&mut rows.iter().map(|row| row.kinetic));
+    let bound = (2.0 * inertia.mass * kinetic).max(0.0).sqrt();
+    let first = &window[0];
+    let difference = |a: [f64; 3], b: [f64; 3]| length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+    let energy = largest(&mut window.iter().map(|row| row.kinetic + row.strain + row.potential.abs()));
+    let (scale, value, change): (f64, f64, Vec<f64>) = match quantity {
+        "energy" => (energy, first.total(), window.iter().map(|row| (row.total() - first.total()).abs()).collect()),
+        "momentum" => (
+            largest(&mut window.iter().map(|row| length(row.momentum))).max(bound),
+            length(first.momentum),
+            window.iter().map(|row| difference(row.momentum, first.momentum)).collect(),
+        ),
+        "angular_momentum" => (
+            largest(&mut window.iter().map(|row| length(row.angular_momentum))).max(bound * inertia.radius),
+            length(first.angular_momentum),
+            window.iter().map(|row| difference(row.angular_momentum, first.angular_momentum)).collect(),
+        ),
+        _ => (
+            energy,
+            first.total(),
+            window.iter().enumerate().map(|(index, row)| if index == 0 { 0.0 } else { row.energy_defect.abs() }).collect(),
+        ),
+    };
+    // A value that is no number counts as the largest here, so that a broken run cannot pass.
+    let worst = (0..change.len()).max_by(|&a, &b| change[a].total_cmp(&change[b])).unwrap_or(0);
+    let size = if change[worst] == 0.0 { 0.0 } else { change[worst] / scale };
+    Drift { size, scale, first: value, step: window[worst].step, time: window[worst].time }
+}

@@ -1,0 +1,27 @@
+//! What every check does with its result: says what it measured, ends the script, or only lists itself in `conserva check`.
+
+use rhai::{Dynamic, EvalAltResult};
+
+use crate::script::language::failure::{Class, Failure};
+use crate::script::language::function::Call;
+use crate::script::language::scan::Target;
+
+/// The failure of a check.
+pub fn failed(call: &Call, title: impl Into<String>) -> Failure {
+    Failure::new(Class::Check, title).in_method(call.function.form.receiver().is_some())
+}
+
+/// Reports a check that holds.
+pub fn passed(call: &Call, line: &str) -> Result<Dynamic, Box<EvalAltResult>> {
+    call.host.passed(line, call.place(&Target::Call).as_ref());
+    Ok(Dynamic::UNIT)
+}
+
+/// In `conserva check`: lists the check instead of evaluating it.
+pub fn only_listed(call: &Call, line: &str) -> bool {
+    if call.host.is_check() {
+        let place = call.place(&Target::Call).map(|place| format!("{place}: ")).unwrap_or_default();
+        call.host.findings.borrow_mut().push(format!("check: {place}{line}"));
+    }
+    call.host.is_check()
+}

@@ -1,0 +1,97 @@
+//! Contact methods, and the rules by which contact is enforced, as options of a pair.
+
+use std::sync::LazyLock;
+
+use rhai::Dynamic;
+
+use crate::contact::{ContactMethod, METHODS, MORTAR};
+use crate::dynamics::{Enforcement, GAP, UPDATE_RULES, UpdateRule};
+use crate::math::catalogue::Interval;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// A contact method.
+#[derive(Clone)]
+pub struct ContactMethodHandle(pub &'static ContactMethod);
+
+impl Handle for ContactMethodHandle {
+    const NAME: &'static str = "ContactMethod";
+    const MAKER: &'static str = "make one with `mortar()`, `dual_mortar()`, `averaged_mortar()` or `node_to_segment()`";
+
+    fn describe(&self) -> String {
+        format!("{}()", self.0.name)
+    }
+}
+
+/// One function for each method.
+pub fn functions() -> Vec<Function> {
+    METHODS.iter().copied().map(method_function).collect()
+}
+
+fn method_function(method: &'static ContactMethod) -> Function {
+    Function {
+        name: method.name,
+        form: Form::Function,
+        topic: Topic::Contact,
+        summary: method.summary,
+        parameters: Vec::new(),
+        returns: ContactMethodHandle::NAME,
+        example: format!("print({}());", method.name).into(),
+        see_also: &["add_contact"],
+        body: body(move |_| Ok(Dynamic::from(ContactMethodHandle(method)))),
+    }
+}
+
+/// Names of the update rules.
+fn update_names() -> &'static [&'static str] {
+    static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| UPDATE_RULES.iter().map(|rule| rule.name).collect());
+    &NAMES
+}
+
+/// The option `method`.
+pub fn method_parameter() -> Parameter {
+    Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretized between two surfaces")
+        .or(Absent::Means("`mortar()`"))
+}
+
+/// The options `update`, `penalty` and `augmented_lagrange`.
+pub fn rule_parameters() -> [Parameter; 3] {
+    [
+        Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step").or(Absent::Text(GAP.name)),
+        Parameter::number("penalty", "1", Interval::Positive, "a stiffness, relative to a facet's, instead of multipliers")
+            .or(Absent::Means("multipliers: the update rule holds exactly")),
+        Parameter::number(
+            "augmented_lagrange",
+            "1",
+            Interval::Positive,
+            "an augmentation, relative to a node's stiffness in a step: multipliers found by iteration, 100 is a good value",
+        )
+        .or(Absent::Means("multipliers found by solving for them")),
+    ]
+}
+
+/// The method that options name.
+pub fn method_of(options: &Options) -> Result<&'static ContactMethod, Failure> {
+    let method = options.argument("method");
+    Ok(if method.is_given() { method.handle::<ContactMethodHandle>()?.0 } else { &MORTAR })
+}
+
+/// The rules that options name.
+pub fn rules_of(options: &Options) -> Result<(&'static UpdateRule, Enforcement), Failure> {
+    let name = options.text("update")?;
+    let update = UPDATE_RULES.iter().copied().find(|rule| rule.name == name).unwrap_or(&GAP);
+    let augmented = options.argument("augmented_lagrange");
+    let enforcement = match (options.optional_number("penalty")?, options.optional_number("augmented_lagrange")?) {
+        (None, None) => Enforcement::Multiplier,
+        (Some(factor), None) => Enforcement::Penalty { factor },
+        (None, Some(factor)) => Enforcement::AugmentedLagrange { factor },
+        (Some(_), Some(_)) => {
+            let failure = augmented.fail("`penalty` and `augmented_lagrange` exclude each other");
+            return Err(failure.hint("leave one of them out: `penalty` allows a small penetration, `augmented_lagrange` none"));
+        }
+    };
+    Ok((update, enforcement))
+}

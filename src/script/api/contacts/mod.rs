@@ -1,0 +1,15 @@
+//! Contact in a model: methods, rigid obstacles, pairs. What a simulation says about contact stands in `simulations/contact_state.rs`.
+
+use crate::script::language::function::Function;
+
+pub mod methods;
+pub mod obstacles;
+pub mod pairs;
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    let mut all = methods::functions();
+    all.extend(obstacles::functions());
+    all.extend(pairs::functions());
+    all
+}

@@ -1,0 +1,156 @@
+//! Rigid obstacles: shapes that other bodies touch, at rest or displaced over time.
+
+use rhai::Dynamic;
+
+use crate::contact::Obstacle;
+use crate::dynamics::Amplitude;
+use crate::math::catalogue::Interval;
+use crate::script::api::models::description::describe_obstacle;
+use crate::script::api::time_functions::amplitude_of;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::digits::vector_text;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// A rigid obstacle with its motion.
+#[derive(Clone)]
+pub struct ObstacleHandle {
+    /// Shape and place.
+    pub obstacle: Obstacle,
+    /// Its displacement in each direction over time.
+    pub motion: [Option<Amplitude>; 2],
+}
+
+impl Handle for ObstacleHandle {
+    const NAME: &'static str = "Obstacle";
+    const MAKER: &'static str = "make one with `rigid_plane`, `rigid_disk`, `rigid_ring` or `rigid_polyline`";
+
+    fn describe(&self) -> String {
+        describe_obstacle(&self.obstacle, &self.motion)
+    }
+}
+
+fn motion_parameter() -> Parameter {
+    let component = |name| Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time").of("length");
+    let components = ["x", "y"].map(|name| component(name).or(Absent::Means("none"))).into();
+    Parameter::new("motion", Kind::Options(components), "how the obstacle is displaced over time; it does not turn")
+        .or(Absent::Means("at rest"))
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![rigid_plane(), rigid_disk(), rigid_ring(), rigid_polyline()]
+}
+
+/// A function that makes an obstacle of a shape; every one may be displaced.
+fn shape(
+    name: &'static str,
+    summary: &'static str,
+    mut keys: Vec<Parameter>,
+    example: &'static str,
+    make: fn(&Options) -> Result<Obstacle, Failure>,
+) -> Function {
+    keys.push(motion_parameter());
+    Function {
+        name,
+        form: Form::Function,
+        topic: Topic::Contact,
+        summary,
+        parameters: vec![Parameter::new("options", Kind::Options(keys), "shape, place and motion")],
+        returns: ObstacleHandle::NAME,
+        example: example.into(),
+        see_also: &["add_contact", "rigid_plane", "rigid_disk", "rigid_ring", "rigid_polyline"],
+        body: body(move |call| {
+            let options = call.options("options")?;
+            let obstacle = make(&options)?;
+            let nested = options.nested("motion")?;
+            let mut motion = [None, None];
+            for (motion, name) in motion.iter_mut().zip(["x", "y"]) {
+                let argument = nested.argument(name);
+                if argument.is_given() {
+                    *motion = Some(amplitude_of(&argument)?);
+                }
+            }
+            Ok(Dynamic::from(ObstacleHandle { obstacle, motion }))
+        }),
+    }
+}
+
+fn point(name: &'static str, summary: &'static str) -> Parameter {
+    Parameter::new(name, Kind::Vector, summary).of("length")
+}
+
+fn radius(summary: &'static str) -> Parameter {
+    Parameter::number("radius", "length", Interval::Positive, summary)
+}
+
+fn rigid_plane() -> Function {
+    shape(
+        "rigid_plane",
+        "a rigid half plane as the other side of a contact",
+        vec![
+            point("point", "a point of its border"),
+            Parameter::new("normal", Kind::Vector, "the outward normal of its border, of any length: bodies are on that side").of("1"),
+        ],
+        "let ground = rigid_plane(#{ point: [0.0, 0.0], normal: [0.0, 1.0] });",
+        |options| {
+            let (point, argument) = (options.argument("point").vector(2)?, options.argument("normal"));
+            let normal = argument.vector(2)?;
+            if normal == [0.0; 3] {
+                let failure = argument.fail(format!("{} has no direction", argument.title()));
+                return Err(failure.label("this has length 0").hint("give the direction away from the plane, such as `[0.0, 1.0]`"));
+            }
+            Ok(Obstacle::HalfPlane { point: [point[0], point[1]], normal: [normal[0], normal[1]] })
+        },
+    )
+}
+
+fn rigid_disk() -> Function {
+    shape(
+        "rigid_disk",
+        "a rigid disk as the other side of a contact; bodies are outside of it",
+        vec![point("center", "its center"), radius("its radius")],
+        "let roller = rigid_disk(#{ center: [0.0, 2.0], radius: 0.5, motion: #{ y: ramp(0.0, 1.0, -0.7) } });",
+        |options| {
+            let center = options.argument("center").vector(2)?;
+            Ok(Obstacle::Disk { center: [center[0], center[1]], radius: options.number("radius")? })
+        },
+    )
+}
+
+fn rigid_ring() -> Function {
+    shape(
+        "rigid_ring",
+        "a rigid ring as the other side of a contact; bodies are inside of it",
+        vec![point("center", "its center"), radius("its inner radius")],
+        "let drum = rigid_ring(#{ center: [0.0, 0.0], radius: 2.0 });",
+        |options| {
+            let center = options.argument("center").vector(2)?;
+            Ok(Obstacle::Ring { center: [center[0], center[1]], radius: options.number("radius")? })
+        },
+    )
+}
+
+fn rigid_polyline() -> Function {
+    shape(
+        "rigid_polyline",
+        "straight rigid facets as the other side of a contact: the obstacle is on the left of the way through the points",
+        vec![Parameter::new("points", Kind::Array, "an array of points `[x, y]`; closed when the last is the first").of("length")],
+        "let stairs = rigid_polyline(#{ points: [[4.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]] });",
+        |options| {
+            let argument = options.argument("points");
+            let points = argument.points()?;
+            if points.len() < 2 {
+                let failure = argument.fail(format!("{} must have at least 2 points", argument.title()));
+                return Err(failure.label(format!("this has {}", points.len())).hint("name the ends of at least one facet"));
+            }
+            if let Some(twice) = points.windows(2).find(|pair| pair[0] == pair[1]) {
+                let failure = argument.fail(format!("{} has a facet of length 0", argument.title()));
+                return Err(failure.label(format!("{} comes twice in a row", vector_text(&twice[0]))).hint("leave out one of the two"));
+            }
+            Ok(Obstacle::Polyline { points })
+        },
+    )
+}

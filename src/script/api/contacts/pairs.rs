@@ -1,0 +1,198 @@
+//! What touches what: pairs of surfaces, obstacles, surfaces that touch themselves, ties.
+//!
+//! Every call that adds a pair checks the model at once. What is only suspicious (a surface that faces away, a tie that holds nothing) is
+//! told by `model.check()` and warned of by `simulate`.
+
+use rhai::{Array, Dynamic};
+
+use super::methods::{method_of, method_parameter, rule_parameters, rules_of};
+use super::obstacles::ObstacleHandle;
+use crate::dynamics::{Interaction, Partner};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::{TOUCH, plate_example};
+use crate::script::api::models::arguments::{body_boundary, boundary_of};
+use crate::script::api::models::change::change;
+use crate::script::api::models::handle::{BoundaryHandle, ModelHandle};
+use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::describe;
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![add_contact(), add_self_contact(), tie()]
+}
+
+fn add_contact() -> Function {
+    let [update, penalty, augmented] = rule_parameters();
+    Function {
+        name: "add_contact",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Contact,
+        summary: "lets a boundary touch others, or a rigid obstacle, without friction",
+        parameters: vec![
+            name_parameter(),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new(
+                        "secondary",
+                        Kind::Handle(BoundaryHandle::NAME),
+                        "the side that carries the contact pressure (slave, nonmortar)",
+                    ),
+                    Parameter::new(
+                        "primary",
+                        Kind::Either("a Boundary, an array of them, or an Obstacle"),
+                        "the other side (master, mortar): one boundary, several of them as one surface, or a rigid obstacle",
+                    ),
+                    method_parameter(),
+                    update,
+                    penalty,
+                    augmented,
+                    Parameter::new(
+                        "equality",
+                        Kind::Flag,
+                        "whether every covered node is closed and tension allowed (the bilateral constraints of the paper)",
+                    )
+                    .or(Absent::Flag(false)),
+                ]),
+                "sides and method",
+            ),
+        ],
+        returns: "",
+        example: plate_example(&format!(
+            "{TOUCH}press.add_contact(\"lid\", #{{ secondary: plate.boundary(\"top\"), primary: rigid_plane(#{{ point: [0.0, 1.1], \
+             normal: [0.0, -1.0] }}) }});"
+        )),
+        see_also: &["mortar", "rigid_plane", "add_self_contact", "tie"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.text("name")?, call.options("options")?);
+            let secondary = boundary_of(&options.argument("secondary"), &model)?;
+            let partner = partner_of(call, &options.argument("primary"), &model)?;
+            let method = method_of(&options)?;
+            let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
+            let argument = options.argument("method");
+            if matches!(partner, Partner::Obstacle { .. }) && argument.is_given() {
+                let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title()));
+                let failure = failure.cause("an obstacle has no facets to integrate over: the gap of a node is its distance");
+                return Err(failure.hint("leave the option out").into());
+            }
+            add(call, &model, Interaction { name, secondary, partner, method, update, enforcement, equality })?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+fn add_self_contact() -> Function {
+    let [update, penalty, augmented] = rule_parameters();
+    Function {
+        name: "add_self_contact",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Contact,
+        summary: "lets a boundary touch itself without friction where it folds",
+        parameters: vec![
+            name_parameter(),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new("surface", Kind::Handle(BoundaryHandle::NAME), "the boundary that may touch itself"),
+                    method_parameter(),
+                    update,
+                    penalty,
+                    augmented,
+                ]),
+                "surface and method",
+            ),
+        ],
+        returns: "",
+        example: plate_example("press.add_self_contact(\"fold\", #{ surface: plate.boundary(\"top\") });"),
+        see_also: &["add_contact"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.text("name")?, call.options("options")?);
+            let surface = boundary_of(&options.argument("surface"), &model)?;
+            let (method, (update, enforcement)) = (method_of(&options)?, rules_of(&options)?);
+            add(call, &model, Interaction { method, update, enforcement, ..Interaction::new(&name, surface, Partner::Itself) })?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+fn tie() -> Function {
+    Function {
+        name: "tie",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Contact,
+        summary: "holds two boundaries together although their meshes do not match",
+        parameters: vec![
+            name_parameter(),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new("secondary", Kind::Handle(BoundaryHandle::NAME), "the side with the multipliers, better the finer one"),
+                    Parameter::new("primary", Kind::Handle(BoundaryHandle::NAME), "the other side"),
+                    Parameter::number("reach", "length", Interval::Positive, "the distance at rest within which the two are tied")
+                        .or(Absent::Means("half of the shortest secondary facet")),
+                ]),
+                "sides",
+            ),
+        ],
+        returns: "",
+        example: plate_example(
+            "let lid = press.add_body(\"lid\", rectangle(#{ size: [2.0, 0.5], cells: [7, 1], origin: [0.0, 1.0] }), steel);\n\
+             press.tie(\"weld\", #{ secondary: lid.boundary(\"bottom\"), primary: plate.boundary(\"top\") });",
+        ),
+        see_also: &["add_contact"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.text("name")?, call.options("options")?);
+            let secondary = boundary_of(&options.argument("secondary"), &model)?;
+            let to = boundary_of(&options.argument("primary"), &model)?;
+            let reach = options.optional_number("reach")?;
+            add(call, &model, Interaction::new(&name, secondary, Partner::Tied { to, reach }))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+fn name_parameter() -> Parameter {
+    Parameter::new("name", Kind::Text, "its name, unique in the model")
+}
+
+/// Adds an interaction with its place in the script.
+fn add(call: &Call, model: &ModelHandle, interaction: Interaction) -> Result<(), Failure> {
+    let note = (interaction.name.clone(), call.place(&Default::default()));
+    change(call, model, |data| {
+        data.model.add_interaction(interaction);
+        data.contacts.push(note);
+    })
+}
+
+/// The other side of a contact.
+fn partner_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<Partner, Failure> {
+    let value = argument.value();
+    if let Some(obstacle) = value.clone().try_cast::<ObstacleHandle>() {
+        return Ok(Partner::Obstacle { shape: obstacle.obstacle, motion: obstacle.motion });
+    }
+    if let Some(boundary) = value.clone().try_cast::<BoundaryHandle>() {
+        return Ok(Partner::Surfaces(vec![body_boundary(argument, boundary, model)?]));
+    }
+    let Some(entries) = value.read_lock::<Array>() else { return Err(argument.wrong_type()) };
+    let mut surfaces = Vec::new();
+    for entry in entries.iter() {
+        let Some(boundary) = entry.clone().try_cast::<BoundaryHandle>() else {
+            let failure = argument.fail(format!("every entry of {} must be a Boundary", argument.title()));
+            let failure = failure.label(format!("this contains {}", describe(call.engine(), entry)));
+            return Err(failure.hint("write `[first.boundary(\"top\"), second.boundary(\"top\")]`; an obstacle is a contact of its own"));
+        };
+        surfaces.push(body_boundary(argument, boundary, model)?);
+    }
+    if surfaces.is_empty() {
+        let failure = argument.fail(format!("{} is empty", argument.title()));
+        return Err(failure.hint("name at least one boundary of a body"));
+    }
+    Ok(Partner::Surfaces(surfaces))
+}

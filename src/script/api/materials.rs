@@ -1,0 +1,95 @@
+//! Materials in scripts: one function for each row of the catalogue.
+
+use rhai::Dynamic;
+
+use crate::materials::{CATALOGUE, Material, MaterialRow};
+use crate::math::catalogue::Interval;
+use crate::math::catalogue::Parameter as Constant;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::number_text;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::wording::{did_you_mean, joined};
+
+/// A material in a script.
+#[derive(Clone)]
+pub struct MaterialHandle(pub Material);
+
+impl Handle for MaterialHandle {
+    const NAME: &'static str = "Material";
+    const MAKER: &'static str = "make one with a material function such as `neo_hookean`";
+
+    fn describe(&self) -> String {
+        let values: Vec<String> =
+            self.0.row().parameters.iter().zip(self.0.values()).map(|(p, value)| format!("{}: {}", p.name, number_text(*value))).collect();
+        format!("{}(#{{ {} }})", self.0.row().name, values.join(", "))
+    }
+}
+
+/// A catalogue's parameter as a key of an options map.
+fn key(parameter: &Constant) -> Parameter {
+    let key = Parameter::number(parameter.name, parameter.dimension, parameter.range, parameter.summary);
+    match parameter.default {
+        Some(value) => key.or(Absent::Number(value)),
+        None => key,
+    }
+}
+
+/// A value inside a range, for examples.
+fn inside(range: Interval) -> f64 {
+    match range {
+        Interval::Finite | Interval::NonNegative | Interval::Positive => 1000.0,
+        Interval::Open(low, high) | Interval::Closed(low, high) => low + 0.8 * (high - low),
+    }
+}
+
+fn constructor(row: &'static MaterialRow) -> Function {
+    let values: Vec<String> = row.parameters.iter().map(|p| format!("{}: {}", p.name, number_text(inside(p.range)))).collect();
+    Function {
+        name: row.name,
+        form: Form::Function,
+        topic: Topic::Materials,
+        summary: row.summary,
+        parameters: vec![Parameter::new("options", Kind::Options(row.parameters.iter().map(key).collect()), "the constants of the law")],
+        returns: MaterialHandle::NAME,
+        example: format!("let material = {}(#{{ {} }});", row.name, values.join(", ")).into(),
+        see_also: &["add_body"],
+        body: body(move |call| {
+            let options = call.options("options")?;
+            let values = row.parameters.iter().map(|parameter| options.number(parameter.name)).collect::<Result<Vec<f64>, _>>()?;
+            let material = Material::new(row, &values).map_err(|error| call.fail(error.to_string()))?;
+            Ok(Dynamic::from(MaterialHandle(material)))
+        }),
+    }
+}
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    let mut all: Vec<Function> = CATALOGUE.iter().map(constructor).collect();
+    all.push(Function {
+        name: "constant",
+        form: Form::Column(MaterialHandle::receiver()),
+        topic: Topic::Materials,
+        summary: "the value of a constant of the law by its name",
+        parameters: vec![Parameter::new("name", Kind::Text, "the name of the constant")],
+        returns: "number",
+        example: "let steel = neo_hookean(#{ youngs_modulus: 1e5, poisson_ratio: 0.3, density: 1e-3 }); print(steel.density);".into(),
+        see_also: &[],
+        body: body(|call| {
+            let (material, name) = (call.receiver::<MaterialHandle>().0, call.text("name")?);
+            let parameters = material.row().parameters;
+            match parameters.iter().zip(material.values()).find(|(parameter, _)| parameter.name == name) {
+                Some((_, value)) => Ok(Dynamic::from(*value)),
+                None => {
+                    let names: Vec<String> = parameters.iter().map(|parameter| format!("`{}`", parameter.name)).collect();
+                    let failure = call.fail(format!("the material has no constant `{name}`"));
+                    let failure = failure.cause(format!("its constants are {}", joined(&names, "and")));
+                    let suggestion = did_you_mean(&name, parameters.iter().map(|parameter| parameter.name));
+                    Err(failure.hint(suggestion.unwrap_or_else(|| "use one of these names".into())).into())
+                }
+            }
+        }),
+    });
+    all
+}

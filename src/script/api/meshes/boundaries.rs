@@ -1,0 +1,96 @@
+//! Boundaries of meshes by name, and new ones from a condition.
+
+use rhai::{Dynamic, EvalAltResult};
+
+use super::handle::{MeshHandle, mesh_failure};
+use crate::mesh::{Boundary, Mesh, SelectionError};
+use crate::script::language::arguments::Arguments;
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::scan::Target;
+use crate::script::language::values::describe;
+
+/// The boundary of that name in a mesh.
+///
+/// # Errors
+/// There is none of that name; the message lists those that there are.
+pub fn named_boundary(call: &Call, mesh: &Mesh) -> Result<Boundary, Failure> {
+    let argument = call.argument("name");
+    let name = argument.text()?;
+    let names: Vec<&str> = mesh.boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
+    mesh.boundary(&name).cloned().ok_or_else(|| {
+        let mut failure = argument.unknown_name(format!("there is no boundary \"{name}\""), &name, &names);
+        if failure.hints.is_empty() {
+            failure = failure.hint("`print(mesh)` lists boundaries with their facets; `mesh.boundary_where(name, |x, y| …)` makes one");
+        }
+        failure
+    })
+}
+
+/// What `boundary_where` of a mesh and of a body take.
+pub fn condition_parameters() -> Vec<Parameter> {
+    let condition = "asked at the nodes of the hull (with z in space); gives `true` or `false`";
+    vec![
+        Parameter::new("name", Kind::Text, "the name of the new boundary"),
+        Parameter::new("condition", Kind::Closure("|x, y|"), condition),
+    ]
+}
+
+/// A mesh with one more boundary, found by the closure `condition` of a call. Warns when it has no facets.
+///
+/// # Errors
+/// The name is taken, or the closure fails or does not give a truth value.
+pub fn with_boundary_where(call: &Call, mesh: &Mesh) -> Result<Mesh, Box<EvalAltResult>> {
+    let (name, condition) = (call.text("name")?, call.callback("condition")?);
+    let dimension = mesh.dimension();
+    let found = mesh.clone().boundary_where(&name, |point| {
+        let value = condition.call(point[..dimension].iter().map(|&coordinate| Dynamic::from(coordinate)))?;
+        value.as_bool().map_err(|_| {
+            let failure = call.argument("condition").fail("the condition must give `true` or `false`");
+            let given = describe(call.engine(), &value);
+            Box::<EvalAltResult>::from(
+                failure.label(format!("this gives {given}")).hint("compare the coordinates, such as `|x, y| y > 0.99`"),
+            )
+        })
+    });
+    let mesh = found.map_err(|error| match error {
+        SelectionError::Condition(error) => error,
+        SelectionError::Mesh(error) => mesh_failure(call, &error).into(),
+    })?;
+    if mesh.boundary(&name).is_some_and(|boundary| boundary.facets.is_empty()) {
+        let target = Target::Argument(1);
+        let warning = Diagnostic::warning(format!("boundary \"{name}\" has no facets"), call.place(&target))
+            .label("no facet of the hull has all its nodes here")
+            .hint(
+                "a facet belongs to the boundary when the condition holds at all its nodes: leave room for round-off, such as `y > 0.999`",
+            );
+        call.host.warn(warning);
+    }
+    Ok(mesh)
+}
+
+/// `boundary_where` of a mesh.
+pub fn boundary_where() -> Function {
+    Function {
+        name: "boundary_where",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "adds a boundary to the mesh: all facets of its hull at whose nodes a condition holds; gives the mesh itself",
+        parameters: condition_parameters(),
+        returns: MeshHandle::NAME,
+        example:
+            "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01);"
+                .into(),
+        see_also: &["boundary"],
+        body: body(|call| {
+            let handle = call.receiver::<MeshHandle>();
+            let mesh = with_boundary_where(call, &handle.mesh())?;
+            call.host.count_effect();
+            handle.replace(mesh);
+            Ok(Dynamic::from(handle))
+        }),
+    }
+}

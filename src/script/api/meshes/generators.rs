@@ -1,0 +1,234 @@
+//! Meshes of simple shapes, from a few numbers.
+
+use super::handle::{MeshHandle, mesh_value, vector_or_zero};
+use crate::math::catalogue::Interval;
+use crate::mesh;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::number_text;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::describe;
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![rectangle(), block(), ring(), disk(), polygon(), half_disk()]
+}
+
+fn rectangle() -> Function {
+    Function {
+        name: "rectangle",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a rectangle of quadrilaterals with the boundaries `left`, `right`, `bottom`, `top`",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::new("size", Kind::Vector, "width and height").of("length").within(Interval::Positive),
+                Parameter::new("cells", Kind::Counts, "the number of cells along the width and the height"),
+                origin("[0, 0]"),
+                element(&["quad4"]),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });".into(),
+        see_also: &["ring", "block", "read_mesh"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            options.text("element")?;
+            let (size, cells) = (options.argument("size").numbers_of(2)?, options.argument("cells").counts(2)?);
+            let origin = vector_or_zero(&options, "origin", 2)?;
+            mesh_value(call, mesh::rectangle([size[0], size[1]], pair(&cells), [origin[0], origin[1]]))
+        }),
+    }
+}
+
+fn block() -> Function {
+    Function {
+        name: "block",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a block of hexahedra with the boundaries `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z)",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::new("size", Kind::Vector, "width, height and depth").of("length").within(Interval::Positive),
+                Parameter::new("cells", Kind::Counts, "the number of cells along the width, the height and the depth"),
+                origin("[0, 0, 0]"),
+                element(&["hex8"]),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let brick = block(#{ size: [2.0, 1.0, 1.0], cells: [4, 2, 2] });".into(),
+        see_also: &["rectangle"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            options.text("element")?;
+            let (size, cells) = (options.argument("size").numbers_of(3)?, options.argument("cells").counts(3)?);
+            let origin = vector_or_zero(&options, "origin", 3)?;
+            mesh_value(call, mesh::block([size[0], size[1], size[2]], [cells[0], cells[1], cells[2]], origin))
+        }),
+    }
+}
+
+fn ring() -> Function {
+    Function {
+        name: "ring",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a closed ring of quadrilaterals with the boundaries `inner` and `outer`",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("inner_radius", "length", Interval::Positive, "the radius of the hole"),
+                Parameter::number("outer_radius", "length", Interval::Positive, "the radius outside"),
+                Parameter::new("cells", Kind::Counts, "the number of cells along the radius and around"),
+                Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
+                Parameter::number("start_angle", "rad", Interval::Finite, "the direction of the first row of nodes")
+                    .or(Absent::Number(0.0)),
+                element(&["quad4"]),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let tire = ring(#{ inner_radius: 1.0, outer_radius: 1.5, cells: [4, 48] });".into(),
+        see_also: &["rectangle", "read_mesh"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            options.text("element")?;
+            let (inner, outer) = (options.number("inner_radius")?, options.number("outer_radius")?);
+            if inner >= outer {
+                let argument = options.argument("outer_radius");
+                let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title()));
+                let failure =
+                    failure.label(format!("this is {}", number_text(outer))).cause(format!("`inner_radius` is {}", number_text(inner)));
+                return Err(failure.hint("swap the two radii, or make the ring thicker").into());
+            }
+            let cells = options.argument("cells").counts(2)?;
+            let (center, start) = (vector_or_zero(&options, "center", 2)?, options.number("start_angle")?);
+            mesh_value(call, mesh::ring(inner, outer, pair(&cells), [center[0], center[1]], start))
+        }),
+    }
+}
+
+fn disk() -> Function {
+    Function {
+        name: "disk",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a disk of quadrilaterals with the boundary `outer`: a square core in a ring of layers",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("radius", "length", Interval::Positive, "the radius"),
+                Parameter::new("cells", Kind::Counts, "the number of layers around the core, and of cells around (a multiple of 4)"),
+                Parameter::new("center", Kind::Vector, "the center").of("length").or(Absent::Means("[0, 0]")),
+                element(&["quad4"]),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let wheel = disk(#{ radius: 1.0, cells: [4, 32] });".into(),
+        see_also: &["half_disk", "ring"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            options.text("element")?;
+            let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
+            let center = vector_or_zero(&options, "center", 2)?;
+            mesh_value(call, mesh::disk(radius, pair(&cells), [center[0], center[1]]))
+        }),
+    }
+}
+
+fn polygon() -> Function {
+    Function {
+        name: "polygon",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a polygon of unstructured quadrilaterals with the boundaries `outer` and `side 1`, `side 2`, … or the names given",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::new("points", Kind::Array, "the corners `[x, y]` in their order around it, the first one once").of("length"),
+                Parameter::number("size", "length", Interval::Positive, "the length of a cell's edges, about"),
+                Parameter::new("names", Kind::Array, "a name for each side, from the first corner to the second and so on")
+                    .or(Absent::Means("`side 1`, `side 2`, …")),
+                element(&["quad4"]),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let wedge = polygon(#{ points: [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]], size: 0.1, names: [\"floor\", \"wall\", \
+                  \"slope\"] });"
+            .into(),
+        see_also: &["rectangle", "read_mesh", "boundary_where"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            options.text("element")?;
+            let corners = options.argument("points").points()?;
+            let argument = options.argument("names");
+            let names: Vec<String> = if argument.is_given() {
+                let names: Option<Vec<String>> = argument.array()?.into_iter().map(|name| name.into_string().ok()).collect();
+                names.filter(|names| names.len() == corners.len()).ok_or_else(|| {
+                    let failure = argument.fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()));
+                    failure
+                        .label(format!("this is {}", describe(call.engine(), &argument.value())))
+                        .hint("write `[\"floor\", \"wall\", …]`")
+                })?
+            } else {
+                (1..=corners.len()).map(|side| format!("side {side}")).collect()
+            };
+            mesh_value(call, mesh::polygon(&corners, options.number("size")?, &names))
+        }),
+    }
+}
+
+fn half_disk() -> Function {
+    Function {
+        name: "half_disk",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "the lower half of a disk of quadrilaterals with the boundaries `arc` and `flat`, finer towards its lowest point",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("radius", "length", Interval::Positive, "the radius"),
+                Parameter::new("cells", Kind::Counts, "the number of layers around the core, and of cells around (a multiple of 4)"),
+                Parameter::new("center", Kind::Vector, "the middle of the flat side").of("length").or(Absent::Means("[0, 0]")),
+                Parameter::number(
+                    "finest",
+                    "length",
+                    Interval::Positive,
+                    "the length of the facets at the lowest point; they grow away from it in geometric progression",
+                )
+                .or(Absent::Means("even facets")),
+                element(&["quad4"]),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let punch = half_disk(#{ radius: 1.0, cells: [8, 48], center: [0.0, 1.0], finest: 0.01 });".into(),
+        see_also: &["disk", "map"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            options.text("element")?;
+            let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
+            let (center, finest) = (vector_or_zero(&options, "center", 2)?, options.optional_number("finest")?);
+            mesh_value(call, mesh::half_disk(radius, pair(&cells), [center[0], center[1]], finest))
+        }),
+    }
+}
+
+fn pair(counts: &[usize]) -> [usize; 2] {
+    [counts[0], counts[1]]
+}
+
+fn origin(dimensions: &'static str) -> Parameter {
+    Parameter::new("origin", Kind::Vector, "the corner of least coordinates").of("length").or(Absent::Means(dimensions))
+}
+
+fn element(kinds: &'static [&'static str]) -> Parameter {
+    Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(Absent::Text(kinds[0]))
+}

@@ -1,0 +1,98 @@
+//! A mesh as an object of the language.
+//!
+//! Transforms give a new mesh and leave the old one as it is; only `boundary_where` changes the mesh it is called on.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use rhai::{Dynamic, EvalAltResult};
+
+use crate::mesh::{Mesh, MeshError};
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::Call;
+use crate::script::language::handle::Handle;
+use crate::script::language::tables::table;
+
+/// A mesh in a script.
+#[derive(Clone)]
+pub struct MeshHandle(Rc<RefCell<Arc<Mesh>>>);
+
+impl MeshHandle {
+    /// A handle of a mesh.
+    pub fn new(mesh: Mesh) -> Self {
+        MeshHandle(Rc::new(RefCell::new(Arc::new(mesh))))
+    }
+
+    /// The mesh as it is now.
+    pub fn mesh(&self) -> Arc<Mesh> {
+        self.0.borrow().clone()
+    }
+
+    /// Counts, boundaries and parts as a table.
+    pub fn table(&self) -> String {
+        let mesh = self.mesh();
+        let title = format!("mesh of {} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+        let measure = if mesh.dimension() == 2 { "length" } else { "area" };
+        let boundaries = mesh
+            .boundaries
+            .iter()
+            .map(|boundary| vec![boundary.name.clone(), boundary.facets.len().to_string(), brief(mesh.boundary_measure(boundary))]);
+        let parts = mesh.parts.iter().map(|(name, cells)| vec![name.clone(), cells.len().to_string()]);
+        let (boundaries, parts): (Vec<_>, Vec<_>) = (boundaries.collect(), parts.collect());
+        let tables = [(vec!["boundary", "facets", measure], boundaries), (vec!["part", "cells"], parts)];
+        let tables = tables.iter().filter(|(_, rows)| !rows.is_empty()).map(|(header, rows)| table(header, rows));
+        std::iter::once(title).chain(tables).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Puts another mesh in place of this one, for everybody who holds the handle.
+    pub fn replace(&self, mesh: Mesh) {
+        *self.0.borrow_mut() = Arc::new(mesh);
+    }
+}
+
+impl Handle for MeshHandle {
+    const NAME: &'static str = "Mesh";
+    const MAKER: &'static str = "make one with `rectangle`, `ring`, `block` or `read_mesh`";
+
+    fn instead_of_property(name: &str) -> Option<String> {
+        Some(format!("write `.boundary(\"{name}\")` for a boundary of that name"))
+    }
+
+    fn describe(&self) -> String {
+        describe_mesh(&self.mesh())
+    }
+}
+
+/// Kind, counts, boundaries and parts of a mesh in one line.
+pub fn describe_mesh(mesh: &Mesh) -> String {
+    let boundaries: Vec<String> =
+        mesh.boundaries.iter().map(|boundary| format!("\"{}\" {}", boundary.name, boundary.facets.len())).collect();
+    let mut text = format!("mesh of {} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+    if !boundaries.is_empty() {
+        text = format!("{text}; boundaries (facets): {}", boundaries.join(", "));
+    }
+    if !mesh.parts.is_empty() {
+        let parts: Vec<String> = mesh.parts.iter().map(|(name, cells)| format!("\"{name}\" {}", cells.len())).collect();
+        text = format!("{text}; parts (cells): {}", parts.join(", "));
+    }
+    text
+}
+
+/// The failure of a mesh operation.
+pub fn mesh_failure(call: &Call, error: &MeshError) -> Failure {
+    call.fail(error.to_string()).hint(error.cure())
+}
+
+/// A mesh that was made, as a value of a script.
+pub fn mesh_value(call: &Call, made: Result<Mesh, MeshError>) -> Result<Dynamic, Box<EvalAltResult>> {
+    made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| mesh_failure(call, &error).into())
+}
+
+/// Components of a vector option, or zeros.
+pub fn vector_or_zero(options: &impl Arguments, name: &str, dimension: usize) -> Result<[f64; 3], Failure> {
+    let argument = options.argument(name);
+    if argument.is_given() { argument.vector(dimension) } else { Ok([0.0; 3]) }
+}

@@ -1,0 +1,20 @@
+//! Meshes: generators, the reader, transforms, boundaries.
+
+use crate::script::language::function::Function;
+
+pub mod boundaries;
+pub mod generators;
+pub mod handle;
+pub mod properties;
+pub mod reader;
+pub mod transforms;
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    let mut all = generators::functions();
+    all.push(reader::reader());
+    all.extend(transforms::functions());
+    all.push(boundaries::boundary_where());
+    all.extend(properties::functions());
+    all
+}

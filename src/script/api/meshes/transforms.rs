@@ -1,0 +1,169 @@
+//! New meshes from old ones: moved, turned, scaled, mapped, refined, or a part alone.
+
+use rhai::{Array, Dynamic, EvalAltResult};
+
+use super::handle::{MeshHandle, mesh_failure, mesh_value, vector_or_zero};
+use crate::math::catalogue::Interval;
+use crate::mesh::SelectionError;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::{as_number, describe};
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![translate(), rotate(), scale(), map_function(), refine(), part()]
+}
+
+fn translate() -> Function {
+    Function {
+        name: "translate",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the mesh moved",
+        parameters: vec![Parameter::new("offset", Kind::Vector, "how far it is moved").of("length")],
+        returns: MeshHandle::NAME,
+        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).translate([1.0, 0.0]);".into(),
+        see_also: &["rotate", "scale"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let offset = call.argument("offset").vector(mesh.dimension())?;
+            mesh_value(call, (*mesh).clone().translate(offset))
+        }),
+    }
+}
+
+fn rotate() -> Function {
+    Function {
+        name: "rotate",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the mesh turned counter-clockwise about a point (in space: about the axis through it)",
+        parameters: vec![
+            Parameter::number("angle", "rad", Interval::Finite, "how far it is turned; `deg(30)` converts degrees"),
+            Parameter::new("center", Kind::Vector, "the point that stays").of("length").or(Absent::Means("the origin")),
+            Parameter::new("axis", Kind::Vector, "the direction of the axis, in space").of("1").or(Absent::Means("[0, 0, 1]")),
+        ],
+        returns: MeshHandle::NAME,
+        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).rotate(deg(30), [1.0, 0.5]);".into(),
+        see_also: &["translate", "scale", "deg"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let (angle, center) = (call.number("angle")?, vector_or_zero(call, "center", mesh.dimension())?);
+            let axis = call.argument("axis");
+            let axis = if axis.is_given() { axis.vector(3)? } else { [0.0, 0.0, 1.0] };
+            mesh_value(call, (*mesh).clone().rotate_about(angle, center, axis))
+        }),
+    }
+}
+
+fn scale() -> Function {
+    Function {
+        name: "scale",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the mesh scaled about the origin",
+        parameters: vec![Parameter::new("factor", Kind::Any, "a number, or one number for each direction").within(Interval::Positive)],
+        returns: MeshHandle::NAME,
+        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).scale([1.0, 0.5]);".into(),
+        see_also: &["translate", "rotate"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let argument = call.argument("factor");
+            let factors = if argument.value().is_array() {
+                let factors = argument.numbers_of(mesh.dimension())?;
+                [factors[0], factors[1], factors.get(2).copied().unwrap_or(1.0)]
+            } else {
+                [argument.number()?; 3]
+            };
+            mesh_value(call, (*mesh).clone().scale(factors))
+        }),
+    }
+}
+
+fn map_function() -> Function {
+    Function {
+        name: "map",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the mesh with every node moved to where a closure puts it: graded, bent, curved",
+        parameters: vec![Parameter::new("place", Kind::Closure("|x, y|"), "gives the new place `[x, y]` of a node (with z in space)")],
+        returns: MeshHandle::NAME,
+        example: "let hill = rectangle(#{ size: [2.0, 1.0], cells: [16, 8] }).map(|x, y| [x, y + 0.1 * y * sin(x)]);".into(),
+        see_also: &["translate", "rotate", "scale"],
+        body: body(|call| {
+            let (mesh, place) = (call.receiver::<MeshHandle>().mesh(), call.callback("place")?);
+            let dimension = mesh.dimension();
+            let moved = (*mesh).clone().mapped(|point| {
+                let value = place.call(point[..dimension].iter().map(|&coordinate| Dynamic::from(coordinate)))?;
+                let numbers: Option<Vec<f64>> = value.read_lock::<Array>().and_then(|array| array.iter().map(as_number).collect());
+                match numbers {
+                    Some(numbers) if numbers.len() == dimension => {
+                        let mut moved = [0.0; 3];
+                        moved[..dimension].copy_from_slice(&numbers);
+                        Ok(moved)
+                    }
+                    _ => {
+                        let failure = call.argument("place").fail("the closure must give the new place as an array of coordinates");
+                        let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
+                        Err(Box::<EvalAltResult>::from(failure.hint("write `|x, y| [2.0 * x, y]`")))
+                    }
+                }
+            });
+            match moved {
+                Ok(mesh) => mesh_value(call, Ok(mesh)),
+                Err(SelectionError::Condition(error)) => Err(error),
+                Err(SelectionError::Mesh(error)) => {
+                    let failure = call.argument("place").fail(error.to_string()).label("the mapped mesh cannot be computed with");
+                    Err(failure.hint("a map must neither mirror nor fold the mesh: each cell keeps its sense of rotation").into())
+                }
+            }
+        }),
+    }
+}
+
+fn refine() -> Function {
+    Function {
+        name: "refine",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the mesh with every cell split in two along each direction; curved sides stay as straight as they are",
+        parameters: vec![
+            Parameter::new("times", Kind::Integer, "how often it is split").within(Interval::Closed(0.0, 12.0)).or(Absent::Integer(1)),
+        ],
+        returns: MeshHandle::NAME,
+        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).refine();".into(),
+        see_also: &["quality"],
+        body: body(|call| {
+            let mut mesh = (*call.receiver::<MeshHandle>().mesh()).clone();
+            for _ in 0..call.integer("times")? {
+                mesh = mesh.refine().map_err(|error| mesh_failure(call, &error))?;
+            }
+            Ok(Dynamic::from(MeshHandle::new(mesh)))
+        }),
+    }
+}
+
+fn part() -> Function {
+    Function {
+        name: "part",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "a part of a mesh (a physical group of its file) as a mesh of its own",
+        parameters: vec![Parameter::new("name", Kind::Text, "the name of the part")],
+        returns: MeshHandle::NAME,
+        example: "let mesh = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect_error(|| mesh.part(\"left half\"), \"no part\");"
+            .into(),
+        see_also: &["read_mesh"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let argument = call.argument("name");
+            let name = argument.text()?;
+            match mesh.part(&name) {
+                Ok(part) => Ok(Dynamic::from(MeshHandle::new(part))),
+                Err(error) => Err(argument.fail(error.to_string()).hint(error.cure()).into()),
+            }
+        }),
+    }
+}

@@ -1,0 +1,40 @@
+//! The functions and objects that scripts use, one topic a file or folder.
+
+use crate::script::language::function::Function;
+
+pub mod asides;
+pub mod checks;
+pub mod contacts;
+pub mod examples;
+pub mod materials;
+pub mod meshes;
+pub mod models;
+pub mod motion;
+pub mod numbers;
+pub mod parameters;
+pub mod simulations;
+pub mod studies;
+pub mod time_functions;
+pub mod units;
+
+/// All functions of the API in the order of the reference.
+pub fn functions() -> Vec<Function> {
+    [
+        meshes::functions(),
+        materials::functions(),
+        models::functions(),
+        contacts::functions(),
+        simulations::probes::functions(),
+        time_functions::functions(),
+        simulations::functions(),
+        simulations::results::functions(),
+        checks::functions(),
+        studies::functions(),
+        parameters::functions(),
+        simulations::stop_after::functions(),
+        numbers::functions(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}

@@ -1,0 +1,84 @@
+//! Bodies and boundaries as arguments: they must belong to the model that a call adds to.
+
+use std::rc::Rc;
+
+use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
+use crate::dynamics::BodyBoundary;
+use crate::script::language::arguments::Argument;
+use crate::script::language::digits::{brief, vector_text};
+use crate::script::language::failure::Failure;
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// The boundary an argument means, which must be one of a body of this model.
+///
+/// # Errors
+/// Another type, a boundary of a mesh, or of another model.
+pub fn boundary_of(argument: &Argument, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
+    body_boundary(argument, argument.handle()?, model)
+}
+
+/// A boundary that an argument contains, which must be one of a body of this model.
+///
+/// # Errors
+/// A boundary of a mesh, or of another model.
+pub fn body_boundary(argument: &Argument, handle: BoundaryHandle, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
+    let Some(body) = &handle.body else {
+        let failure = argument.fail(format!("{} must be a boundary of a body, not of a mesh", argument.title()));
+        let failure = failure.label(format!("this is boundary \"{}\" of a mesh", handle.boundary.name));
+        return Err(failure.hint(format!("take it from the body that `add_body` gave: `body.boundary(\"{}\")`", handle.boundary.name)));
+    };
+    check_model(argument, model, body)?;
+    Ok(BodyBoundary { body: body.index, boundary: handle.boundary })
+}
+
+/// The body an argument means, which must be one of this model.
+///
+/// # Errors
+/// Another type, or a body of another model.
+pub fn body_of(argument: &Argument, model: &ModelHandle) -> Result<BodyHandle, Failure> {
+    let body: BodyHandle = argument.handle()?;
+    check_model(argument, model, &body)?;
+    Ok(body)
+}
+
+fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> Result<(), Failure> {
+    if Rc::ptr_eq(&body.model.0, &model.0) {
+        return Ok(());
+    }
+    let (name, theirs) = (body.definition().name, body.model.0.borrow().model.name.clone());
+    let ours = model.0.borrow().model.name.clone();
+    Err(argument
+        .fail(format!("body \"{name}\" belongs to another model"))
+        .label(format!("this belongs to model \"{theirs}\""))
+        .cause(format!("the call adds to model \"{ours}\""))
+        .hint("add the mesh to this model too: `model.add_body(name, mesh, material)`"))
+}
+
+/// The node of a body nearest to the point that an argument means, which must not be farther than a cell's size.
+///
+/// # Errors
+/// No point, or one outside the body.
+pub fn node_at(argument: &Argument, body: &BodyHandle) -> Result<u32, Failure> {
+    let definition = body.definition();
+    let (mesh, dimension) = (&definition.mesh, definition.mesh.dimension());
+    let point = argument.vector(dimension)?;
+    let distance = |at: &[f64; 3]| (0..3).map(|i| (at[i] - point[i]).powi(2)).sum::<f64>().sqrt();
+    let distances = mesh.points.iter().map(distance).enumerate();
+    let (node, nearest) = distances.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a mesh has nodes");
+    let cell = (mesh.measure() / mesh.cell_count() as f64).powf(1.0 / dimension as f64);
+    if nearest <= cell {
+        return Ok(node as u32);
+    }
+    let place = vector_text(&mesh.points[node][..dimension]);
+    Err(argument
+        .fail(format!("{} is no point of body \"{}\"", argument.title(), definition.name))
+        .label(format!("the nearest node is at {place}, {} away", brief(nearest)))
+        .cause(format!("a cell of the body is about {} wide", brief(cell)))
+        .hint("give a point of the undeformed body"))
+}
+
+/// A boundary as the first argument of a method.
+pub fn boundary_parameter() -> Parameter {
+    Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "a boundary of one of the model's bodies")
+}

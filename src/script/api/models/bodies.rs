@@ -1,0 +1,125 @@
+//! Bodies of a model and their boundaries.
+
+use std::sync::Arc;
+
+use rhai::Dynamic;
+
+use super::handle::{BodyHandle, BoundaryHandle};
+use super::properties::member;
+use crate::script::api::examples::plate_example;
+use crate::script::api::materials::MaterialHandle;
+use crate::script::api::meshes::boundaries::{condition_parameters, named_boundary, with_boundary_where};
+use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// What a body offers.
+pub fn functions() -> Vec<Function> {
+    vec![
+        boundary_of_body(),
+        boundary_of_mesh(),
+        boundary_where(),
+        member(BodyHandle::receiver(), "name", "the name of the body", "String", |call| {
+            call.receiver::<BodyHandle>().definition().name.into()
+        }),
+        member(BodyHandle::receiver(), "mesh", "the mesh of the body at rest", MeshHandle::NAME, |call| {
+            Dynamic::from(MeshHandle::new((*call.receiver::<BodyHandle>().definition().mesh).clone()))
+        }),
+        member(BodyHandle::receiver(), "material", "the material of the body", MaterialHandle::NAME, |call| {
+            Dynamic::from(MaterialHandle(call.receiver::<BodyHandle>().definition().material))
+        }),
+        member(BodyHandle::receiver(), "mass", "the mass of the body (per thickness in the plane)", "number", |call| {
+            let body = call.receiver::<BodyHandle>().definition();
+            Dynamic::from(body.mesh.measure() * body.material.density())
+        }),
+    ]
+}
+
+/// What a boundary says about itself.
+pub fn boundary_functions() -> Vec<Function> {
+    vec![
+        of_boundary("name", "the name of the boundary", "String", |boundary| boundary.boundary.name.clone().into()),
+        of_boundary("facets", "the number of facets of the boundary", "int", |boundary| {
+            Dynamic::from(boundary.boundary.facets.len() as i64)
+        }),
+        of_boundary("measure", "the length of the boundary at rest (in space: its area)", "number", |boundary| {
+            Dynamic::from(boundary.mesh.boundary_measure(&boundary.boundary))
+        }),
+    ]
+}
+
+fn boundary_of_body() -> Function {
+    Function {
+        name: "boundary",
+        form: Form::Method(BodyHandle::receiver()),
+        topic: Topic::Model,
+        summary: "a boundary of the body, for supports, loads and contact",
+        parameters: vec![name_parameter()],
+        returns: BoundaryHandle::NAME,
+        example: plate_example("print(plate.boundary(\"left\"));"),
+        see_also: &["boundary_where", "fix"],
+        body: body(|call| {
+            let body = call.receiver::<BodyHandle>();
+            let mesh = body.definition().mesh;
+            let boundary = named_boundary(call, &mesh)?;
+            Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
+        }),
+    }
+}
+
+fn boundary_of_mesh() -> Function {
+    Function {
+        name: "boundary",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "a boundary of the mesh, to look at; supports, loads and contact take boundaries of bodies",
+        parameters: vec![name_parameter()],
+        returns: BoundaryHandle::NAME,
+        example: "print(rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }).boundary(\"left\"));".into(),
+        see_also: &["boundary_where"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let boundary = named_boundary(call, &mesh)?;
+            Ok(Dynamic::from(BoundaryHandle { body: None, mesh, boundary }))
+        }),
+    }
+}
+
+fn boundary_where() -> Function {
+    Function {
+        name: "boundary_where",
+        form: Form::Method(BodyHandle::receiver()),
+        topic: Topic::Model,
+        summary: "a new boundary of the body: all facets of its hull at whose nodes a condition holds",
+        parameters: condition_parameters(),
+        returns: BoundaryHandle::NAME,
+        example: plate_example("press.fix(plate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01));"),
+        see_also: &["boundary"],
+        body: body(|call| {
+            let body = call.receiver::<BodyHandle>();
+            let mesh = Arc::new(with_boundary_where(call, &body.definition().mesh)?);
+            body.model.0.borrow_mut().model.bodies[body.index].mesh = mesh.clone();
+            let boundary = named_boundary(call, &mesh)?;
+            Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
+        }),
+    }
+}
+
+fn of_boundary(name: &'static str, summary: &'static str, returns: &'static str, read: fn(&BoundaryHandle) -> Dynamic) -> Function {
+    Function {
+        name,
+        form: Form::Property(BoundaryHandle::receiver()),
+        topic: Topic::Meshes,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: format!("print(rectangle(#{{ size: [2.0, 1.0], cells: [4, 2] }}).boundary(\"left\").{name});").into(),
+        see_also: &["boundary"],
+        body: body(move |call| Ok(read(&call.receiver::<BoundaryHandle>()))),
+    }
+}
+
+fn name_parameter() -> Parameter {
+    Parameter::new("name", Kind::Text, "the name of the boundary")
+}

@@ -1,0 +1,164 @@
+//! A model from its beginning: bodies, gravity, initial velocities, the check of all.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use rhai::{Array, Dynamic};
+
+use super::arguments::body_of;
+use super::change::{change, change_without_bodies};
+use super::data::ModelData;
+use super::handle::{BodyHandle, ModelHandle};
+use crate::contact::Finding;
+use crate::dynamics::{BodyDefinition, InitialVelocity, Model};
+use crate::script::api::examples::plate_example;
+use crate::script::api::materials::MaterialHandle;
+use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// `model`: an empty model.
+pub fn model() -> Function {
+    Function {
+        name: "model",
+        form: Form::Function,
+        topic: Topic::Model,
+        summary: "an empty model",
+        parameters: vec![Parameter::new("name", Kind::Text, "its name, for messages and files")],
+        returns: ModelHandle::NAME,
+        example: "let bearing = model(\"bearing\");".into(),
+        see_also: &["add_body", "simulate"],
+        body: body(|call| {
+            let data = ModelData { model: Model { name: call.text("name")?, ..Model::default() }, ..ModelData::default() };
+            Ok(Dynamic::from(ModelHandle(Rc::new(RefCell::new(data)))))
+        }),
+    }
+}
+
+/// `add_body`: a mesh with its material.
+pub fn add_body() -> Function {
+    Function {
+        name: "add_body",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "adds a body to the model",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "its name, unique in the model"),
+            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its mesh at rest"),
+            Parameter::new("material", Kind::Handle(MaterialHandle::NAME), "its material"),
+        ],
+        returns: BodyHandle::NAME,
+        example: plate_example("print(plate);"),
+        see_also: &["model", "fix", "add_contact"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, mesh) = (call.text("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
+            let MaterialHandle(material) = call.handle("material")?;
+            if let Err(error) = mesh.check() {
+                let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
+                return Err(failure.hint(error.cure()).into());
+            }
+            change(call, &model, |data| data.model.bodies.push(BodyDefinition { name, mesh, material }))?;
+            let index = model.0.borrow().model.bodies.len() - 1;
+            Ok(Dynamic::from(BodyHandle { model, index }))
+        }),
+    }
+}
+
+/// `gravity`: the acceleration of all bodies.
+pub fn gravity() -> Function {
+    Function {
+        name: "gravity",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "sets the acceleration of gravity of all bodies",
+        parameters: vec![Parameter::new("acceleration", Kind::Vector, "the acceleration").of("length/time^2")],
+        returns: "",
+        example: plate_example("press.gravity([0.0, -9.81]);"),
+        see_also: &["traction", "force"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let argument = call.argument("acceleration");
+            let undecided =
+                model.0.borrow().model.bodies.is_empty() && argument.value().read_lock::<Array>().is_some_and(|array| array.len() == 3);
+            let dimension = if undecided { 3 } else { model.0.borrow().model.dimension() };
+            let gravity = argument.vector(dimension)?;
+            change_without_bodies(call, &model, |data| data.model.gravity = gravity)?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `initial_velocity`: how a body starts.
+pub fn initial_velocity() -> Function {
+    Function {
+        name: "initial_velocity",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "lets a body start with a velocity and a spin about its center of mass",
+        parameters: vec![
+            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+            Parameter::new(
+                "velocity",
+                Kind::Options(vec![
+                    Parameter::new("linear", Kind::Vector, "the velocity of the center of mass")
+                        .of("length/time")
+                        .or(Absent::Means("at rest")),
+                    Parameter::new("angular", Kind::Number, "the angular velocity, counter-clockwise; in space a vector is allowed too")
+                        .of("1/time")
+                        .or(Absent::Means("no spin")),
+                ]),
+                "the velocities",
+            ),
+        ],
+        returns: "",
+        example: plate_example("press.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });"),
+        see_also: &["add_body"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let body = body_of(&call.argument("body"), &model)?;
+            let options = call.options("velocity")?;
+            let dimension = model.0.borrow().model.dimension();
+            let linear = options.argument("linear");
+            let linear = if linear.is_given() { linear.vector(dimension)? } else { [0.0; 3] };
+            let angular = angular(&options, dimension)?;
+            change(call, &model, |data| data.model.initial_velocities.push(InitialVelocity { body: body.index, linear, angular }))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `check`: what can be said without computing.
+pub fn check() -> Function {
+    Function {
+        name: "check",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "checks everything about the model that can be said without computing; gives what is suspicious about its \
+                  contacts as an array of sentences",
+        parameters: Vec::new(),
+        returns: "Array",
+        example: plate_example("for finding in press.check() { print(finding); }"),
+        see_also: &["simulate", "add_contact"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let model = &model.0.borrow().model;
+            model.check().map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
+            let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.cure());
+            Ok(model.findings().into_iter().map(sentence).map(Dynamic::from).collect::<Array>().into())
+        }),
+    }
+}
+
+/// An angular velocity: a number about the third axis, or in space a vector.
+fn angular(options: &Options, dimension: usize) -> Result<[f64; 3], Failure> {
+    let argument = options.argument("angular");
+    match (argument.is_given(), dimension) {
+        (false, _) => Ok([0.0; 3]),
+        (true, 3) if argument.value().is_array() => argument.vector(3),
+        (true, _) => Ok([0.0, 0.0, argument.number()?]),
+    }
+}

@@ -1,0 +1,64 @@
+//! A model in words, as `print` shows it.
+
+use super::data::ModelData;
+use crate::contact::Obstacle;
+use crate::dynamics::{Amplitude, BodyBoundary, Interaction, Model, Partner};
+use crate::script::api::meshes::handle::describe_mesh;
+use crate::script::language::digits::{number_text, vector_text};
+use crate::script::language::wording::joined;
+
+/// Name, bodies, supports, loads and contact of a model, one line each.
+pub fn describe_model(data: &ModelData) -> String {
+    let model = &data.model;
+    let mut lines = vec![format!("model \"{}\"", model.name)];
+    lines.extend(model.bodies.iter().map(|body| format!("  body \"{}\": {}", body.name, describe_mesh(&body.mesh))));
+    lines.extend(model.supports.iter().map(|support| {
+        let names = ["x", "y", "z"].into_iter().zip(support.components).take(model.dimension()).filter(|(_, held)| *held);
+        format!("  fixed \"{}\" in {}", model.boundary_name(&support.on), names.map(|(name, _)| name).collect::<Vec<_>>().join(", "))
+    }));
+    lines.extend(model.prescriptions.iter().map(|prescription| {
+        let (component, boundary) = (["x", "y", "z"][prescription.component], model.boundary_name(&prescription.on));
+        format!("  prescribed {component} of \"{boundary}\": {}", prescription.displacement.describe())
+    }));
+    lines.extend(data.loads.iter().map(|load| format!("  {}", load.title)));
+    if model.gravity != [0.0; 3] {
+        lines.push(format!("  gravity {}", vector_text(&model.gravity[..model.dimension()])));
+    }
+    lines.extend(model.parts.iter().map(|part| format!("  {}", part.describe())));
+    lines.extend(describe_contacts(model));
+    lines.join("\n")
+}
+
+/// One line for each contact, obstacle or tie.
+fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
+    let named = |on: &BodyBoundary| format!("\"{}\"", model.boundary_name(on));
+    model.interactions.iter().map(move |interaction| {
+        let Interaction { name, secondary, partner, equality, .. } = interaction;
+        let secondary = named(secondary);
+        match partner {
+            Partner::Surfaces(primary) => {
+                let kind = if *equality { "bilateral contact" } else { "contact" };
+                let primary: Vec<String> = primary.iter().map(named).collect();
+                format!("  {kind} \"{name}\": secondary {secondary}, primary {}", joined(&primary, "and"))
+            }
+            Partner::Itself => format!("  contact \"{name}\": {secondary} with itself"),
+            Partner::Obstacle { shape, motion } => {
+                format!("  contact \"{name}\": secondary {secondary}, {}", describe_obstacle(shape, motion))
+            }
+            Partner::Tied { to, .. } => format!("  tie \"{name}\": secondary {secondary}, primary {}", named(to)),
+        }
+    })
+}
+
+/// Shape, place and motion of a rigid obstacle.
+pub fn describe_obstacle(obstacle: &Obstacle, motion: &[Option<Amplitude>; 2]) -> String {
+    let shape = match obstacle {
+        Obstacle::HalfPlane { point, normal } => format!("plane through {} with normal {}", vector_text(point), vector_text(normal)),
+        Obstacle::Disk { center, radius } => format!("disk of radius {} around {}", number_text(*radius), vector_text(center)),
+        Obstacle::Ring { center, radius } => format!("ring of inner radius {} around {}", number_text(*radius), vector_text(center)),
+        Obstacle::Polyline { points } => format!("polyline through {} points", points.len()),
+    };
+    let moved = ["x", "y"].iter().zip(motion).filter_map(|(name, motion)| Some((name, motion.as_ref()?)));
+    let moved: Vec<String> = moved.map(|(name, motion)| format!("{name}: {}", motion.describe())).collect();
+    if moved.is_empty() { format!("rigid {shape}") } else { format!("rigid {shape}, moving by {}", moved.join(", ")) }
+}

@@ -1,0 +1,88 @@
+//! Models, bodies and boundaries as objects of the language.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::data::ModelData;
+use super::description::describe_model;
+use crate::dynamics::BodyDefinition;
+use crate::mesh::{Boundary, Mesh};
+use crate::script::api::materials::MaterialHandle;
+use crate::script::api::meshes::handle::describe_mesh;
+use crate::script::language::digits::number_text;
+use crate::script::language::handle::Handle;
+
+/// A model in a script.
+#[derive(Clone)]
+pub struct ModelHandle(pub Rc<RefCell<ModelData>>);
+
+/// A body of a model.
+#[derive(Clone)]
+pub struct BodyHandle {
+    /// Its model.
+    pub model: ModelHandle,
+    /// Its index there.
+    pub index: usize,
+}
+
+/// A boundary of a mesh, or of a body when it belongs to one.
+#[derive(Clone)]
+pub struct BoundaryHandle {
+    /// Its body, if it belongs to one.
+    pub body: Option<BodyHandle>,
+    /// The mesh it is a boundary of.
+    pub mesh: Arc<Mesh>,
+    /// Its facets.
+    pub boundary: Boundary,
+}
+
+impl Handle for ModelHandle {
+    const NAME: &'static str = "Model";
+    const MAKER: &'static str = "make one with `model(name)`";
+
+    fn describe(&self) -> String {
+        describe_model(&self.0.borrow())
+    }
+}
+
+impl Handle for BodyHandle {
+    const NAME: &'static str = "Body";
+    const MAKER: &'static str = "make one with `model.add_body(name, mesh, material)`";
+
+    fn instead_of_property(name: &str) -> Option<String> {
+        Some(format!("write `.boundary(\"{name}\")` for a boundary of that name"))
+    }
+
+    fn describe(&self) -> String {
+        let body = self.definition();
+        format!("body \"{}\": {}; {}", body.name, describe_mesh(&body.mesh), MaterialHandle(body.material.clone()).describe())
+    }
+}
+
+impl Handle for BoundaryHandle {
+    const NAME: &'static str = "Boundary";
+    const MAKER: &'static str = "take one of a body: `body.boundary(\"outer\")`";
+
+    fn describe(&self) -> String {
+        let measure = self.mesh.boundary_measure(&self.boundary);
+        let (word, facets) = (if self.mesh.dimension() == 2 { "length" } else { "area" }, self.boundary.facets.len());
+        format!("boundary \"{}\" of {facets} facets and {word} {}", self.title(), number_text(measure))
+    }
+}
+
+impl BodyHandle {
+    /// The body as the model has it.
+    pub fn definition(&self) -> BodyDefinition {
+        self.model.0.borrow().model.bodies[self.index].clone()
+    }
+}
+
+impl BoundaryHandle {
+    pub fn title(&self) -> String {
+        match &self.body {
+            Some(body) => format!("{}.{}", body.definition().name, self.boundary.name),
+            None => self.boundary.name.clone(),
+        }
+    }
+}

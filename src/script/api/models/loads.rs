@@ -1,0 +1,125 @@
+//! Loads on boundaries: tractions, forces, pressures, torques, each with its size over time.
+
+use std::sync::Arc;
+
+use rhai::Dynamic;
+
+use super::arguments::{boundary_of, boundary_parameter};
+use super::change::change;
+use super::data::LoadNote;
+use super::handle::ModelHandle;
+use crate::dynamics::{Amplitude, Load, LoadKind};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::plate_example;
+use crate::script::api::time_functions::{Watched, amplitude_of};
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{number_text, vector_text};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![
+        directed(
+            "traction",
+            "loads a boundary with a force per undeformed area that keeps its direction",
+            "stress",
+            "the force per area at amplitude 1",
+            LoadKind::Traction,
+        ),
+        directed(
+            "force",
+            "loads a boundary with a force that keeps its direction, spread evenly",
+            "force",
+            "the whole force at amplitude 1",
+            LoadKind::Force,
+        ),
+        pressure(),
+        torque(),
+    ]
+}
+
+/// A load with a direction.
+fn directed(
+    name: &'static str,
+    summary: &'static str,
+    dimension: &'static str,
+    what: &'static str,
+    kind: fn([f64; 3]) -> LoadKind,
+) -> Function {
+    Function {
+        name,
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary,
+        parameters: vec![boundary_parameter(), Parameter::new("vector", Kind::Vector, what).of(dimension), amplitude_parameter()],
+        returns: "",
+        example: plate_example(&format!("press.{name}(plate.boundary(\"right\"), [0.0, -5.0], ramp(0.0, 0.1, 1.0));")),
+        see_also: &["torque", "gravity", "hat", "ramp", "sine", "table"],
+        body: body(move |call| {
+            let dimension = call.receiver::<ModelHandle>().0.borrow().model.dimension();
+            let vector = call.argument("vector").vector(dimension)?;
+            let word = format!("{name} {}", vector_text(&vector[..dimension]));
+            Ok(add_load(call, kind(vector), &word)?)
+        }),
+    }
+}
+
+fn pressure() -> Function {
+    Function {
+        name: "pressure",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "loads a boundary with a pressure against its deformed surface, in the plane",
+        parameters: vec![
+            boundary_parameter(),
+            Parameter::number("pressure", "stress", Interval::Finite, "the pressure at amplitude 1; positive pushes into the body"),
+            amplitude_parameter(),
+        ],
+        returns: "",
+        example: plate_example("press.pressure(plate.boundary(\"top\"), 50.0, ramp(0.0, 0.1, 1.0));"),
+        see_also: &["traction", "force"],
+        body: body(|call| {
+            let pressure = call.number("pressure")?;
+            Ok(add_load(call, LoadKind::Pressure(pressure), &format!("pressure {}", number_text(pressure)))?)
+        }),
+    }
+}
+
+fn torque() -> Function {
+    Function {
+        name: "torque",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "loads a boundary with a torque about the third axis, as nodal forces without resultant",
+        parameters: vec![
+            boundary_parameter(),
+            Parameter::new("amplitude", Kind::Amplitude, "the torque over time, counter-clockwise").of("force * length"),
+        ],
+        returns: "",
+        example: plate_example("press.torque(plate.boundary(\"left\"), |t| if t < 0.1 { 5.0 } else { 0.0 });"),
+        see_also: &["force", "traction", "hat"],
+        body: body(|call| Ok(add_load(call, LoadKind::Torque, "torque")?)),
+    }
+}
+
+fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure> {
+    let model = call.receiver::<ModelHandle>();
+    let on = boundary_of(&call.argument("boundary"), &model)?;
+    let function = amplitude_of(&call.argument("amplitude"))?;
+    let title = format!("{word} on \"{}\" with amplitude {}", model.0.borrow().model.boundary_name(&on), function.describe());
+    let amplitude = Arc::new(Watched::new(function));
+    let note = LoadNote { title, place: call.place(&Default::default()), amplitude: amplitude.clone() };
+    change(call, &model, |data| {
+        let amplitude: Amplitude = amplitude;
+        data.model.loads.push(Load { kind, on, amplitude });
+        data.loads.push(note);
+    })?;
+    Ok(Dynamic::UNIT)
+}
+
+fn amplitude_parameter() -> Parameter {
+    Parameter::new("amplitude", Kind::Amplitude, "its size over time, as a factor").or(Absent::Number(1.0))
+}

@@ -1,0 +1,34 @@
+//! Models: bodies, supports, loads. Contact stands in `contacts/`.
+
+use crate::script::language::function::Function;
+
+pub mod arguments;
+pub mod bodies;
+pub mod building;
+pub mod change;
+pub mod data;
+pub mod description;
+pub mod handle;
+pub mod loads;
+pub mod properties;
+pub mod springs;
+pub mod supports;
+
+/// The functions of this topic, in the order of the reference.
+pub fn functions() -> Vec<Function> {
+    let mut all = vec![
+        building::model(),
+        building::add_body(),
+        supports::fix(),
+        supports::prescribe(),
+        building::gravity(),
+        building::initial_velocity(),
+        building::check(),
+    ];
+    all.extend(properties::functions());
+    all.extend(loads::functions());
+    all.push(springs::add_spring());
+    all.extend(bodies::functions());
+    all.extend(bodies::boundary_functions());
+    all
+}

@@ -1,0 +1,259 @@
+//! A finished model moved, turned or written in other units.
+//!
+//! While a [`Motion`] is active on the host, `simulate` moves the whole model before it builds the kernels: meshes, loads, gravity,
+//! velocities, material constants, step size and time functions. The script builds its model as always (`boundary_where` sees the
+//! coordinates it was written for) and keeps its own clock: `run_to`, `.time`, the history's times and time functions are those of the
+//! script. Everything else that it reads is that of the moved model.
+
+use std::sync::Arc;
+
+use super::units::{Dimension, Units};
+use crate::contact::Obstacle;
+use crate::dynamics::{Amplitude, Change, LedgerRow, LoadKind, Model, Partner, Prescription, TimeFunction, TimeFunctionError};
+use crate::materials::Material;
+use crate::math::tolerances::QUARTER_TURN;
+use crate::script::language::digits::{brief, number_text};
+
+/// How a model is moved: `x' = length (R x + offset)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    cosine: f64,
+    sine: f64,
+    /// Number of quarter turns, when the rotation consists of such.
+    quarters: Option<i64>,
+    offset: [f64; 3],
+    /// The units.
+    pub units: Units,
+}
+
+/// A sum of multiples of other time functions, in other units of time.
+struct Combined {
+    terms: Vec<(f64, Amplitude)>,
+    time: f64,
+}
+
+impl TimeFunction for Combined {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        self.terms.iter().try_fold(0.0, |sum, (factor, inner)| Ok(sum + factor * inner.value(time / self.time)?))
+    }
+
+    fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        self.terms.iter().try_fold(0.0, |sum, (factor, inner)| Ok(sum + factor / self.time * inner.rate(time / self.time)?))
+    }
+
+    fn describe(&self) -> String {
+        self.terms.iter().map(|(factor, inner)| format!("{} {}", brief(*factor), inner.describe())).collect::<Vec<_>>().join(" + ")
+    }
+}
+
+/// The value of another time function in other units.
+struct Rescaled {
+    inner: Amplitude,
+    time: f64,
+    value: f64,
+}
+
+impl TimeFunction for Rescaled {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.value * self.inner.value(time / self.time)?)
+    }
+
+    fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.value / self.time * self.inner.rate(time / self.time)?)
+    }
+
+    fn describe(&self) -> String {
+        self.inner.describe()
+    }
+}
+
+impl Motion {
+    /// Moved by a vector.
+    pub fn translation(offset: [f64; 3]) -> Self {
+        Motion { cosine: 1.0, sine: 0.0, quarters: Some(0), offset, units: Units::SAME }
+    }
+
+    /// Turned about the third axis through the origin.
+    pub fn rotation(angle: f64) -> Self {
+        let turns = angle / std::f64::consts::FRAC_PI_2;
+        // `deg(90)` differs from a quarter turn in the last bit of the conversion.
+        if (turns - turns.round()).abs() < QUARTER_TURN {
+            let quarters = (turns.round() as i64).rem_euclid(4);
+            let (cosine, sine) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][quarters as usize];
+            return Motion { cosine, sine, quarters: Some(quarters), ..Motion::translation([0.0; 3]) };
+        }
+        Motion { cosine: angle.cos(), sine: angle.sin(), quarters: None, ..Motion::translation([0.0; 3]) }
+    }
+
+    /// Written in other units.
+    pub fn in_units(units: Units) -> Self {
+        Motion { units, ..Motion::translation([0.0; 3]) }
+    }
+
+    /// A vector turned and multiplied by a factor.
+    pub fn vector(&self, [x, y, z]: [f64; 3], factor: f64) -> [f64; 3] {
+        [factor * (self.cosine * x - self.sine * y), factor * (self.sine * x + self.cosine * y), factor * z]
+    }
+
+    fn point(&self, point: [f64; 3]) -> [f64; 3] {
+        let turned = self.vector(point, 1.0);
+        [0, 1, 2].map(|i| self.units.length * (turned[i] + self.offset[i]))
+    }
+
+    /// Factor of an energy (per thickness in the plane).
+    pub fn energy(&self, dimension: usize) -> f64 {
+        self.units.stress() * self.units.length.powi(dimension as i32)
+    }
+
+    /// The moved model.
+    ///
+    /// # Errors
+    /// What cannot be moved that way, and why.
+    pub fn model(&self, model: &Model) -> Result<Model, String> {
+        let mut moved = model.clone();
+        let (units, dimension) = (&self.units, model.dimension());
+        let speed = units.length / units.time;
+        for body in &mut moved.bodies {
+            let mut mesh = (*body.mesh).clone();
+            mesh.points.iter_mut().for_each(|point| *point = self.point(*point));
+            body.mesh = Arc::new(mesh);
+            body.material = self.material(&body.material)?;
+        }
+        moved.gravity = self.vector(model.gravity, speed / units.time);
+        for velocity in &mut moved.initial_velocities {
+            velocity.linear = self.vector(velocity.linear, speed);
+            velocity.angular = self.vector(velocity.angular, 1.0 / units.time);
+        }
+        for support in &mut moved.supports {
+            let [x, y, _] = support.components;
+            if x != y {
+                let quarters = self.quarters.ok_or_else(|| oblique(&format!("the support of \"{}\"", model.boundary_name(&support.on))))?;
+                if quarters % 2 == 1 {
+                    support.components.swap(0, 1);
+                }
+            }
+        }
+        moved.prescriptions = model.prescriptions.iter().map(|given| self.prescription(model, given)).collect::<Result<_, _>>()?;
+        let force = units.stress() * units.length.powi(dimension as i32 - 1);
+        for load in &mut moved.loads {
+            let mut size = 1.0;
+            match &mut load.kind {
+                LoadKind::Traction(vector) => *vector = self.vector(*vector, units.stress()),
+                LoadKind::Force(vector) => *vector = self.vector(*vector, force),
+                LoadKind::Pressure(pressure) => *pressure *= units.stress(),
+                LoadKind::Torque => size = self.energy(dimension),
+            }
+            load.amplitude = self.amplitude(&load.amplitude, size);
+        }
+        for interaction in &mut moved.interactions {
+            match &mut interaction.partner {
+                Partner::Surfaces(_) | Partner::Itself => {}
+                Partner::Obstacle { shape, motion } => {
+                    *shape = self.obstacle(shape);
+                    *motion = self.obstacle_motion(motion);
+                }
+                Partner::Tied { reach, .. } => *reach = reach.map(|reach| units.length * reach),
+            }
+        }
+        let change = Change {
+            point: &|point| self.point(point),
+            direction: &|vector| self.vector(vector, 1.0),
+            units: [units.mass, units.length, units.time],
+            is_plane: dimension == 2,
+        };
+        moved.parts = model.parts.iter().map(|part| part.changed(&change)).collect();
+        Ok(moved)
+    }
+
+    fn obstacle(&self, obstacle: &Obstacle) -> Obstacle {
+        let point = |[x, y]: [f64; 2]| {
+            let [x, y, _] = self.point([x, y, 0.0]);
+            [x, y]
+        };
+        let length = self.units.length;
+        match obstacle {
+            Obstacle::HalfPlane { point: on, normal: [x, y] } => {
+                let [x, y, _] = self.vector([*x, *y, 0.0], 1.0);
+                Obstacle::HalfPlane { point: point(*on), normal: [x, y] }
+            }
+            Obstacle::Disk { center, radius } => Obstacle::Disk { center: point(*center), radius: length * radius },
+            Obstacle::Ring { center, radius } => Obstacle::Ring { center: point(*center), radius: length * radius },
+            Obstacle::Polyline { points } => Obstacle::Polyline { points: points.iter().map(|&at| point(at)).collect() },
+        }
+    }
+
+    fn obstacle_motion(&self, [x, y]: &[Option<Amplitude>; 2]) -> [Option<Amplitude>; 2] {
+        let turned = |factors: [f64; 2]| -> Option<Amplitude> {
+            let terms = factors.into_iter().zip([x, y]).filter(|(factor, _)| *factor != 0.0);
+            let terms: Vec<_> = terms.filter_map(|(factor, inner)| Some((self.units.length * factor, inner.clone()?))).collect();
+            (!terms.is_empty()).then(|| Arc::new(Combined { terms, time: self.units.time }) as Amplitude)
+        };
+        [turned([self.cosine, -self.sine]), turned([self.sine, self.cosine])]
+    }
+
+    fn amplitude(&self, inner: &Amplitude, value: f64) -> Amplitude {
+        if self.units.time == 1.0 && value == 1.0 {
+            return inner.clone();
+        }
+        Arc::new(Rescaled { inner: inner.clone(), time: self.units.time, value })
+    }
+
+    fn prescription(&self, model: &Model, given: &Prescription) -> Result<Prescription, String> {
+        let (component, sign) = match (given.component, self.quarters) {
+            (2, _) | (_, Some(0)) => (given.component, 1.0),
+            (component, Some(2)) => (component, -1.0),
+            // (x, y) becomes (-y, x) at one quarter and (y, -x) at three
+            (component, Some(quarters)) => (1 - component, if (component == 0) == (quarters == 1) { 1.0 } else { -1.0 }),
+            (_, None) => return Err(oblique(&format!("the prescribed displacement of \"{}\"", model.boundary_name(&given.on)))),
+        };
+        let displacement = self.amplitude(&given.displacement, sign * self.units.length);
+        Ok(Prescription { on: given.on.clone(), component, displacement })
+    }
+
+    fn material(&self, material: &Material) -> Result<Material, String> {
+        if self.units == Units::SAME {
+            return Ok(material.clone());
+        }
+        let values = material.row().parameters.iter().zip(material.values()).map(|(parameter, value)| {
+            let dimension = Dimension::parse(parameter.dimension);
+            let dimension = dimension.ok_or_else(|| format!("the dimension of the constant `{}` is not known", parameter.name))?;
+            Ok(value * self.units.factor(dimension))
+        });
+        Material::new(material.row(), &values.collect::<Result<Vec<f64>, String>>()?).map_err(|error| error.to_string())
+    }
+
+    /// A row of the ledger with the times of the script.
+    pub fn on_script_clock(&self, row: LedgerRow) -> LedgerRow {
+        LedgerRow { time: row.time / self.units.time, dt: row.dt / self.units.time, ..row }
+    }
+
+    /// In words, such as `turned by 0.5 rad`.
+    pub fn describe(&self) -> String {
+        if self.units != Units::SAME {
+            let Units { mass, length, time } = self.units;
+            let numbers = [mass, length, time].map(number_text);
+            return format!("in other units (mass x {}, length x {}, time x {})", numbers[0], numbers[1], numbers[2]);
+        }
+        if self.offset != [0.0; 3] {
+            return format!("moved by [{}]", self.offset.map(number_text).join(", "));
+        }
+        format!("turned by {} rad", brief(self.sine.atan2(self.cosine)))
+    }
+}
+
+fn oblique(what: &str) -> String {
+    format!("{what} is along one axis only, so the scenario can only be turned by quarters: `rotate: deg(90)`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quarter_turns_are_exact_and_others_are_rotations() {
+        assert_eq!(Motion::rotation(90.0_f64.to_radians()).vector([1.0, 2.0, 3.0], 2.0), [-4.0, 2.0, 6.0]);
+        assert_eq!(Motion::rotation(-90.0_f64.to_radians()).vector([1.0, 2.0, 3.0], 1.0), [2.0, -1.0, 3.0]);
+        let [x, y, _] = Motion::rotation(0.5).vector([1.0, 0.0, 0.0], 1.0);
+        assert!((x - 0.5_f64.cos()).abs() < 1e-16 && (y - 0.5_f64.sin()).abs() < 1e-16);
+    }
+}

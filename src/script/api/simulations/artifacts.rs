@@ -1,0 +1,163 @@
+//! The files of a simulation, written as it runs.
+//!
+//! The first simulation of a script writes into the run's output folder itself, every further one into a subfolder that has its name
+//! (`bearing-2` for the second one of a model `bearing`). `history.csv` grows with every accepted step; what belongs to the end of a run
+//! is written in `ending.rs`.
+
+use std::time::{Duration, Instant};
+
+use super::columns::{further_values, model_columns};
+use crate::dynamics::{LedgerRow, Model, Simulation};
+use crate::math::tolerances::SAME_MOMENT;
+use crate::output::{FieldSeries, FieldWriter, HistoryCsv, OutputError, RunFiles};
+use crate::script::api::asides::is_study;
+use crate::script::language::failure::Failure;
+use crate::script::language::host::Host;
+use crate::script::language::settings::Mode;
+
+/// The files of a simulation.
+pub struct Artifacts {
+    files: RunFiles,
+    csv: HistoryCsv,
+    series: FieldWriter,
+    model: Model,
+    every: Option<f64>,
+    frames: usize,
+    spent: Duration,
+}
+
+impl Artifacts {
+    /// Opens the files of a simulation, if the session writes any.
+    ///
+    /// # Errors
+    /// A folder or file that cannot be written.
+    pub fn create(
+        host: &Host,
+        is_first: bool,
+        model: &Model,
+        name: &str,
+        every: Option<f64>,
+        row: &LedgerRow,
+        probes: Vec<String>,
+    ) -> Result<Option<Self>, Failure> {
+        let wanted = host.settings.mode == Mode::Run && !is_study(host);
+        let Some(folder) = host.settings.output.as_ref().filter(|_| wanted) else { return Ok(None) };
+        let begun = Instant::now();
+        let folder = if is_first { folder.clone() } else { folder.join(file_name(name)) };
+        let open = || {
+            let files = RunFiles::create(folder)?;
+            let mut csv =
+                HistoryCsv::create(&files, "history.csv", model.dimension(), model_columns(model).into_iter().chain(probes).collect())?;
+            csv.append(row, &further_values(model, row))?;
+            let series = FieldWriter::new(FieldSeries::create(&files, "fields.pvd")?);
+            Ok(Artifacts { files, csv, series, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
+        };
+        open().map(Some).map_err(|error: OutputError| output_failure(&error))
+    }
+
+    /// Before the first step: the first frame of the fields.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn begin(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        if self.frames == 0 { self.frame(simulation) } else { Ok(()) }
+    }
+
+    /// After an accepted step: its row, and a frame when its time has come.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn accepted(&mut self, row: &LedgerRow, simulation: &Simulation) -> Result<(), Failure> {
+        let begun = Instant::now();
+        self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
+        self.series.check().map_err(|error| output_failure(&error))?;
+        self.spent += begun.elapsed();
+        // Only the last of several pieces of a step has fields, because the simulation stands there.
+        let due = self.every.is_some_and(|every| {
+            let last = self.series.last().unwrap_or(f64::NEG_INFINITY);
+            row.time == simulation.time() && (row.time / every + SAME_MOMENT).floor() > (last / every + SAME_MOMENT).floor()
+        });
+        if due { self.frame(simulation) } else { Ok(()) }
+    }
+
+    /// Puts another history in place of the one on disk.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn rewrite(&mut self, before: &[LedgerRow], after: &[LedgerRow]) -> Result<(), Failure> {
+        let begun = Instant::now();
+        let same = before.iter().zip(after).take_while(|(a, b)| a == b).count();
+        let mut rewrite = || {
+            self.csv.keep(same)?;
+            after[same..].iter().try_for_each(|row| self.csv.append(row, &further_values(&self.model, row)))
+        };
+        rewrite().map_err(|error| output_failure(&error))?;
+        self.spent += begun.elapsed();
+        Ok(())
+    }
+
+    /// Adds columns to the history; rows that are there get empty fields.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add_columns(&mut self, names: &[String]) -> Result<(), Failure> {
+        self.csv.add_columns(names).map_err(|error| output_failure(&error))
+    }
+
+    /// Writes a file below the simulation's folder.
+    ///
+    /// # Errors
+    /// The path leads outside, or the file cannot be written.
+    pub fn write(&mut self, path: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        let begun = Instant::now();
+        self.files.write(path, bytes)?;
+        self.spent += begun.elapsed();
+        Ok(())
+    }
+
+    /// Waits until all frames are in their files; without that they may come a little later than the steps.
+    ///
+    /// # Errors
+    /// A file that could not be written.
+    pub fn wait(&mut self) -> Result<(), Failure> {
+        let begun = Instant::now();
+        let waited = self.series.wait().map_err(|error| output_failure(&error));
+        self.spent += begun.elapsed();
+        waited
+    }
+
+    fn frame(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let begun = Instant::now();
+        self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
+        self.frames += 1;
+        self.spent += begun.elapsed();
+        Ok(())
+    }
+
+    /// Makes sure that the last frame is that of the simulation's state, and waits until every frame is in its file.
+    ///
+    /// # Errors
+    /// A file that could not be written.
+    pub fn complete(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        // A frame that was refused during the run is reported first; the last frame is written all the same.
+        let refused = self.wait();
+        let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
+        refused.and(frame).and(self.wait())
+    }
+
+    /// Time spent on them.
+    pub fn spent(&self) -> Duration {
+        self.spent
+    }
+}
+
+/// A name as a folder: what is no letter, digit, `-`, `_` or `.` becomes `_`.
+fn file_name(name: &str) -> String {
+    let plain: String = name.chars().map(|letter| if letter.is_alphanumeric() || "-_".contains(letter) { letter } else { '_' }).collect();
+    if plain.is_empty() { "simulation".into() } else { plain }
+}
+
+/// The failure of a file that could not be written.
+pub fn output_failure(error: &OutputError) -> Failure {
+    Failure::script(error.to_string()).hint(error.cure())
+}

@@ -1,0 +1,43 @@
+//! The columns of a simulation's history behind those of the ledger: totals of contact pairs, reactions of supports, values of probes.
+
+use crate::dynamics::{ContactTotals, LedgerRow, Model, ProbeValues, Reaction};
+
+/// A material point that is followed.
+#[derive(Clone)]
+pub struct Probe {
+    /// Its name.
+    pub name: String,
+    /// Index of its body.
+    pub body: usize,
+    /// Its node in the body's mesh.
+    pub node: usize,
+}
+
+/// Names of the history's columns of all contact pairs, then of the boundaries that supports hold.
+pub fn model_columns(model: &Model) -> Vec<String> {
+    let contacts = ContactTotals::columns(model.dimension());
+    let mut names: Vec<String> =
+        model.contact_names().iter().flat_map(|name| contacts.iter().map(move |column| format!("{name}.{column}"))).collect();
+    let reactions = Reaction::columns(model.dimension());
+    names.extend(model.support_names().iter().flat_map(|name| reactions.iter().map(move |column| format!("{name}.reaction.{column}"))));
+    names
+}
+
+/// Names of the history's columns of probes.
+pub fn probe_columns(model: &Model, probes: &[Probe]) -> Vec<String> {
+    let columns = ProbeValues::columns(model.dimension());
+    probes.iter().flat_map(|probe| columns.iter().map(move |column| format!("{}.{column}", probe.name))).collect()
+}
+
+/// Values of a row's columns behind those of the ledger.
+pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
+    let dimension = model.dimension();
+    let mut values: Vec<f64> = row.contacts.iter().flat_map(|totals| totals.values(dimension)).collect();
+    // Before the first step nothing is known of contact.
+    let contacts = model.contact_names().len() * ContactTotals::columns(dimension).len();
+    values.resize(contacts, f64::NAN);
+    values.extend(row.reactions.iter().flat_map(|reaction| reaction.values(dimension)));
+    values.resize(contacts + model.support_names().len() * Reaction::columns(dimension).len(), f64::NAN);
+    values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
+    values
+}

@@ -1,0 +1,168 @@
+//! A contact pair of a simulation as it is at a time: forces, gaps, pressures, nodes in contact.
+
+use std::rc::Rc;
+
+use rhai::{Array, Dynamic, Map};
+
+use super::handle::SimulationHandle;
+use crate::dynamics::{ContactFields, CyclingNode, FailureCause};
+use crate::script::api::examples::contact_example;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, brief_vector};
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// A contact pair of a simulation at the time when it was asked for.
+#[derive(Clone)]
+pub struct ContactHandle {
+    name: String,
+    time: f64,
+    dimension: usize,
+    fields: Rc<ContactFields>,
+    /// Nodes whose state kept changing in the step that failed.
+    cycling: Vec<CyclingNode>,
+}
+
+impl Handle for ContactHandle {
+    const NAME: &'static str = "ContactState";
+
+    fn describe(&self) -> String {
+        let active = self.fields.active.iter().filter(|active| **active).count();
+        let largest = self.fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
+        let cycling = match self.cycling.len() {
+            0 => String::new(),
+            count => format!("; {count} cycling in the step that failed"),
+        };
+        format!(
+            "contact \"{}\" at t = {}: {active} of {} nodes active, largest pressure {}, force {}{cycling}",
+            self.name,
+            brief(self.time),
+            self.fields.active.len(),
+            brief(largest),
+            brief_vector(&self.fields.force[..self.dimension])
+        )
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![
+        contact(),
+        cycling(),
+        number("normal_force", "the sum of the sizes of the nodal contact forces, for a surface with itself too", |fields| {
+            fields.normal_force
+        }),
+        number("area", "the length of the secondary surface that is in contact, to about half a facet at each end", |fields| fields.area),
+        array("pressure", "the contact pressure at each secondary node", |contact| {
+            contact.fields.pressure.iter().map(|&value| value.into()).collect()
+        }),
+        array("gap", "the gap at each secondary node, NaN where nothing lies opposite", |contact| {
+            contact.fields.gap.iter().map(|&value| value.into()).collect()
+        }),
+        array("active", "whether each secondary node is in contact", |contact| {
+            contact.fields.active.iter().map(|&value| value.into()).collect()
+        }),
+        array("forces", "the contact force on each secondary node, an array of vectors", |contact| {
+            let vector = |force: &[f64; 3]| Dynamic::from(force[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
+            contact.fields.forces.iter().map(vector).collect()
+        }),
+        array(
+            "force",
+            "the resultant of the contact forces on the secondary side (of a surface with itself: on one side of its folds)",
+            |contact| contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect(),
+        ),
+        array("positions", "the current position of each secondary node", |contact| {
+            let point =
+                |position: &[f64; 3]| Dynamic::from(position[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
+            contact.fields.positions.iter().map(point).collect()
+        }),
+    ]
+}
+
+fn contact() -> Function {
+    Function {
+        name: "contact",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Contact,
+        summary: "a contact pair as it is now",
+        parameters: vec![Parameter::new("name", Kind::Text, "the name of the contact pair")],
+        returns: ContactHandle::NAME,
+        example: contact_example("print(sim.contact(\"foot\"));"),
+        see_also: &["add_contact"],
+        body: body(|call| {
+            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+            let name = argument.text()?;
+            let found = handle.with(call, |simulation| {
+                let cycling = match simulation.failure().map(|report| &report.cause) {
+                    Some(FailureCause::CyclingContact { contact, cycling, .. }) if *contact == name => cycling.clone(),
+                    _ => Vec::new(),
+                };
+                (simulation.contact(&name), simulation.time(), simulation.dimension(), cycling)
+            })?;
+            match found {
+                (Some(fields), time, dimension, cycling) => {
+                    Ok(Dynamic::from(ContactHandle { name, time, dimension, fields: Rc::new(fields), cycling }))
+                }
+                (None, ..) => {
+                    let names = handle.0.model.model.contact_names();
+                    Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())
+                }
+            }
+        }),
+    }
+}
+
+fn cycling() -> Function {
+    Function {
+        name: "cycling",
+        form: Form::Property(ContactHandle::receiver()),
+        topic: Topic::Contact,
+        summary: "the nodes whose contact state kept changing in the last iterations of the step that failed, as maps with `body`, \
+                  `node` (its number in the body's mesh) and `index` (its place in `positions`, `gap`, `pressure` and `active`)",
+        parameters: Vec::new(),
+        returns: "Array",
+        example: contact_example(
+            "let race = sim.contact(\"foot\");\n\
+             for node in race.cycling { print(`node ${node.node} at ${race.positions[node.index]}`); }",
+        ),
+        see_also: &["contact", "why"],
+        body: body(|call| {
+            let map = |node: &CyclingNode| -> Dynamic {
+                let index = node.index.map_or(Dynamic::UNIT, |index| (index as i64).into());
+                let entries: [(&str, Dynamic); 3] =
+                    [("body", node.body.clone().into()), ("node", (node.node as i64).into()), ("index", index)];
+                entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into()
+            };
+            Ok(call.receiver::<ContactHandle>().cycling.iter().map(map).collect::<Array>().into())
+        }),
+    }
+}
+
+fn number(name: &'static str, summary: &'static str, read: fn(&ContactFields) -> f64) -> Function {
+    Function {
+        name,
+        form: Form::Property(ContactHandle::receiver()),
+        topic: Topic::Contact,
+        summary,
+        parameters: Vec::new(),
+        returns: "number",
+        example: contact_example(&format!("print(sim.contact(\"foot\").{name});")),
+        see_also: &["contact", "history"],
+        body: body(move |call| Ok(read(&call.receiver::<ContactHandle>().fields).into())),
+    }
+}
+
+fn array(name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> Array) -> Function {
+    Function {
+        name,
+        form: Form::Property(ContactHandle::receiver()),
+        topic: Topic::Contact,
+        summary,
+        parameters: Vec::new(),
+        returns: "Array",
+        example: contact_example(&format!("print(sim.contact(\"foot\").{name});")),
+        see_also: &["contact"],
+        body: body(move |call| Ok(read(&call.receiver::<ContactHandle>()).into())),
+    }
+}

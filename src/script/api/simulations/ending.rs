@@ -1,0 +1,111 @@
+//! What is written when a run ends, however it ends: the last frames, the picture of the energies, the summaries.
+
+use std::time::{Duration, Instant};
+
+use super::artifacts::output_failure;
+use super::handle::{SimulationHandle, Simulations};
+use crate::dynamics::PhaseTimes;
+use crate::output::{Inertia, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes};
+use crate::script::api::parameters::Overrides;
+use crate::script::language::failure::Failure;
+use crate::script::language::host::Host;
+use crate::script::language::settings::Mode;
+
+/// Writes the last frames of all simulations and waits until every frame is in its file.
+///
+/// # Errors
+/// The first file that could not be written.
+pub fn last_frames(host: &Host) -> Result<(), Failure> {
+    let write = |handle: &SimulationHandle| {
+        let (Ok(simulation), mut artifacts) = (handle.0.simulation.try_borrow(), handle.0.artifacts.borrow_mut()) else { return Ok(()) };
+        let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
+        artifacts.complete(&simulation)
+    };
+    Simulations::of(host).0.borrow().iter().map(write).fold(Ok(()), Result::and)
+}
+
+/// Writes what belongs to the end of a run after the last frames: the picture of the energies, the summaries.
+///
+/// `begun`: when the program began; `outcome`: `completed`, `interrupted` or the title of the error.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn finish(host: &Host, begun: Instant, outcome: &str) -> Result<(), Failure> {
+    let Some(folder) = host.settings.output.as_ref().filter(|_| host.settings.mode == Mode::Run) else { return Ok(()) };
+    let simulations = Simulations::of(host);
+    let simulations = simulations.0.borrow();
+    for handle in simulations.iter() {
+        finish_simulation(host, handle, begun, outcome, &simulations)?;
+    }
+    if simulations.is_empty() {
+        let summary = Summary { wall_seconds: wall(begun, &[]), ..common(host, outcome) };
+        let files = RunFiles::create(folder).map_err(|error| output_failure(&error))?;
+        files.write("summary.json", summary.to_json()).map_err(|error| output_failure(&error))?;
+    }
+    Ok(())
+}
+
+fn finish_simulation(
+    host: &Host,
+    handle: &SimulationHandle,
+    begun: Instant,
+    outcome: &str,
+    all: &[SimulationHandle],
+) -> Result<(), Failure> {
+    let data = &handle.0;
+    let (Ok(simulation), history) = (data.simulation.try_borrow(), data.history.borrow()) else { return Ok(()) };
+    {
+        let mut artifacts = data.artifacts.borrow_mut();
+        let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
+        let picture = energies(&data.name, &history);
+        artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))?;
+    }
+    let mut summary = Summary {
+        bodies: data.model.model.bodies.len(),
+        unknowns: simulation.unknowns(),
+        wall_seconds: wall(begun, all),
+        peak_memory_bytes: peak_memory_bytes(),
+        ..common(host, outcome)
+    };
+    summary.count(&simulation.statistics());
+    summary.tell(&simulation.findings(&history), simulation.halvings());
+    summary.judge(&drifts(&history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
+    let mut artifacts = data.artifacts.borrow_mut();
+    let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
+    artifacts.write("summary.json", summary.to_json().as_bytes()).map_err(|error| output_failure(&error))
+}
+
+fn common(host: &Host, outcome: &str) -> Summary {
+    let json = |value: rhai::Dynamic| match (value.as_bool(), value.as_int(), value.as_float()) {
+        (Ok(flag), ..) => flag.into(),
+        (_, Ok(whole), _) => whole.into(),
+        (.., Ok(number)) => number.into(),
+        _ => value.to_string().into(),
+    };
+    Summary {
+        script: host.main.borrow().clone(),
+        parameters: host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(value))).collect(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        outcome: outcome.into(),
+        ..Summary::default()
+    }
+}
+
+/// Where the time of the whole program went.
+fn wall(begun: Instant, simulations: &[SimulationHandle]) -> WallSeconds {
+    let (mut phases, mut output) = (PhaseTimes::default(), Duration::ZERO);
+    for handle in simulations {
+        if let Ok(simulation) = handle.0.simulation.try_borrow() {
+            let times = simulation.statistics().times;
+            phases.assembly += times.assembly;
+            phases.contact += times.contact;
+            phases.factorization += times.factorization;
+            phases.solve += times.solve;
+            phases.search += times.search;
+        }
+        output += handle.0.artifacts.borrow().as_ref().map_or(Duration::ZERO, |artifacts| artifacts.spent());
+    }
+    let kernels: Duration = simulations.iter().map(|handle| handle.0.spent.get()).sum();
+    let total = begun.elapsed();
+    WallSeconds::new(total, &phases, output, total.saturating_sub(kernels + output))
+}

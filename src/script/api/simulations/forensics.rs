@@ -1,0 +1,219 @@
+//! Why a step failed: its iterations as a table, the cause, and the iterate at which it was given up as a file.
+
+use std::rc::Rc;
+
+use rhai::{Array, Dynamic, Map};
+
+use super::handle::SimulationHandle;
+use super::results::write;
+use crate::dynamics::{FailureCause, FailureReport, IterationReport, TryReport};
+use crate::output::Frame;
+use crate::script::api::examples::flight_example;
+use crate::script::language::digits::{brief, number_text, significant};
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::tables::table;
+
+/// The report on the last step that failed, if one has.
+#[derive(Clone)]
+pub struct FailedStepHandle {
+    report: Option<Rc<FailureReport>>,
+    simulation: String,
+    cure: String,
+}
+
+impl Handle for FailedStepHandle {
+    const NAME: &'static str = "FailedStep";
+
+    fn describe(&self) -> String {
+        let Some(report) = &self.report else { return format!("no step of simulation \"{}\" has failed", self.simulation) };
+        let what = if report.dt > 0.0 {
+            let times = if report.halvings == 1 { "halving" } else { "halvings" };
+            format!(
+                "step {} of simulation \"{}\" failed at t = {} with dt = {} after {} {times}: {}",
+                report.step,
+                self.simulation,
+                number_text(report.time),
+                brief(report.dt),
+                report.halvings,
+                name_of(&report.cause)
+            )
+        } else {
+            format!(
+                "simulation \"{}\" found no equilibrium at t = {}: {}",
+                self.simulation,
+                number_text(report.time),
+                name_of(&report.cause)
+            )
+        };
+        let number = |value: f64| significant(value, 3);
+        let rows: Vec<Vec<String>> = report
+            .iterations
+            .iter()
+            .enumerate()
+            .map(|(index, iteration)| {
+                vec![
+                    index.to_string(),
+                    number(iteration.residual),
+                    number(iteration.target),
+                    number(iteration.energy),
+                    number(iteration.gap_violation),
+                    iteration.changes.to_string(),
+                    iteration.active.to_string(),
+                    format!("{} of \"{}\"", iteration.node, iteration.body),
+                    iteration.contact.as_ref().map_or(String::new(), |contact| format!("\"{contact}\"")),
+                ]
+            })
+            .collect();
+        let header = ["iteration", "residual", "target", "energy", "gap", "set changes", "active", "worst node", "worst contact"];
+        let mut parts = vec![what];
+        if report.tries.len() > 1 {
+            let tries = report.tries.iter();
+            let row = |tried: &TryReport| {
+                vec![number(tried.dt), tried.iterations.to_string(), number(tried.residual), number(tried.target), tried.outcome.into()]
+            };
+            parts.push(table(&["tried dt", "iterations", "residual", "target", "outcome"], &tries.map(row).collect::<Vec<_>>()));
+        }
+        if !rows.is_empty() {
+            parts.push(table(&header, &rows));
+            parts.push(
+                "energy: what the residual can still move over what is tolerated; gap: violation of contact over what is tolerated".into(),
+            );
+        }
+        parts.push(format!("cause: {}", report.explanation()));
+        if !self.cure.is_empty() {
+            parts.push(format!("hint:  {}", self.cure));
+        }
+        parts.join("\n")
+    }
+}
+
+/// The cause in two words.
+fn name_of(cause: &FailureCause) -> &'static str {
+    match cause {
+        FailureCause::CyclingContact { .. } => "cycling contact",
+        FailureCause::SlowConvergence => "slow convergence",
+        FailureCause::Divergence => "divergence",
+        FailureCause::InvertedCell { .. } => "inverted cell",
+        FailureCause::SingularSystem { .. } => "singular system",
+        FailureCause::TooFast { .. } => "motion too fast",
+        FailureCause::LoadTooFast { .. } => "load too fast",
+        FailureCause::StepLimit { .. } => "step limit",
+        FailureCause::NoEquilibrium { .. } => "no equilibrium",
+    }
+}
+
+/// An iteration as a map.
+fn iteration_map(iteration: &IterationReport) -> Map {
+    let entries: [(&str, Dynamic); 9] = [
+        ("residual", iteration.residual.into()),
+        ("target", iteration.target.into()),
+        ("energy", iteration.energy.into()),
+        ("gap_violation", iteration.gap_violation.into()),
+        ("changes", (iteration.changes as i64).into()),
+        ("active", (iteration.active as i64).into()),
+        ("body", iteration.body.clone().into()),
+        ("node", (iteration.node as i64).into()),
+        ("contact", iteration.contact.clone().unwrap_or_default().into()),
+    ];
+    entries.into_iter().map(|(name, value)| (name.into(), value)).collect()
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![why(), write_failed(), failed(), iterations(), cause()]
+}
+
+fn why() -> Function {
+    Function {
+        name: "why",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "why the last step that failed did so: its iterations with residual, gap violation and changes of the contact set, \
+                  the worst node, the cause, and how to mend it",
+        parameters: Vec::new(),
+        returns: FailedStepHandle::NAME,
+        example: flight_example("print(sim.why());"),
+        see_also: &["write_failed", "cycling", "set"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            let report = handle.with(call, |simulation| simulation.failure().cloned().map(Rc::new))?;
+            let (simulation, cure) = (handle.0.name.clone(), handle.0.cure.borrow().clone());
+            Ok(Dynamic::from(FailedStepHandle { report, simulation, cure }))
+        }),
+    }
+}
+
+fn write_failed() -> Function {
+    Function {
+        name: "write_failed",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "writes the fields of the iterate at which the last failed step was given up as VTU",
+        parameters: vec![Parameter::new("path", Kind::Text, "a `.vtu` file below the output folder")],
+        returns: "",
+        example: flight_example("if sim.why().failed { sim.write_failed(\"failed.vtu\"); }"),
+        see_also: &["why", "write_fields"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            let failed = handle.with(call, |simulation| (simulation.time(), simulation.failed_fields()))?;
+            let (time, Some(fields)) = failed else {
+                let failure = call.fail(format!("no step of simulation \"{}\" has failed", handle.0.name));
+                return Err(failure.hint("`sim.write_fields(path)` writes the state as it is").into());
+            };
+            Ok(write(call, &handle, ".vtu", || Ok(Frame::new(time, &fields).encode()))?)
+        }),
+    }
+}
+
+fn failed() -> Function {
+    Function {
+        name: "failed",
+        form: Form::Property(FailedStepHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "whether a step has failed at all",
+        parameters: Vec::new(),
+        returns: "bool",
+        example: flight_example("print(sim.why().failed);"),
+        see_also: &["why"],
+        body: body(|call| Ok(call.receiver::<FailedStepHandle>().report.is_some().into())),
+    }
+}
+
+fn iterations() -> Function {
+    Function {
+        name: "iterations",
+        form: Form::Property(FailedStepHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "the iterations of the last try as maps with `residual`, `target`, `energy` and `gap_violation` \
+                  (both over what is tolerated), `changes` and `active` (contact nodes), `body` and `node` of the residual, \
+                  `contact`; empty when no step has failed",
+        parameters: Vec::new(),
+        returns: "Array",
+        example: flight_example("for iteration in sim.why().iterations { print(iteration.residual / iteration.target); }"),
+        see_also: &["why", "cause"],
+        body: body(|call| {
+            let handle = call.receiver::<FailedStepHandle>();
+            let iterations = handle.report.iter().flat_map(|report| &report.iterations);
+            Ok(iterations.map(|iteration| Dynamic::from(iteration_map(iteration))).collect::<Array>().into())
+        }),
+    }
+}
+
+fn cause() -> Function {
+    Function {
+        name: "cause",
+        form: Form::Property(FailedStepHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "the cause in two words, such as `cycling contact`; empty when no step has failed",
+        parameters: Vec::new(),
+        returns: "String",
+        example: flight_example("print(sim.why().cause);"),
+        see_also: &["why", "iterations"],
+        body: body(|call| {
+            let handle = call.receiver::<FailedStepHandle>();
+            Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into())
+        }),
+    }
+}

@@ -1,0 +1,242 @@
+//! A simulation as an object of the language: the kernels with what the script layer keeps beside them.
+//!
+//! The kernels are borrowed for as long as a step lasts, so whoever asks in the middle of one (a closure of time) is refused by [`busy`].
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::artifacts::Artifacts;
+use super::columns::Probe;
+use crate::dynamics::{LedgerRow, Overlap, RunFinding, Simulation, State};
+use crate::script::api::models::data::ModelData;
+use crate::script::api::motion::Motion;
+use crate::script::language::callback::Callback;
+use crate::script::language::digits::{brief, brief_vector, number_text, significant};
+use crate::script::language::failure::{Class, Failure};
+use crate::script::language::function::Call;
+use crate::script::language::handle::Handle;
+use crate::script::language::host::Host;
+use crate::script::language::scan::Target;
+use crate::script::language::sources::Place;
+
+/// A running simulation with what the script layer keeps about it.
+pub struct SimulationData {
+    /// The model as it was when the simulation was made.
+    pub model: ModelData,
+    /// Name of the simulation: that of the model, with a number when there are several.
+    pub name: String,
+    /// Where it was made.
+    pub place: Option<Place>,
+    /// What overlaps at the start, until `settle` has pressed it apart or the script has accepted it.
+    pub overlaps: RefCell<Vec<Overlap>>,
+    /// The kernels.
+    pub simulation: RefCell<Simulation>,
+    /// One row for each accepted step, after the row of the beginning.
+    pub history: RefCell<Vec<LedgerRow>>,
+    /// Files of the run.
+    pub artifacts: RefCell<Option<Artifacts>>,
+    /// For each contact pair of the model: the time at which it was first seen closed.
+    pub closed_since: RefCell<Vec<Option<f64>>>,
+    /// How the model was moved when the simulation was made; only a check that compares moved runs does that.
+    pub motion: Option<Motion>,
+    /// Time spent in the kernels.
+    pub spent: Cell<Duration>,
+    /// Time between two frames of the fields.
+    pub fields_every: Option<f64>,
+    /// How the failure of the last step that failed is mended.
+    pub cure: RefCell<String>,
+    /// States before the last steps, to go back to.
+    pub past: RefCell<VecDeque<Past>>,
+    /// Points that are followed.
+    pub probes: RefCell<Vec<Probe>>,
+    /// Closures that run after every step.
+    pub callbacks: RefCell<Vec<Callback>>,
+    /// Number of causes of halvings when they were last looked at.
+    pub causes_seen: Cell<usize>,
+    /// Largest total energy so far.
+    pub scale: Cell<f64>,
+    /// Whether it takes steps now.
+    pub advancing: Cell<bool>,
+}
+
+/// A state before a step, with the rows that the history had.
+#[derive(Clone)]
+pub struct Past {
+    /// The state.
+    pub state: Arc<State>,
+    /// Rows of the history.
+    pub rows: usize,
+}
+
+/// The simulations of a script, in the order in which it made them; those of a check for itself are not among them.
+#[derive(Default)]
+pub struct Simulations(pub RefCell<Vec<SimulationHandle>>);
+
+impl Simulations {
+    /// The simulations of a session.
+    pub fn of(host: &Host) -> Rc<Simulations> {
+        host.slots.get()
+    }
+}
+
+/// A simulation in a script.
+#[derive(Clone)]
+pub struct SimulationHandle(pub Rc<SimulationData>);
+
+impl Handle for SimulationHandle {
+    const NAME: &'static str = "Simulation";
+    const MAKER: &'static str = "make one with `simulate(model, #{ integrator, dt })`";
+
+    fn describe(&self) -> String {
+        let data = &self.0;
+        let Ok(simulation) = data.simulation.try_borrow() else {
+            return format!("simulation \"{}\" in the middle of a step", data.name);
+        };
+        let row = simulation.row();
+        let (options, number) = (simulation.options(), brief);
+        let mut lines = vec![
+            format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step),
+            format!("  {}, dt = {}, {} unknowns", options.integrator.name, number_text(options.dt), simulation.unknowns()),
+            format!(
+                "  energy {}: kinetic {}, strain {}, potential {}",
+                number(row.total()),
+                number(row.kinetic),
+                number(row.strain),
+                number(row.potential)
+            ),
+            format!(
+                "  momentum {}, angular momentum {}",
+                brief_vector(&row.momentum[..simulation.dimension()]),
+                angular_text(row, simulation.dimension())
+            ),
+        ];
+        if !data.model.model.contact_names().is_empty() {
+            lines.push(format!("  contact: {} active nodes, largest penetration {}", row.active, number(row.max_penetration)));
+        }
+        lines.extend(data.found(&simulation));
+        lines.join("\n")
+    }
+}
+
+/// The angular momentum of a row: a number in the plane, in space a vector.
+pub fn angular_text(row: &LedgerRow, dimension: usize) -> String {
+    if dimension == 2 { brief(row.angular_momentum[2]) } else { brief_vector(&row.angular_momentum[..3]) }
+}
+
+impl SimulationData {
+    /// A time of the kernels on the clock of the script; they differ only in other units ([`Motion`]).
+    pub fn script_time(&self, time: f64) -> f64 {
+        self.motion.map_or(time, |motion| time / motion.units.time)
+    }
+
+    /// A time of the script on the clock of the kernels.
+    pub fn kernel_time(&self, time: f64) -> f64 {
+        self.motion.map_or(time, |motion| time * motion.units.time)
+    }
+
+    /// One line with what is remarkable about the run so far, if anything is.
+    pub fn found(&self, simulation: &Simulation) -> Option<String> {
+        let short = |finding: &RunFinding| format!("{finding} ({} against {})", significant(finding.value, 2), number_text(finding.limit));
+        let found: Vec<String> = simulation.findings(&self.history.borrow()).iter().map(short).collect();
+        (!found.is_empty()).then(|| format!("  found: {}", found.join("; ")))
+    }
+
+    /// A row of the kernels with the times of the script.
+    pub fn script_row(&self, row: LedgerRow) -> LedgerRow {
+        match self.motion {
+            Some(motion) => motion.on_script_clock(row),
+            None => row,
+        }
+    }
+}
+
+impl SimulationHandle {
+    /// Whether both are the same simulation.
+    pub fn is(&self, other: &SimulationHandle) -> bool {
+        Rc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// Step and time reached.
+    pub fn position(&self) -> (usize, f64) {
+        self.0.simulation.try_borrow().map_or((0, f64::NAN), |simulation| (simulation.row().step, simulation.time()))
+    }
+
+    /// Refuses a use of results in `conserva check`, which has none.
+    ///
+    /// # Errors
+    /// This is `conserva check`.
+    pub fn refuse_in_check(&self, call: &Call) -> Result<(), Failure> {
+        if !call.host.is_check() {
+            return Ok(());
+        }
+        Err(result_used(call.function.name).placed(call.place(&Target::Call)))
+    }
+
+    /// What the kernels say, unless a step is running.
+    ///
+    /// # Errors
+    /// A step is running; or this is `conserva check`, which has no results.
+    pub fn with<T>(&self, call: &Call, read: impl FnOnce(&Simulation) -> T) -> Result<T, Failure> {
+        self.refuse_in_check(call)?;
+        match self.0.simulation.try_borrow() {
+            Ok(simulation) => Ok(read(&simulation)),
+            Err(_) => Err(busy(call)),
+        }
+    }
+
+    /// Notes which contact pairs are closed now.
+    pub fn note_contact(&self) {
+        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
+        self.note_closed(self.0.script_time(simulation.time()), simulation.closed_nodes());
+    }
+
+    /// Notes which contact pairs are closed at a time, from the number of closed nodes of each.
+    pub fn note_closed(&self, time: f64, nodes: impl IntoIterator<Item = usize>) {
+        for (since, nodes) in self.0.closed_since.borrow_mut().iter_mut().zip(nodes) {
+            if nodes > 0 && since.is_none() {
+                *since = Some(time);
+            }
+        }
+    }
+
+    /// Refuses steps inside a closure that runs after every step: they would never end.
+    ///
+    /// # Errors
+    /// The simulation takes steps now.
+    pub fn refuse_nested(&self, call: &Call) -> Result<(), Failure> {
+        if !self.0.advancing.get() {
+            return Ok(());
+        }
+        let failure = call.fail(format!("{} cannot be called while the simulation advances", call.function.title()));
+        Err(failure
+            .cause("a closure given to `on_step` runs between two steps of a `step` or `run_to` that goes on")
+            .hint("look at the state in the closure; take further steps after that call"))
+    }
+
+    /// Puts another history in place, in memory and on disk.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn replace_history(&self, rows: Vec<LedgerRow>) -> Result<(), Failure> {
+        if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
+            artifacts.rewrite(&self.0.history.borrow(), &rows)?;
+        }
+        *self.0.history.borrow_mut() = rows;
+        Ok(())
+    }
+}
+
+/// The failure of `conserva check` at the first use of a result.
+pub fn result_used(name: &str) -> Failure {
+    Failure::new(Class::ResultUsed, format!("the script uses `{name}` of the simulation"))
+}
+
+/// The failure of a call in the middle of a step.
+pub fn busy(call: &Call) -> Failure {
+    call.fail("the simulation is in the middle of a step")
+        .cause("a time function is asked while the step is computed, so there is no state to look at")
+        .hint("compute with the parameter `t` only; `sim.on_step(|sim| …)` runs between steps")
+}

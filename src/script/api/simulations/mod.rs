@@ -1,0 +1,36 @@
+//! Simulations: made of models, stepped, asked for results, with the files they write.
+
+use crate::script::language::function::Function;
+
+pub mod artifacts;
+pub mod columns;
+pub mod contact_state;
+pub mod ending;
+pub mod forensics;
+pub mod handle;
+pub mod history;
+pub mod overview;
+pub mod probes;
+pub mod properties;
+pub mod reactions;
+pub mod results;
+pub mod settling;
+pub mod simulate;
+pub mod states;
+pub mod step_failures;
+pub mod stepping;
+pub mod stop_after;
+pub mod warnings;
+
+/// The functions of this topic, in the order of the reference; those of probes and results stand beside them.
+pub fn functions() -> Vec<Function> {
+    let mut all = simulate::functions();
+    all.extend([stepping::step(), stepping::run_to(), settling::settle(), stepping::on_step()]);
+    all.extend(states::functions());
+    all.extend(forensics::functions());
+    all.extend(properties::functions());
+    all.extend(history::functions());
+    all.extend(contact_state::functions());
+    all.extend(reactions::functions());
+    all
+}

@@ -1,0 +1,48 @@
+//! A simulation at the prompt: time, ledger and contacts as tables.
+
+use super::handle::{SimulationHandle, angular_text};
+use crate::script::language::digits::{brief, brief_vector, number_text};
+use crate::script::language::handle::Handle;
+use crate::script::language::tables::table;
+
+impl SimulationHandle {
+    /// Time, ledger and contacts as tables.
+    pub fn table(&self) -> String {
+        let data = &self.0;
+        let Ok(simulation) = data.simulation.try_borrow() else { return self.describe() };
+        let (row, options) = (simulation.row(), simulation.options());
+        let title = format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step);
+        let method = format!("  {}, dt = {}, {} unknowns", options.integrator.name, number_text(options.dt), simulation.unknowns());
+        let history = data.history.borrow();
+        let worst = history.iter().map(|row| row.energy_defect.abs()).fold(0.0, f64::max);
+        let ledger = [
+            ("kinetic", brief(row.kinetic)),
+            ("strain", brief(row.strain)),
+            ("potential", brief(row.potential)),
+            ("total", brief(row.total())),
+            ("largest energy defect", brief(worst)),
+            ("momentum", brief_vector(&row.momentum[..simulation.dimension()])),
+            ("angular momentum", angular_text(row, simulation.dimension())),
+        ];
+        let ledger: Vec<Vec<String>> = ledger.into_iter().map(|(name, value)| vec![name.to_string(), value]).collect();
+        let mut parts = vec![title, method, table(&["ledger", ""], &ledger)];
+        let contacts: Vec<Vec<String>> = data
+            .model
+            .model
+            .contact_names()
+            .into_iter()
+            .filter_map(|name| {
+                let fields = simulation.contact(name)?;
+                let active = fields.active.iter().filter(|active| **active).count();
+                let pressure = fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
+                let force = brief_vector(&fields.force[..simulation.dimension()]);
+                Some(vec![name.into(), active.to_string(), fields.active.len().to_string(), brief(pressure), force])
+            })
+            .collect();
+        if !contacts.is_empty() {
+            parts.push(table(&["contact", "active", "nodes", "largest pressure", "force"], &contacts));
+        }
+        parts.extend(data.found(&simulation));
+        parts.join("\n")
+    }
+}

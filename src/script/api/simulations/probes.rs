@@ -1,0 +1,148 @@
+//! Probes in scripts: material points that are followed, with columns of the history.
+//!
+//! A probe follows the node nearest to a point of the undeformed body.
+
+use rhai::{Array, Dynamic};
+
+use super::columns::Probe;
+use super::handle::{SimulationHandle, busy};
+use crate::dynamics::ProbeValues;
+use crate::script::api::examples::flight_example;
+use crate::script::api::models::handle::BodyHandle;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, vector_text};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// A probe of a simulation.
+#[derive(Clone)]
+pub struct ProbeHandle {
+    simulation: SimulationHandle,
+    index: usize,
+}
+
+impl Handle for ProbeHandle {
+    const NAME: &'static str = "Probe";
+
+    fn describe(&self) -> String {
+        let (probe, values) = (self.probe(), self.values().unwrap_or_default());
+        let data = &self.simulation.0.model.model;
+        let dimension = data.dimension();
+        let numbers = |vector: &[f64; 3]| vector[..dimension].iter().map(|value| brief(*value)).collect::<Vec<_>>().join(", ");
+        let place = vector_text(&data.bodies[probe.body].mesh.points[probe.node][..dimension]);
+        let (displacement, velocity) = (numbers(&values.displacement), numbers(&values.velocity));
+        format!(
+            "probe \"{}\" of body \"{}\" at {place}: displacement [{displacement}], velocity [{velocity}]",
+            probe.name, data.bodies[probe.body].name
+        )
+    }
+}
+
+impl ProbeHandle {
+    fn probe(&self) -> Probe {
+        self.simulation.0.probes.borrow()[self.index].clone()
+    }
+
+    /// The values now; nothing in the middle of a step.
+    fn values(&self) -> Option<ProbeValues> {
+        self.simulation.0.simulation.try_borrow().ok()?.row().probes.get(self.index).cloned()
+    }
+}
+
+impl SimulationHandle {
+    /// Follows a point from now on.
+    pub fn add_probe(&self, call: &Call, probe: Probe) -> Result<(), Failure> {
+        let data = &self.0;
+        let before: usize = data.model.model.bodies[..probe.body].iter().map(|body| body.mesh.points.len()).sum();
+        let node = before + probe.node;
+        let row = {
+            let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+            simulation.watch(node);
+            data.script_row(simulation.row().clone())
+        };
+        let known = data.probes.borrow().len();
+        data.probes.borrow_mut().push(probe);
+        if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
+            artifacts.add_columns(&self.probe_columns(known))?;
+        }
+        let mut rows = data.history.borrow().clone();
+        if let Some(last) = rows.last_mut() {
+            *last = row;
+        }
+        call.host.count_effect();
+        self.replace_history(rows)
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    let mut all = vec![probe()];
+    let property = |name: &'static str, summary: &'static str, read: fn(&ProbeValues, [f64; 3]) -> [f64; 3]| Function {
+        name,
+        form: Form::Property(ProbeHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns: "Array",
+        example: flight_example(&format!("let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip.{name});")),
+        see_also: &["probe", "history"],
+        body: body(move |call| {
+            let handle = call.receiver::<ProbeHandle>();
+            // In `conserva check` there are no results to look at.
+            handle.simulation.with(call, |_| ())?;
+            let (Some(values), probe) = (handle.values(), handle.probe()) else { return Err(busy(call).into()) };
+            let model = &handle.simulation.0.model.model;
+            let vector = read(&values, model.bodies[probe.body].mesh.points[probe.node]);
+            Ok(vector[..model.dimension()].iter().map(|&value| Dynamic::from(value)).collect::<Array>().into())
+        }),
+    };
+    all.extend([
+        property("displacement", "the displacement of the probe's point now", |values, _| values.displacement),
+        property("velocity", "the velocity of the probe's point now", |values, _| values.velocity),
+        property("position", "the position of the probe's point now", |values, rest| [0, 1, 2].map(|i| rest[i] + values.displacement[i])),
+    ]);
+    all
+}
+
+fn probe() -> Function {
+    Function {
+        name: "probe",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "follows the node of a body nearest to a point at rest; the history gets the columns `name.ux`, `name.uy`, `name.vx`, \
+                  `name.vy`",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "its name, unique in the simulation"),
+            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+            Parameter::new("point", Kind::Vector, "the point in the undeformed body").of("length"),
+        ],
+        returns: ProbeHandle::NAME,
+        example: flight_example(
+            "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip);\nprint(sim.history[\"tip.uy\"]);",
+        ),
+        see_also: &["history", "contact"],
+        body: body(|call| {
+            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+            let (name, body) = (argument.text()?, call.handle::<BodyHandle>("body")?.definition().name);
+            let model = &handle.0.model.model;
+            let names: Vec<&str> = model.bodies.iter().map(|body| body.name.as_str()).collect();
+            let Some(index) = names.iter().position(|known| *known == body) else {
+                return Err(call.argument("body").unknown_name(format!("the simulation has no body \"{body}\""), &body, &names).into());
+            };
+            let taken = handle.0.probes.borrow().iter().any(|probe| probe.name == name) || model.contact_names().contains(&name.as_str());
+            if taken {
+                let failure = argument.fail(format!("there is a probe or contact \"{name}\" already"));
+                return Err(failure.hint("give the probe a name of its own: it names columns of the history").into());
+            }
+            let point = call.argument("point").vector(model.dimension())?;
+            let distance = |at: &[f64; 3]| (0..3).map(|i| (at[i] - point[i]).powi(2)).sum::<f64>();
+            let points = model.bodies[index].mesh.points.iter().map(distance).enumerate();
+            let node = points.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(node, _)| node);
+            handle.add_probe(call, Probe { name, body: index, node })?;
+            let index = handle.0.probes.borrow().len() - 1;
+            Ok(Dynamic::from(ProbeHandle { simulation: handle, index }))
+        }),
+    }
+}

@@ -1,0 +1,103 @@
+//! Reactions of supports: what `fix` and `prescribe` exert on a boundary.
+
+use rhai::{Array, Dynamic};
+
+use super::handle::SimulationHandle;
+use crate::dynamics::Reaction;
+use crate::script::api::examples::contact_example;
+use crate::script::api::models::handle::BoundaryHandle;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, brief_vector};
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// The reaction of a boundary's supports at the time when it was asked for.
+#[derive(Clone)]
+pub struct ReactionHandle {
+    boundary: String,
+    time: f64,
+    dimension: usize,
+    reaction: Reaction,
+}
+
+impl ReactionHandle {
+    fn moment(&self) -> Dynamic {
+        match self.dimension {
+            2 => self.reaction.moment[2].into(),
+            _ => self.reaction.moment.iter().map(|&value| value.into()).collect::<Array>().into(),
+        }
+    }
+}
+
+impl Handle for ReactionHandle {
+    const NAME: &'static str = "Reaction";
+    const MAKER: &'static str = "take one of a simulation: `sim.reaction(boundary)`";
+
+    fn describe(&self) -> String {
+        let force = brief_vector(&self.reaction.force[..self.dimension]);
+        let moment = if self.dimension == 2 { brief(self.reaction.moment[2]) } else { brief_vector(&self.reaction.moment) };
+        format!("reaction of \"{}\" at t = {}: force {force}, moment {moment}", self.boundary, brief(self.time))
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![
+        reaction(),
+        property("force", "Array", "the resultant of what the supports exert on the boundary, a mean over the last step", |reaction| {
+            reaction.reaction.force[..reaction.dimension].iter().map(|&value| value.into()).collect::<Array>().into()
+        }),
+        property("moment", "", "its moment about the origin: a number in the plane, an array in space", ReactionHandle::moment),
+    ]
+}
+
+fn reaction() -> Function {
+    Function {
+        name: "reaction",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "what `fix` and `prescribe` exert on a boundary; the history has it in the columns `body.boundary.reaction.force_x` and so on",
+        parameters: vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "a boundary that a support holds or moves")],
+        returns: ReactionHandle::NAME,
+        example: contact_example(
+            "let below = table.boundary(\"bottom\");\npress.fix(below);\npress.gravity([0.0, -10.0]);\n\
+             let held = simulate(press, #{ integrator: energy_momentum(), dt: 0.001 });\nheld.step();\nprint(held.reaction(below));",
+        ),
+        see_also: &["fix", "prescribe", "contact", "history"],
+        body: body(|call| {
+            let (handle, boundary) = (call.receiver::<SimulationHandle>(), call.handle::<BoundaryHandle>("boundary")?.title());
+            let names = handle.0.model.model.support_names();
+            let Some(index) = names.iter().position(|name| *name == boundary) else {
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                let failure = call.argument("boundary").unknown_name(format!("no support holds \"{boundary}\""), &boundary, &names);
+                return Err(failure.into());
+            };
+            let found = handle
+                .with(call, |simulation| (simulation.row().reactions.get(index).copied(), simulation.time(), simulation.dimension()))?;
+            let (Some(reaction), time, dimension) = found else {
+                let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step"));
+                return Err(failure.hint("take a step, or bring the model to rest by `sim.settle()`").into());
+            };
+            Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction }))
+        }),
+    }
+}
+
+fn property(name: &'static str, returns: &'static str, summary: &'static str, read: fn(&ReactionHandle) -> Dynamic) -> Function {
+    Function {
+        name,
+        form: Form::Property(ReactionHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: contact_example(&format!(
+            "let below = table.boundary(\"bottom\");\npress.fix(below);\n\
+             let held = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\nheld.step();\n\
+             print(held.reaction(below).{name});"
+        )),
+        see_also: &["reaction"],
+        body: body(move |call| Ok(read(&call.receiver::<ReactionHandle>()))),
+    }
+}

@@ -1,0 +1,98 @@
+//! `settle`: static equilibrium, which takes the place of a step.
+
+use std::time::Instant;
+
+use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
+
+use super::handle::{SimulationHandle, busy, result_used};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::flight_example;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, number_text};
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Parameter};
+
+/// `settle`: equilibrium now or at a later time.
+pub fn settle() -> Function {
+    Function {
+        name: "settle",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "brings the model to static equilibrium, now or as it will be at a later time, without inertia; gives a map with \
+                  `steps`, `newton_iterations`, `strain`, `active`",
+        parameters: vec![
+            Parameter::number("time", "time", Interval::Finite, "the time of the equilibrium: loads, supports and obstacles are as then")
+                .or(Absent::Means("now")),
+        ],
+        returns: "Map",
+        example: flight_example("sim.settle();\nsim.settle(0.1);\nprint(sim.time);"),
+        see_also: &["run_to"],
+        body: body(|call| {
+            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("time"));
+            if !argument.is_given() || call.host.is_check() {
+                return handle.settle(call, None);
+            }
+            let (end, now) = (argument.number()?, handle.with(call, |simulation| simulation.time())?);
+            let now = handle.0.script_time(now);
+            if end < now {
+                let failure = argument.fail(format!("`settle` goes forward, but {} has passed", number_text(end)));
+                let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
+                return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
+            }
+            handle.settle(call, Some(handle.0.kernel_time(end)))
+        }),
+    }
+}
+
+impl SimulationHandle {
+    fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
+        let data = &self.0;
+        data.overlaps.borrow_mut().clear();
+        if call.host.is_check() {
+            return Ok(Dynamic::from(SettleToCome));
+        }
+        self.refuse_nested(call)?;
+        call.host.go_on()?;
+        call.host.observer.began(&format!("settling \"{}\"", data.name));
+        let begun = Instant::now();
+        let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+        let time = time.unwrap_or_else(|| simulation.time());
+        let settled = simulation.settle_at(time);
+        drop(simulation);
+        data.spent.set(data.spent.get() + begun.elapsed());
+        call.host.observer.ended();
+        let report = settled.map_err(|error| self.step_failure(call, error))?;
+        call.host.count_effect();
+        data.past.borrow_mut().clear();
+        let row = data.script_row(data.simulation.borrow().row().clone());
+        self.note_contact();
+        data.scale.set(data.scale.get().max(row.total().abs()));
+        let mut rows = data.history.borrow().clone();
+        // The first row gives way when it is that of the start, which was no equilibrium, or of an equilibrium at the same time.
+        if rows.len() == 1 && (rows[0].time == 0.0 || rows[0].time == row.time) {
+            rows.clear();
+        }
+        rows.push(row);
+        self.replace_history(rows)?;
+        let entries: [(&str, Dynamic); 4] = [
+            ("steps", (report.steps as i64).into()),
+            ("newton_iterations", (report.newton_iterations as i64).into()),
+            ("strain", report.strain.into()),
+            ("active", (report.active as i64).into()),
+        ];
+        Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into())
+    }
+}
+
+/// What `settle` gives in `conserva check`: nothing is known of it, but most scripts do not ask.
+#[derive(Clone)]
+struct SettleToCome;
+
+/// Lets a script ask what `settle` found in `conserva check`, which ends there.
+pub fn register_settle_to_come(engine: &mut Engine) {
+    engine.register_type_with_name::<SettleToCome>("Map");
+    engine.register_indexer_get(|_: &mut SettleToCome, name: ImmutableString| -> Result<Dynamic, Box<EvalAltResult>> {
+        Err(result_used(&name).into())
+    });
+}

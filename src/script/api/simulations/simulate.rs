@@ -1,0 +1,243 @@
+//! `simulate`: from a model to a running simulation.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use rhai::Dynamic;
+
+use super::artifacts::Artifacts;
+use super::columns::{Probe, probe_columns};
+use super::handle::{SimulationData, SimulationHandle, Simulations};
+use crate::dynamics::{LedgerRow, Model, Options, Simulation};
+use crate::integrators::{self, Scheme};
+use crate::math::catalogue::Interval;
+use crate::math::tolerances::NEWTON_ENERGY;
+use crate::script::api::asides::{current_motion, is_study};
+use crate::script::api::examples::FLIGHT;
+use crate::script::api::models::change::keep_model;
+use crate::script::api::models::data::ModelData;
+use crate::script::api::models::handle::ModelHandle;
+use crate::script::api::motion::Motion;
+use crate::script::api::parameters::check_overrides;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::number_text;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::host::Host;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
+
+/// A time integrator in a script.
+#[derive(Clone)]
+pub struct IntegratorHandle(pub &'static Scheme);
+
+impl Handle for IntegratorHandle {
+    const NAME: &'static str = "Integrator";
+    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()` or `trapezoidal()`";
+
+    fn describe(&self) -> String {
+        format!("{}()", self.0.name)
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    let mut all: Vec<Function> = integrators::CATALOGUE.iter().map(|&integrator| integrator_function(integrator)).collect();
+    all.push(simulate());
+    all
+}
+
+fn integrator_function(integrator: &'static Scheme) -> Function {
+    Function {
+        name: integrator.name,
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: integrator.summary,
+        parameters: Vec::new(),
+        returns: IntegratorHandle::NAME,
+        example: format!("print({}());", integrator.name).into(),
+        see_also: &["simulate"],
+        body: body(move |_| Ok(Dynamic::from(IntegratorHandle(integrator)))),
+    }
+}
+
+fn simulate() -> Function {
+    Function {
+        name: "simulate",
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: "a simulation of the model as it is now, at time 0",
+        parameters: vec![
+            Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new("integrator", Kind::Handle(IntegratorHandle::NAME), "the time integrator"),
+                    Parameter::number("dt", "time", Interval::Positive, "the step size"),
+                    Parameter::number(
+                        "tolerance",
+                        "1",
+                        Interval::Open(0.0, 1.0),
+                        "Newton's tolerance: the energy that the residual can still move, relative to the energy scale",
+                    )
+                    .or(Absent::Number(NEWTON_ENERGY)),
+                    Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
+                        .within(Interval::Closed(0.0, 50.0))
+                        .or(Absent::Integer(7)),
+                    Parameter::number(
+                        "fields_every",
+                        "time",
+                        Interval::Positive,
+                        "the time between two frames of the fields in `fields.pvd`",
+                    )
+                    .or(Absent::Means("the first and the last state only")),
+                    Parameter::new(
+                        "accept_overlap",
+                        Kind::Flag,
+                        "whether bodies that overlap at the start are meant to; without it, the first step refuses them unless `settle` \
+                         came before",
+                    )
+                    .or(Absent::Flag(false)),
+                ]),
+                "how it is integrated",
+            ),
+        ],
+        returns: SimulationHandle::NAME,
+        example: format!(
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.1 }});\nprint(sim);"
+        )
+        .into(),
+        see_also: &["run_to", "step", "settle"],
+        body: body(|call| Ok(Dynamic::from(make(call)?))),
+    }
+}
+
+fn make(call: &Call) -> Result<SimulationHandle, Failure> {
+    let (original, options) = (call.handle::<ModelHandle>("model")?, call.options("options")?);
+    let IntegratorHandle(integrator) = options.handle("integrator")?;
+    let mut kernel = Options::new(integrator, options.number("dt")?);
+    kernel.tolerance = options.number("tolerance")?;
+    kernel.max_halvings = options.integer("max_halvings")? as usize;
+    kernel.threads = call.host.settings.threads;
+    kernel.interrupt = Some(call.host.settings.interrupt.clone());
+    kernel.progress = Some(call.host.settings.factorization.clone());
+    let fields_every = options.optional_number("fields_every")?;
+    let accepts_overlap = options.flag("accept_overlap")?;
+    check_overrides(call.host, call.engine(), false)?;
+    let model = original.0.borrow().clone();
+    let begun = Instant::now();
+    let motion = current_motion(call.host);
+    kernel.dt *= motion.map_or(1.0, |motion| motion.units.time);
+    let simulation = kernels(call, &model.model, motion, kernel)?;
+    for (contact, finding) in model.model.findings() {
+        let warning = Diagnostic::warning(format!("contact \"{contact}\": {finding}"), model.place_of_contact(&contact));
+        call.host.warn(warning.hint(finding.cure()));
+    }
+    for body in model.model.falling() {
+        let title = format!("gravity moves body \"{}\" for ever: it has no support, and nothing to land on", body.name);
+        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
+    }
+    let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
+    let history = vec![simulation.row().clone()];
+    let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
+    let handle = create(call, model, simulation, motion, fields_every, course)?;
+    *handle.0.overlaps.borrow_mut() = overlaps;
+    handle.note_contact();
+    keep_model(call.host, &original);
+    Ok(handle)
+}
+
+/// The kernels of a model, which is moved before if a motion is given.
+///
+/// # Errors
+/// A model that cannot be moved that way, or that the kernels refuse.
+pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Options) -> Result<Simulation, Failure> {
+    let moved = motion.map(|motion| motion.model(model)).transpose().map_err(|cause| call.fail(cause))?;
+    let simulation = Simulation::new(moved.as_ref().unwrap_or(model), options);
+    simulation.map_err(|error| call.fail(error.to_string()).hint(error.cure()))
+}
+
+/// What a simulation has behind it when it is made.
+pub struct Course {
+    /// Its rows so far, that of the beginning at least.
+    pub history: Vec<LedgerRow>,
+    /// Points that are followed.
+    pub probes: Vec<Probe>,
+    /// Time spent in the kernels.
+    pub spent: Duration,
+}
+
+/// The kernels' simulation of a model, as an object of the language with its history so far.
+pub fn create(
+    call: &Call,
+    model: ModelData,
+    simulation: Simulation,
+    motion: Option<Motion>,
+    fields_every: Option<f64>,
+    Course { history, probes, spent }: Course,
+) -> Result<SimulationHandle, Failure> {
+    let name = unique_name(call.host, &model.model.name);
+    let is_first = Simulations::of(call.host).0.borrow().is_empty();
+    let mut artifacts =
+        Artifacts::create(call.host, is_first, &model.model, &name, fields_every, &history[0], probe_columns(&model.model, &probes))?;
+    if let Some(artifacts) = &mut artifacts {
+        artifacts.rewrite(&history[..1], &history)?;
+    }
+    let data = SimulationData {
+        place: call.place(&Target::Call),
+        artifacts: RefCell::new(artifacts),
+        model,
+        name,
+        closed_since: RefCell::new(vec![None; simulation.closed_nodes().len()]),
+        motion,
+        spent: Cell::new(spent),
+        scale: Cell::new(simulation.row().total().abs()),
+        overlaps: RefCell::default(),
+        simulation: RefCell::new(simulation),
+        history: RefCell::new(history),
+        fields_every,
+        cure: RefCell::default(),
+        past: RefCell::default(),
+        probes: RefCell::new(probes),
+        callbacks: RefCell::default(),
+        causes_seen: Cell::default(),
+        advancing: Cell::new(false),
+    };
+    let handle = SimulationHandle(Rc::new(data));
+    if call.host.is_check() {
+        call.host.findings.borrow_mut().push(described_for_check(&handle));
+        let at_start = handle.0.simulation.borrow().findings_at_start();
+        at_start.iter().for_each(|finding| handle.warn_of(call.host, finding));
+    }
+    if !is_study(call.host) {
+        Simulations::of(call.host).0.borrow_mut().push(handle.clone());
+    }
+    call.host.count_effect();
+    Ok(handle)
+}
+
+/// The model's name, with a number when the script made simulations of that name before.
+fn unique_name(host: &Host, model: &str) -> String {
+    let taken: Vec<String> = Simulations::of(host).0.borrow().iter().map(|simulation| simulation.0.name.clone()).collect();
+    let numbered = (2..).map(|number| format!("{model}-{number}"));
+    std::iter::once(model.to_string()).chain(numbered).find(|name| !taken.contains(name)).unwrap_or_default()
+}
+
+/// What `conserva check` says of a simulation.
+fn described_for_check(handle: &SimulationHandle) -> String {
+    let simulation = handle.0.simulation.borrow();
+    let options = simulation.options();
+    let model = ModelHandle(Rc::new(RefCell::new(handle.0.model.clone())));
+    format!(
+        "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
+        handle.0.name,
+        options.integrator.name,
+        number_text(options.dt),
+        simulation.unknowns(),
+        model.describe()
+    )
+}

@@ -1,0 +1,223 @@
+//! States as values: save and restore, step back, branch, change how the next steps are taken.
+//!
+//! A simulation keeps the states before its last steps as far as memory allows. Going on from a state gives the same bytes as before.
+
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::Instant;
+
+use rhai::Dynamic;
+
+use super::handle::{Past, SimulationHandle, busy};
+use super::simulate::{Course, create, kernels};
+use crate::dynamics::{LedgerRow, State};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::flight_example;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// A state of a simulation, kept as a value.
+#[derive(Clone)]
+pub struct StateHandle {
+    /// The state.
+    pub state: Arc<State>,
+    /// The history up to it.
+    pub history: Rc<Vec<LedgerRow>>,
+    /// Its simulation.
+    pub simulation: SimulationHandle,
+}
+
+impl Handle for StateHandle {
+    const NAME: &'static str = "State";
+    const MAKER: &'static str = "make one with `sim.save()`";
+
+    fn describe(&self) -> String {
+        format!("state of simulation \"{}\" at t = {}", self.simulation.0.name, brief(self.state.row.time))
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![save(), restore(), back(), branch(), set(), dt()]
+}
+
+fn save() -> Function {
+    Function {
+        name: "save",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "the state of the simulation as a value, to go back to",
+        parameters: Vec::new(),
+        returns: StateHandle::NAME,
+        example: flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
+        see_also: &["restore", "back", "branch"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            let state = match handle.0.simulation.try_borrow() {
+                Ok(simulation) => simulation.shared_state(),
+                Err(_) => return Err(busy(call).into()),
+            };
+            let history = Rc::new(handle.0.history.borrow().clone());
+            Ok(Dynamic::from(StateHandle { state, history, simulation: handle }))
+        }),
+    }
+}
+
+fn restore() -> Function {
+    Function {
+        name: "restore",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "goes back to a saved state; the history is what it was then",
+        parameters: vec![Parameter::new("state", Kind::Handle(StateHandle::NAME), "a state of this simulation")],
+        returns: "",
+        example: flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
+        see_also: &["save", "back"],
+        body: body(|call| {
+            let (handle, state) = (call.receiver::<SimulationHandle>(), call.handle::<StateHandle>("state")?);
+            if !Rc::ptr_eq(&state.simulation.0, &handle.0) {
+                let failure = call.argument("state").fail("the state belongs to another simulation");
+                let failure = failure.label(format!("this is a {}", state.describe()));
+                return Err(failure.hint("restore it where it was saved").into());
+            }
+            handle.go_to(call, &state.state, (*state.history).clone())?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+fn back() -> Function {
+    Function {
+        name: "back",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "goes back by one step, or by so many; the history is what it was then",
+        parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
+        returns: "",
+        example: flight_example("sim.step(3);\nsim.back(2);\nprint(sim.steps);"),
+        see_also: &["save", "restore", "step"],
+        body: body(|call| {
+            let (handle, count) = (call.receiver::<SimulationHandle>(), call.integer("count")? as usize);
+            if call.host.is_check() || count == 0 {
+                return Ok(Dynamic::UNIT);
+            }
+            let kept = handle.0.past.borrow().len();
+            if count > kept {
+                let failure = call.argument("count").fail(format!("the simulation cannot go back by {count} steps"));
+                let failure = failure.label(format!("{kept} are kept"));
+                let failure = failure.cause("states are kept for the last steps since the simulation was made, settled or restored");
+                return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
+            }
+            let past = handle.0.past.borrow()[kept - count].clone();
+            let history = handle.0.history.borrow()[..past.rows].to_vec();
+            handle.go_to(call, &past.state, history)?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+fn branch() -> Function {
+    Function {
+        name: "branch",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "an independent copy of the simulation as it is now, with its history; closures of `on_step` stay with the original",
+        parameters: Vec::new(),
+        returns: SimulationHandle::NAME,
+        example: flight_example("sim.step(2);\nlet other = sim.branch();\nother.set(#{ dt: 0.005 });\nother.step(2);\nprint(sim.time);"),
+        see_also: &["save", "set"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            let begun = Instant::now();
+            let (state, options) = match handle.0.simulation.try_borrow() {
+                Ok(simulation) => (simulation.state(), simulation.options().clone()),
+                Err(_) => return Err(busy(call).into()),
+            };
+            let model = handle.0.model.clone();
+            let motion = handle.0.motion;
+            let mut simulation = kernels(call, &model.model, motion, options)?;
+            if let Ok(original) = handle.0.simulation.try_borrow() {
+                original.watched().iter().for_each(|&node| simulation.watch(node));
+            }
+            simulation.restore(&state);
+            let (history, probes) = (handle.0.history.borrow().clone(), handle.0.probes.borrow().clone());
+            let course = Course { history, probes, spent: begun.elapsed() };
+            let branch = create(call, model, simulation, motion, handle.0.fields_every, course)?;
+            *branch.0.closed_since.borrow_mut() = handle.0.closed_since.borrow().clone();
+            Ok(Dynamic::from(branch))
+        }),
+    }
+}
+
+fn set() -> Function {
+    Function {
+        name: "set",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "changes how the next steps are taken; what is left out stays as it is",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("dt", "time", Interval::Positive, "the step size").or(Absent::Means("as before")),
+                Parameter::number("tolerance", "1", Interval::Open(0.0, 1.0), "Newton's tolerance, see `simulate`")
+                    .or(Absent::Means("as before")),
+                Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
+                    .within(Interval::Closed(0.0, 50.0))
+                    .or(Absent::Means("as before")),
+            ]),
+            "what changes",
+        )],
+        returns: "",
+        example: flight_example("sim.step(2);\nsim.set(#{ dt: 0.002 });\nsim.step();\nprint(sim.time);"),
+        see_also: &["simulate", "branch"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+            let (dt, tolerance, halvings) =
+                (options.optional_number("dt")?, options.optional_number("tolerance")?, options.argument("max_halvings"));
+            let halvings = if halvings.is_given() { Some(halvings.integer()? as usize) } else { None };
+            let mut simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+            let now = simulation.options().clone();
+            let dt = dt.map(|dt| handle.0.kernel_time(dt));
+            simulation.set_steps(dt.unwrap_or(now.dt), tolerance.unwrap_or(now.tolerance), halvings.unwrap_or(now.max_halvings));
+            call.host.count_effect();
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+fn dt() -> Function {
+    Function {
+        name: "dt",
+        form: Form::Property(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "the step size of the next steps",
+        parameters: Vec::new(),
+        returns: "number",
+        example: flight_example("print(sim.dt);"),
+        see_also: &["set"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            match handle.0.simulation.try_borrow() {
+                Ok(simulation) => Ok(handle.0.script_time(simulation.options().dt).into()),
+                Err(_) => Err(busy(call).into()),
+            }
+        }),
+    }
+}
+
+impl SimulationHandle {
+    /// Goes to a state; the history is what it was then.
+    pub fn go_to(&self, call: &Call, state: &State, history: Vec<LedgerRow>) -> Result<(), Failure> {
+        self.refuse_nested(call)?;
+        self.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(state);
+        call.host.count_effect();
+        let known =
+            |past: &Past| past.rows < history.len() && history.get(past.rows - 1) == Some(&self.0.script_row(past.state.row.clone()));
+        self.0.past.borrow_mut().retain(known);
+        self.replace_history(history)
+    }
+}

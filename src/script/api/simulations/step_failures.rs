@@ -1,0 +1,60 @@
+//! A step that failed, in the words of the script: where, why, and how to mend it.
+
+use super::handle::SimulationHandle;
+use crate::dynamics::{FailureCause, Interaction, Missing, StepError};
+use crate::script::api::time_functions::ClosureError;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::{Class, Failure, interrupted};
+use crate::script::language::function::Call;
+
+impl SimulationHandle {
+    /// The failure of a call that took the step.
+    pub(super) fn step_failure(&self, call: &Call, error: StepError) -> Failure {
+        let (title, cure) = (error.to_string(), error.cure());
+        match error {
+            StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(cure),
+            StepError::Amplitude { source, .. } => match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
+                Some(inner) => call.fail(title).caused_by(inner),
+                None => call.fail(title).cause(source.to_string()).hint(cure),
+            },
+            // A failure without a step size comes from `settle`.
+            StepError::NotConverged { dt: 0.0, cause, .. } => self.no_equilibrium(cause, cure),
+            StepError::NotConverged { time, step, dt, halvings, cause, .. } => {
+                let (time, dt) = (brief(time), brief(dt));
+                let title = format!("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings)");
+                let failure = self.not_converged(title, cause, cure);
+                if call.host.settings.interactive { failure.hint("`sim.why()` shows the iterations") } else { failure }
+            }
+        }
+    }
+
+    fn no_equilibrium(&self, cause: String, cure: String) -> Failure {
+        let failure = self.not_converged("no static equilibrium was found".into(), cause, cure);
+        // The gaps of this method jump where a node passes the end of the other surface or settles in one of its corners.
+        let by_nodes = |contact: &&Interaction| self.is_lost() && contact.method.is_nodal;
+        match self.0.model.model.interactions.iter().find(by_nodes) {
+            Some(contact) => {
+                let name = &contact.name;
+                failure.hint(format!("`node_to_segment()` often has no equilibrium at rest: use `mortar()` for contact \"{name}\""))
+            }
+            None => failure,
+        }
+    }
+
+    /// A failure of the numerics; how it is mended is kept for `sim.why()`.
+    fn not_converged(&self, title: String, cause: String, cure: String) -> Failure {
+        *self.0.cure.borrow_mut() = cure.clone();
+        Failure::new(Class::Numerics, title).cause(cause).hint(cure)
+    }
+
+    /// Whether the iterations of the last failure went astray, while supports and loads seem to be in order.
+    fn is_lost(&self) -> bool {
+        use FailureCause::{CyclingContact, Divergence, InvertedCell, NoEquilibrium, SlowConvergence};
+        let simulation = self.0.simulation.try_borrow();
+        simulation.is_ok_and(|simulation| {
+            let cause = simulation.failure().map(|report| &report.cause);
+            let cycles = matches!(cause, Some(CyclingContact { .. } | NoEquilibrium { missing: None | Some(Missing::Guidance), .. }));
+            cycles || matches!(cause, Some(Divergence | InvertedCell { .. } | SlowConvergence))
+        })
+    }
+}

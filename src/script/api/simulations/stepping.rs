@@ -1,0 +1,215 @@
+//! Taking steps: what a simulation does before, between and after them, and the functions that a script calls for it.
+//!
+//! A step is taken whole or not at all, so that a run that was stopped can be gone on with exactly.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rhai::{Dynamic, EvalAltResult};
+
+use super::artifacts::Artifacts;
+use super::handle::{Past, SimulationHandle, busy};
+use crate::dynamics::{LedgerRow, State, StepError};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::flight_example;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::callback::Callback;
+use crate::script::language::digits::{brief, number_text, vector_text};
+use crate::script::language::failure::{Failure, interrupted};
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::observer::Progress;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// `step`: so many steps.
+pub fn step() -> Function {
+    Function {
+        name: "step",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "takes one step, or so many",
+        parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
+        returns: "",
+        example: flight_example("sim.step();"),
+        see_also: &["run_to"],
+        body: body(|call| {
+            let count = call.integer("count")?;
+            call.receiver::<SimulationHandle>().advance(call, None, count as usize)?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `run_to`: steps until a time.
+pub fn run_to() -> Function {
+    Function {
+        name: "run_to",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "takes steps until a time, which is met exactly",
+        parameters: vec![Parameter::number("time", "time", Interval::Finite, "the time at which it stops")],
+        returns: "",
+        example: flight_example("sim.run_to(0.05);"),
+        see_also: &["step", "on_step"],
+        body: body(|call| {
+            let (handle, end) = (call.receiver::<SimulationHandle>(), call.number("time")?);
+            let end = handle.0.kernel_time(end);
+            let now = handle.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
+            if end < now {
+                let failure = call.argument("time").fail(format!("`run_to` goes forward, but {} has passed", number_text(end)));
+                let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
+                return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
+            }
+            handle.advance(call, Some(end), usize::MAX)?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `on_step`: a closure after every step.
+pub fn on_step() -> Function {
+    Function {
+        name: "on_step",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "calls a closure with the simulation after every step from now on",
+        parameters: vec![Parameter::new("action", Kind::Closure("|sim|"), "what is done after a step")],
+        returns: "",
+        example: flight_example("sim.on_step(|s| if s.time > 0.03 { print(s.energy.total) });\nsim.run_to(0.04);"),
+        see_also: &["run_to", "history"],
+        body: body(|call| {
+            let callback = call.callback("action")?;
+            call.host.count_effect();
+            call.receiver::<SimulationHandle>().0.callbacks.borrow_mut().push(callback);
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+impl SimulationHandle {
+    /// Keeps the state before a step, and forgets the oldest ones when they take too much memory.
+    fn keep_past(&self, state: Arc<State>, rows: usize) {
+        let mut past = self.0.past.borrow_mut();
+        let size = self.0.simulation.try_borrow().map_or(0, |simulation| simulation.state_size());
+        let most = (PAST_BYTES / size.max(1)).clamp(1, PAST_STATES);
+        while past.len() >= most {
+            past.pop_front();
+        }
+        past.push_back(Past { state, rows });
+    }
+
+    /// Bodies that overlap at the start are an error: they are hardly ever meant, and contact would hold them as they are.
+    fn refuse_overlaps(&self, call: &Call) -> Result<(), Failure> {
+        let overlaps = self.0.overlaps.borrow();
+        let Some(worst) = overlaps.iter().max_by(|a, b| a.facets.total_cmp(&b.facets)) else { return Ok(()) };
+        let place = vector_text(&worst.at);
+        let others = match overlaps.len() - 1 {
+            0 => String::new(),
+            others => format!("; {others} more overlap"),
+        };
+        let cause = format!("by {}, {:.2} facets, at {place}{others}", brief(worst.depth), worst.facets);
+        Err(call.fail(worst.to_string()).cause(cause).hint(worst.cure()))
+    }
+
+    /// Takes steps until `count` of them are taken or `end` is reached.
+    fn advance(&self, call: &Call, end: Option<f64>, count: usize) -> Result<(), Box<EvalAltResult>> {
+        self.refuse_overlaps(call)?;
+        if call.host.is_check() {
+            return Ok(());
+        }
+        self.refuse_nested(call)?;
+        let from = self.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
+        self.begin(call)?;
+        self.0.advancing.set(true);
+        call.host.begin_steps();
+        let reached = || end.is_some_and(|end| self.0.simulation.borrow().time() >= end);
+        let mut outcome = Ok(());
+        let mut taken = 0;
+        while outcome.is_ok() && taken < count && !reached() {
+            outcome = self.take_step(call, from, end);
+            taken += 1;
+        }
+        self.0.advancing.set(false);
+        call.host.end_steps();
+        call.host.observer.ended();
+        if end.is_some() {
+            // `run_to` waits for its frames. Single steps do not, because the next one reports a frame that was refused.
+            let written = self.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), Artifacts::wait);
+            outcome = outcome.and(written.map_err(Into::into));
+        }
+        outcome
+    }
+
+    /// Takes one step, and keeps what it computed: its rows, its state, the memory of the state before.
+    fn take_step(&self, call: &Call, from: f64, end: Option<f64>) -> Result<(), Box<EvalAltResult>> {
+        let data = &self.0;
+        let stopped = || {
+            let time = data.simulation.borrow().time();
+            interrupted(format!("interrupted at t = {}", brief(time))).hint("everything up to this time is kept")
+        };
+        if call.host.is_stopped() {
+            return Err(stopped().into());
+        }
+        let mut rows = Vec::new();
+        let begun = Instant::now();
+        let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state(), data.history.borrow().len());
+        let stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
+        data.spent.set(data.spent.get() + begun.elapsed());
+        if matches!(stepped, Err(StepError::Interrupted { .. })) && !rows.is_empty() {
+            // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
+            data.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&before);
+            let time = before.row.time;
+            return Err(interrupted(format!("interrupted at t = {}", brief(time))).hint("everything up to this time is kept").into());
+        }
+        if !rows.is_empty() {
+            call.host.count_effect();
+            self.keep_past(before, known);
+        }
+        for row in rows {
+            self.accept(call, row, from, end)?;
+        }
+        self.warn_of_large_motion(call.host);
+        stepped.map_err(|error| self.step_failure(call, error))?;
+        // No borrow is held here, because a closure may look at everything and hand over further closures.
+        let callbacks = data.callbacks.borrow().clone();
+        for callback in callbacks {
+            let _ = callback.call([Dynamic::from(self.clone())]).map_err(|error| passed_on(&callback, error))?;
+        }
+        if call.host.is_interrupted() { Err(stopped().into()) } else { Ok(()) }
+    }
+
+    /// What comes before the first step: the first frame of the fields.
+    fn begin(&self, call: &Call) -> Result<(), Failure> {
+        if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
+            let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
+            artifacts.begin(&simulation)?;
+        }
+        Ok(())
+    }
+
+    /// Keeps the row of an accepted piece of a step.
+    fn accept(&self, call: &Call, row: LedgerRow, from: f64, until: Option<f64>) -> Result<(), Failure> {
+        let data = &self.0;
+        let row = data.script_row(row);
+        data.scale.set(data.scale.get().max(row.total().abs()));
+        call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get() });
+        if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
+            let simulation = data.simulation.try_borrow().map_err(|_| busy(call))?;
+            artifacts.accepted(&row, &simulation)?;
+        }
+        // Every piece of a halved step is looked at, because a contact may have opened again at the end of the step.
+        self.note_closed(row.time, row.contacts.iter().map(|contact| contact.active));
+        data.history.borrow_mut().push(row);
+        Ok(())
+    }
+}
+
+/// Bytes of memory that the states before the last steps of a simulation may take.
+const PAST_BYTES: usize = 64 << 20;
+/// States before the last steps of a simulation at most.
+const PAST_STATES: usize = 1000;
+
+/// An error of a closure that a step called, with its own place first.
+fn passed_on(callback: &Callback, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
+    if error.is_catchable() { Failure::script("in a step that this call took").caused_by(callback.wrap(*error)).into() } else { error }
+}

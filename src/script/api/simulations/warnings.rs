@@ -1,0 +1,59 @@
+//! Warnings of what a run did or never did.
+
+use super::handle::{SimulationHandle, Simulations};
+use crate::dynamics::{RunFinding, RunFindingKind};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::brief;
+use crate::script::language::host::Host;
+
+impl SimulationHandle {
+    /// Warns of loads that never acted and contact that never closed.
+    pub fn warn_of_idle_parts(&self, host: &Host) {
+        let stepped = self.0.history.borrow().len() > 1;
+        if !stepped {
+            return;
+        }
+        for load in self.0.model.loads.iter().filter(|load| load.amplitude.never_acted()) {
+            let warning = Diagnostic::warning(format!("the {} never acted", load.title), load.place.clone())
+                .cause("its amplitude was zero at every step of the run")
+                .hint("check its times and its size against the time that the simulation covers");
+            host.warn(warning);
+        }
+        let closed = self.0.closed_since.borrow();
+        let model = &self.0.model.model;
+        let is_tie = |name: &str| model.interactions.iter().any(|tie| tie.is_tie() && tie.name == name);
+        for (name, _) in model.contact_names().into_iter().zip(&*closed).filter(|(name, since)| since.is_none() && !is_tie(name)) {
+            let place = self.0.model.place_of_contact(name);
+            let warning = Diagnostic::warning(format!("contact \"{name}\" never closed"), place)
+                .cause("no node of its secondary side was active in any step")
+                .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
+            host.warn(warning);
+        }
+    }
+
+    /// Warns of what is remarkable about the run so far.
+    pub fn warn_of_findings(&self, host: &Host) {
+        let found = self.0.simulation.try_borrow().map(|simulation| simulation.findings(&self.0.history.borrow()));
+        found.iter().flatten().for_each(|finding| self.warn_of(host, finding));
+    }
+
+    /// Warns of one finding, at the contact pair it speaks of or where the simulation was made.
+    pub(super) fn warn_of(&self, host: &Host, finding: &RunFinding) {
+        let RunFinding { contact, explanation, step, time, .. } = finding;
+        let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
+        let which = if Simulations::of(host).0.borrow().len() > 1 { format!("simulation \"{}\", ", self.0.name) } else { String::new() };
+        let cause = format!("{explanation} ({which}t = {}, step {step})", brief(*time));
+        host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.cure()));
+    }
+
+    /// Warns at once of motion for which steps are halved: a run may take long from then on.
+    pub(super) fn warn_of_large_motion(&self, host: &Host) {
+        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
+        let causes = simulation.halvings().len();
+        if self.0.causes_seen.replace(causes) < causes {
+            let found = simulation.findings(&self.0.history.borrow());
+            let motions = found.iter().filter(|finding| matches!(finding.kind, RunFindingKind::Motion(_)));
+            motions.for_each(|finding| self.warn_of(host, finding));
+        }
+    }
+}

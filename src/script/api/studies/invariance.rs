@@ -1,0 +1,190 @@
+//! `expect_invariant`: a scenario runs again moved, turned or in other units, and must move the same.
+
+use rhai::{Dynamic, EvalAltResult};
+
+use crate::dynamics::BodyFields;
+use crate::math::catalogue::Interval;
+use crate::math::tolerances::INVARIANT;
+use crate::script::api::asides::begin_study;
+use crate::script::api::checks::verdicts::{failed, only_listed, passed};
+use crate::script::api::motion::Motion;
+use crate::script::api::simulations::handle::SimulationHandle;
+use crate::script::api::units::Units;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::digits::{brief, number_text, significant};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
+use crate::script::language::values::describe;
+
+/// The function `expect_invariant`.
+pub fn expect_invariant() -> Function {
+    let factor =
+        |name: &'static str, summary: &'static str| Parameter::number(name, "1", Interval::Positive, summary).or(Absent::Number(1.0));
+    Function {
+        name: "expect_invariant",
+        form: Form::Function,
+        topic: Topic::Checks,
+        summary: "runs a scenario as it is and again turned, moved or in other units, each by itself, and ends the script with an \
+                  error when it moves otherwise",
+        parameters: vec![
+            Parameter::new(
+                "action",
+                Kind::Closure("||"),
+                "builds a model, runs it and gives the simulation; while it is run again, `simulate` moves the whole model, and the script \
+                 keeps its own clock",
+            ),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("rotate", "rad", Interval::Finite, "the angle by which the model is turned about the third axis")
+                        .or(Absent::Means("not turned")),
+                    Parameter::new("translate", Kind::Vector, "the vector by which it is moved")
+                        .of("length")
+                        .or(Absent::Means("not moved")),
+                    Parameter::new(
+                        "units",
+                        Kind::Options(vec![
+                            factor("mass", "how many new units of mass the old one is"),
+                            factor("length", "how many new units of length the old one is"),
+                            factor("time", "how many new units of time the old one is"),
+                        ]),
+                        "the new units",
+                    )
+                    .or(Absent::Means("the same units")),
+                    Parameter::number("tolerance", "1", Interval::NonNegative, "the largest difference, relative to each quantity's size")
+                        .or(Absent::Number(INVARIANT)),
+                ]),
+                "what is changed",
+            ),
+        ],
+        returns: "",
+        example:
+            "fn flight() {\n    let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });\n    let sky = \
+                  model(\"sky\");\n    let plate = sky.add_body(\"plate\", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), rubber);\n    \
+                  sky.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });\n    let sim = simulate(sky, #{ integrator: \
+                  energy_momentum(), dt: 0.01 });\n    sim.run_to(0.1);\n    sim\n}\nexpect_invariant(|| flight(), #{ rotate: deg(30), \
+                  translate: [1.0, 2.0], units: #{ length: 1000.0, time: 1000.0 } });"
+                .into(),
+        see_also: &["expect_order", "expect_conserved"],
+        body: body(run_invariance),
+    }
+}
+
+fn run_invariance(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+    let options = call.options("options")?;
+    let tolerance = options.number("tolerance")?;
+    let motions = motions_of(&options)?;
+    if motions.is_empty() {
+        let failure = call.argument("options").fail("`expect_invariant` changes nothing").label("names no change");
+        return Err(failure.hint("give `rotate`, `translate` or `units`").into());
+    }
+    let changes: Vec<String> = motions.iter().map(Motion::describe).collect();
+    if only_listed(call, &format!("the scenario moves the same {}", changes.join(" and "))) {
+        return Ok(Dynamic::UNIT);
+    }
+    let original = scenario(call, None)?;
+    let mut worst = Vec::new();
+    for motion in motions {
+        let moved = scenario(call, Some(motion))?;
+        let (size, difference) = compare(call, &original, &moved, &motion)?;
+        // A difference that is no number does not pass, because the comparison is written this way round.
+        if size <= tolerance {
+            worst.push(significant(size, 2));
+            continue;
+        }
+        let title = format!("the scenario is not the same when it is {}", motion.describe()).replace("is in other", "is written in other");
+        let failure = failed(call, title).at(Target::Argument(0)).label(format!("tolerance {}", number_text(tolerance)));
+        return Err(failure
+            .cause(difference)
+            .hint("a motion that depends on where it happens has a direction or a size in it that is not that of the model")
+            .hint("where contact is chaotic, differences grow with time: compare a shorter run, or allow a larger `tolerance`")
+            .into());
+    }
+    passed(call, &format!("ok  the same {} (largest relative difference {})", changes.join(" and "), worst.join(", ")))
+}
+
+/// The motions that options name, each to be applied by itself.
+fn motions_of(options: &Options) -> Result<Vec<Motion>, Failure> {
+    let mut motions = Vec::new();
+    if let Some(angle) = options.optional_number("rotate")? {
+        motions.push(Motion::rotation(angle));
+    }
+    let offset = options.argument("translate");
+    if offset.is_given() {
+        let length = offset.array()?.len();
+        motions.push(Motion::translation(offset.vector(if length == 3 { 3 } else { 2 })?));
+    }
+    if options.argument("units").is_given() {
+        let units = options.nested("units")?;
+        let units = Units { mass: units.number("mass")?, length: units.number("length")?, time: units.number("time")? };
+        motions.push(Motion::in_units(units));
+    }
+    Ok(motions)
+}
+
+/// Runs the scenario, moved or not.
+fn scenario(call: &Call, motion: Option<Motion>) -> Result<SimulationHandle, Box<EvalAltResult>> {
+    let action = call.callback("action")?;
+    let value = {
+        let _aside = begin_study(call.host, motion);
+        action.call([])?
+    };
+    match value.clone().try_cast::<SimulationHandle>() {
+        Some(handle) => Ok(handle),
+        None => {
+            let failure = call.argument("action").fail("the closure must give a simulation");
+            let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
+            Err(failure.hint("let the last expression of the closure, without a semicolon, be the simulation").into())
+        }
+    }
+}
+
+/// The largest relative difference of two runs, and it in words.
+fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, motion: &Motion) -> Result<(f64, String), Failure> {
+    let read =
+        |handle: &SimulationHandle| handle.with(call, |simulation| (simulation.row().clone(), simulation.fields(), simulation.dimension()));
+    let ((row, fields, dimension), (moved_row, moved_fields, _)) = (read(original)?, read(moved)?);
+    let units = motion.units;
+    let same_shape =
+        fields.len() == moved_fields.len() && fields.iter().zip(&moved_fields).all(|(a, b)| a.displacement.len() == b.displacement.len());
+    if !same_shape {
+        let failure = call.argument("action").fail("the closure gives another model when it is called again");
+        return Err(failure.label("not the same bodies").hint("build the same model on every call"));
+    }
+    let mut worst = (0.0, String::new());
+    let mut note = |difference: f64, scale: f64, what: String| {
+        let size = if difference == 0.0 { 0.0 } else { difference / scale };
+        if size.is_nan() || size > worst.0 {
+            worst = (size, format!("{what} differs by {} relative to {}", significant(size, 3), brief(scale)));
+        }
+    };
+    note((row.time - moved_row.time / units.time).abs(), row.time.abs(), "the time reached".into());
+    let energy = motion.energy(dimension);
+    let total = row.kinetic.abs() + row.strain.abs();
+    note((row.kinetic - moved_row.kinetic / energy).abs(), total, "the kinetic energy".into());
+    note((row.strain - moved_row.strain / energy).abs(), total, "the strain energy".into());
+    let scale_of = |pick: fn(&BodyFields) -> &Vec<[f64; 3]>| {
+        fields.iter().flat_map(|body| pick(body).iter()).fold(0.0_f64, |scale, vector| scale.max(length(*vector)))
+    };
+    let (far, fast) = (scale_of(|body| &body.displacement), scale_of(|body| &body.velocity));
+    for (body, other) in fields.iter().zip(&moved_fields) {
+        for node in 0..body.displacement.len() {
+            let u = motion.vector(body.displacement[node], units.length);
+            note(gap(u, other.displacement[node]), far * units.length, format!("the displacement of node {node} of \"{}\"", body.name));
+            let v = motion.vector(body.velocity[node], units.length / units.time);
+            let scale = fast * units.length / units.time;
+            note(gap(v, other.velocity[node]), scale, format!("the velocity of node {node} of \"{}\"", body.name));
+        }
+    }
+    Ok(worst)
+}
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}
+
+fn gap(a: [f64; 3], b: [f64; 3]) -> f64 {
+    length([a[0] - b[0], a[1] - b[1], a[2] - b[2]])
+}

@@ -1,0 +1,190 @@
+//! `expect_order`: a closure runs with smaller and smaller steps, and its result must converge with an order.
+
+use rhai::{Array, Dynamic, EvalAltResult};
+
+use crate::math::catalogue::Interval;
+use crate::math::tolerances::ORDER_ROUND_OFF;
+use crate::script::api::asides::begin_study;
+use crate::script::api::checks::verdicts::{failed, only_listed, passed};
+use crate::script::api::simulations::handle::SimulationHandle;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::digits::{brief, number_text, significant};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
+use crate::script::language::values::{as_number, describe};
+
+/// The function `expect_order`.
+pub fn expect_order() -> Function {
+    Function {
+        name: "expect_order",
+        form: Form::Function,
+        topic: Topic::Checks,
+        summary: "runs a closure with smaller and smaller steps and ends the script with an error unless its result converges \
+                  with an order",
+        parameters: vec![
+            Parameter::new(
+                "action",
+                Kind::Closure("|dt|"),
+                "computes with a step size; gives a number, an array of numbers, or a simulation, whose final positions are compared",
+            ),
+            Parameter::number("order", "1", Interval::Positive, "the order: halving the step divides the error by 2^order"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("dt", "any", Interval::Positive, "the largest step size"),
+                    Parameter::new("runs", Kind::Integer, "the number of step sizes, each half of the one before")
+                        .within(Interval::Closed(2.0, 12.0))
+                        .or(Absent::Integer(4)),
+                    Parameter::new("exact", Kind::Any, "the exact result, a number or an array of numbers")
+                        .or(Absent::Means("results of successive step sizes are compared")),
+                    Parameter::number(
+                        "tolerance",
+                        "1",
+                        Interval::Positive,
+                        "the largest deviation of the last order from the expected one",
+                    )
+                    .or(Absent::Number(0.2)),
+                ]),
+                "the step sizes",
+            ),
+        ],
+        returns: "",
+        example: "// the midpoint rule for y' = y, from 0 to 1\nfn exponential(dt) {\n    \
+                      let y = 1.0;\n    \
+                      for step in 0..round(1.0 / dt).to_int() { y *= (1.0 + dt / 2.0) / (1.0 - dt / 2.0); }\n    \
+                      y\n\
+                  }\n\
+                  expect_order(|dt| exponential(dt), 2.0, #{ dt: 0.1, exact: exp(1.0) });"
+            .into(),
+        see_also: &["expect_close", "expect_invariant"],
+        body: body(run_order),
+    }
+}
+
+fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+    let (order, options) = (call.number("order")?, call.options("options")?);
+    let (largest, runs, tolerance) = (options.number("dt")?, options.integer("runs")?, options.number("tolerance")?);
+    let exact = exact_of(&options)?;
+    if exact.is_none() && runs < 3 {
+        let failure = options.argument("runs").fail("an order needs three runs, or the exact result and two");
+        return Err(failure.hint("give `runs: 4`, or `exact: …`").into());
+    }
+    if only_listed(call, &format!("the closure converges with order {}", number_text(order))) {
+        return Ok(Dynamic::UNIT);
+    }
+    let sizes: Vec<f64> = (0..runs).map(|run| largest / f64::powi(2.0, run as i32)).collect();
+    let mut results = Vec::new();
+    for &dt in &sizes {
+        results.push(result_of(call, dt, exact.as_deref().or(results.first().map(Vec::as_slice)))?);
+    }
+    let convergence = Convergence::of(sizes, &results, exact.as_deref());
+    if (convergence.order() - order).abs() <= tolerance {
+        let errors: Vec<String> = convergence.errors.iter().map(|error| significant(*error, 2)).collect();
+        let orders = convergence.shown_orders().join(", ");
+        return passed(call, &format!("ok  converges with order {orders} (errors {})", errors.join(", ")));
+    }
+    Err(convergence.failure(call, order, tolerance).into())
+}
+
+fn exact_of(options: &Options) -> Result<Option<Vec<f64>>, Failure> {
+    let exact = options.argument("exact");
+    if !exact.is_given() {
+        return Ok(None);
+    }
+    let numbers = numbers_in(&exact.value());
+    numbers.map(Some).ok_or_else(|| exact.fail("`exact` of `expect_order` must be a number or an array of numbers"))
+}
+
+/// What the results for smaller and smaller steps show.
+struct Convergence {
+    sizes: Vec<f64>,
+    /// Errors, or differences to the next result where the exact one is not known.
+    errors: Vec<f64>,
+    orders: Vec<f64>,
+    is_exact_known: bool,
+    /// The largest number among the results.
+    scale: f64,
+}
+
+impl Convergence {
+    fn of(sizes: Vec<f64>, results: &[Vec<f64>], exact: Option<&[f64]>) -> Self {
+        let errors: Vec<f64> = match exact {
+            Some(exact) => results.iter().map(|result| distance(result, exact)).collect(),
+            None => results.windows(2).map(|pair| distance(&pair[0], &pair[1])).collect(),
+        };
+        let orders = errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
+        let scale = results.iter().flatten().fold(0.0_f64, |scale, value| scale.max(value.abs()));
+        Convergence { sizes, errors, orders, is_exact_known: exact.is_some(), scale }
+    }
+
+    /// The order between the two smallest steps.
+    fn order(&self) -> f64 {
+        self.orders.last().copied().unwrap_or(f64::NAN)
+    }
+
+    fn shown_orders(&self) -> Vec<String> {
+        self.orders.iter().map(|order| format!("{order:.2}")).collect()
+    }
+
+    /// The failure of another order than the expected one.
+    fn failure(&self, call: &Call, expected: f64, tolerance: f64) -> Failure {
+        let (last, shown) = (self.order(), self.shown_orders());
+        let title = format!("the closure converges with order {}, not {}", significant(last, 3), number_text(expected));
+        let mut failure = failed(call, title).at(Target::Argument(0)).label(format!("tolerance {}", number_text(tolerance)));
+        let word = if self.is_exact_known { "error" } else { "difference to the next" };
+        for (index, error) in self.errors.iter().enumerate() {
+            let order = index.checked_sub(1).map(|before| format!(", order {}", shown[before])).unwrap_or_default();
+            failure = failure.cause(format!("dt = {}: {word} {}{order}", brief(self.sizes[index]), significant(*error, 3)));
+        }
+        failure.hint(if self.errors.iter().any(|error| *error <= ORDER_ROUND_OFF * self.scale) {
+            "the results agree to round-off, where no order can be read: begin with a larger `dt`, or compare something else"
+        } else if last < expected {
+            "begin with a smaller `dt` if the orders still rise; loads with kinks and contact that opens or closes lower the order"
+        } else {
+            "begin with a smaller `dt` if the orders still fall; the result may be better than the method"
+        })
+    }
+}
+
+fn numbers_in(value: &Dynamic) -> Option<Vec<f64>> {
+    match as_number(value) {
+        Some(number) => Some(vec![number]),
+        None => value.read_lock::<Array>().and_then(|array| array.iter().map(as_number).collect()),
+    }
+}
+
+/// The largest difference of two results.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()))
+}
+
+/// What the closure gives for a step size, as long as another result.
+fn result_of(call: &Call, dt: f64, like: Option<&[f64]>) -> Result<Vec<f64>, Box<EvalAltResult>> {
+    let action = call.callback("action")?;
+    let value = {
+        let _aside = begin_study(call.host, None);
+        action.call([Dynamic::from(dt)])?
+    };
+    let numbers = match value.clone().try_cast::<SimulationHandle>() {
+        Some(handle) => Some(handle.with(call, |simulation| simulation.state().positions)?),
+        None => numbers_in(&value),
+    };
+    let wrong = |title: &str, label: String| -> Box<EvalAltResult> {
+        let failure = call.argument("action").fail(title).label(label);
+        failure.hint("let the last expression of the closure, without a semicolon, be the result").into()
+    };
+    let Some(numbers) = numbers else {
+        let given = describe(call.engine(), &value);
+        return Err(wrong("the closure must give a number, an array of numbers, or a simulation", format!("this gives {given}")));
+    };
+    if numbers.iter().any(|number| !number.is_finite()) {
+        return Err(wrong("the closure gives a number that is not finite", format!("at dt = {}", number_text(dt))));
+    }
+    if like.is_some_and(|like| like.len() != numbers.len()) {
+        let (count, other) = (numbers.len(), like.map_or(0, <[f64]>::len));
+        return Err(wrong("the results have different lengths", format!("{count} numbers at dt = {}, not {other}", number_text(dt))));
+    }
+    Ok(numbers)
+}

@@ -1,0 +1,302 @@
+//! Time functions: the built-in ones, numbers, and closures of time that the solver calls.
+
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rhai::{Dynamic, FnPtr};
+
+use crate::dynamics::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
+use crate::math::catalogue::Interval;
+use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::callback::Callback;
+use crate::script::language::digits::number_text;
+use crate::script::language::failure::{Failure, ScriptError};
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::host::Host;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::thread_bound::ThreadBound;
+use crate::script::language::values::{as_number, describe};
+
+/// A time function in a script.
+#[derive(Clone)]
+pub struct TimeFunctionHandle(pub Amplitude);
+
+impl Handle for TimeFunctionHandle {
+    const NAME: &'static str = "TimeFunction";
+
+    fn instead_of_operator() -> Option<&'static str> {
+        Some("write a closure instead, such as `|t| 2.0 * f(t)`")
+    }
+
+    fn describe(&self) -> String {
+        self.0.describe()
+    }
+}
+
+/// The same value at all times.
+fn constant(value: f64) -> Amplitude {
+    Arc::new(Constant(value))
+}
+
+/// A closure of time.
+fn closure(call: &Call, function: FnPtr) -> Amplitude {
+    let closure = Closure { callback: Callback::new(call, function), host: call.host.clone() };
+    Arc::new(ScriptFunction(ThreadBound::new(closure)))
+}
+
+/// The time function that an argument means: a number, one of the built-in ones, or a closure of time.
+///
+/// # Errors
+/// Anything else.
+pub fn amplitude_of(argument: &Argument) -> Result<Amplitude, Failure> {
+    if !argument.is_given() {
+        return match argument.absent() {
+            Absent::Number(value) => Ok(constant(value)),
+            _ => Err(argument.missing()),
+        };
+    }
+    let value = argument.value();
+    if let Some(number) = as_number(&value) {
+        return match number.is_finite() {
+            true => Ok(constant(number)),
+            false => Err(argument.out_of_range(Interval::Finite, &number_text(number))),
+        };
+    }
+    if let Some(handle) = value.clone().try_cast::<TimeFunctionHandle>() {
+        return Ok(handle.0);
+    }
+    match value.read_lock::<FnPtr>() {
+        Some(function) => Ok(closure(argument.call(), function.clone())),
+        None => Err(argument.wrong_type()),
+    }
+}
+
+/// A closure with the host of its script.
+struct Closure {
+    callback: Callback,
+    host: Rc<Host>,
+}
+
+/// An error of a closure on its way through the kernels, which may go to other threads.
+#[derive(Debug)]
+pub struct ClosureError {
+    text: String,
+    error: ThreadBound<ScriptError>,
+}
+
+impl ClosureError {
+    fn boxed(error: ScriptError) -> TimeFunctionError {
+        Box::new(ClosureError { text: error.to_string(), error: ThreadBound::new(error) })
+    }
+
+    /// The error as the engine gave it; nothing on another thread.
+    pub fn error(&self) -> Option<ScriptError> {
+        self.error.get().map(|error| ScriptError::clone(&error))
+    }
+}
+
+impl std::fmt::Display for ClosureError {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{}", self.text)
+    }
+}
+
+impl std::error::Error for ClosureError {}
+
+/// A closure of time as the solver holds it.
+struct ScriptFunction(ThreadBound<Closure>);
+
+impl TimeFunction for ScriptFunction {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        let closure = self.0.get().ok_or("the closure belongs to another thread")?;
+        let Closure { callback, host } = &*closure;
+        let value = callback.call([Dynamic::from(time)]).map_err(|error| ClosureError::boxed(callback.wrap(*error)))?;
+        match as_number(&value) {
+            Some(number) if number.is_finite() => Ok(number),
+            _ => {
+                let given = host.engine().map_or(String::new(), |engine| describe(&engine.borrow(), &value));
+                let failure = Failure::script(format!("the closure must give a finite number at t = {}", number_text(time)))
+                    .label("given here")
+                    .cause(format!("it gives {given}"))
+                    .hint("let its last expression be the number");
+                Err(ClosureError::boxed(callback.refuse(failure)))
+            }
+        }
+    }
+
+    fn describe(&self) -> String {
+        "|t| …".into()
+    }
+}
+
+/// A time function that remembers whether it was ever asked and ever different from zero.
+pub struct Watched {
+    inner: Arc<dyn TimeFunction>,
+    asked: AtomicBool,
+    acted: AtomicBool,
+}
+
+impl Watched {
+    /// Watches a time function.
+    pub fn new(inner: Arc<dyn TimeFunction>) -> Self {
+        Watched { inner, asked: AtomicBool::new(false), acted: AtomicBool::new(false) }
+    }
+
+    /// Whether it was asked and was zero each time.
+    pub fn never_acted(&self) -> bool {
+        self.asked.load(Ordering::Relaxed) && !self.acted.load(Ordering::Relaxed)
+    }
+}
+
+impl TimeFunction for Watched {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        let value = self.inner.value(time)?;
+        self.asked.store(true, Ordering::Relaxed);
+        self.acted.fetch_or(value != 0.0, Ordering::Relaxed);
+        Ok(value)
+    }
+
+    fn describe(&self) -> String {
+        self.inner.describe()
+    }
+}
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    vec![hat(), ramp(), sine(), table(), value()]
+}
+
+/// When a function leaves a constant value, and when it arrives at another.
+fn window() -> [Parameter; 2] {
+    [
+        Parameter::number("start", "time", Interval::Finite, "the time at which it leaves zero"),
+        Parameter::number("end", "time", Interval::Finite, "the time at which it arrives"),
+    ]
+}
+
+fn window_of(call: &Call) -> Result<(f64, f64), Failure> {
+    let (start, end) = (call.number("start")?, call.number("end")?);
+    if start < end {
+        return Ok((start, end));
+    }
+    let failure = call.argument("end").fail(format!("{} must be greater than `start`", call.argument("end").title()));
+    Err(failure
+        .label(format!("this is {}", number_text(end)))
+        .cause(format!("`start` is {}", number_text(start)))
+        .hint("swap the two times, or move one of them"))
+}
+
+fn hat() -> Function {
+    let [start, end] = window();
+    Function {
+        name: "hat",
+        form: Form::Function,
+        topic: Topic::TimeFunctions,
+        summary: "zero, up to `peak` in the middle between `start` and `end`, and back to zero, linearly",
+        parameters: vec![start, end, Parameter::number("peak", "any", Interval::Finite, "the largest value")],
+        returns: TimeFunctionHandle::NAME,
+        example: "let spin_up = hat(0.0, 0.5, 0.1);".into(),
+        see_also: &["ramp", "sine", "table"],
+        body: body(|call| {
+            let (start, end) = window_of(call)?;
+            Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Hat { start, end, peak: call.number("peak")? }))))
+        }),
+    }
+}
+
+fn ramp() -> Function {
+    let [start, end] = window();
+    Function {
+        name: "ramp",
+        form: Form::Function,
+        topic: Topic::TimeFunctions,
+        summary: "zero until `start`, linear to `value` at `end`, constant afterwards",
+        parameters: vec![start, end, Parameter::number("value", "any", Interval::Finite, "the final value")],
+        returns: TimeFunctionHandle::NAME,
+        example: "let push = ramp(0.0, 1.0, 50.0);".into(),
+        see_also: &["hat", "sine", "table"],
+        body: body(|call| {
+            let (start, end) = window_of(call)?;
+            Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Ramp { start, end, value: call.number("value")? }))))
+        }),
+    }
+}
+
+fn sine() -> Function {
+    Function {
+        name: "sine",
+        form: Form::Function,
+        topic: Topic::TimeFunctions,
+        summary: "`amplitude * sin(2 pi frequency t)`",
+        parameters: vec![
+            Parameter::number("amplitude", "any", Interval::Finite, "the largest value"),
+            Parameter::number("frequency", "1/time", Interval::Finite, "cycles per time"),
+        ],
+        returns: TimeFunctionHandle::NAME,
+        example: "let shake = sine(2.0, 5.0);".into(),
+        see_also: &["hat", "ramp", "table"],
+        body: body(|call| {
+            let (amplitude, frequency) = (call.number("amplitude")?, call.number("frequency")?);
+            Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Sine { amplitude, frequency }))))
+        }),
+    }
+}
+
+fn table() -> Function {
+    Function {
+        name: "table",
+        form: Form::Function,
+        topic: Topic::TimeFunctions,
+        summary: "linear between given points `[time, value]`, constant before the first and after the last",
+        parameters: vec![Parameter::new("points", Kind::Array, "an array of `[time, value]` pairs with increasing times")],
+        returns: TimeFunctionHandle::NAME,
+        example: "let history = table([[0.0, 0.0], [0.1, 5.0], [0.4, 1.0]]);".into(),
+        see_also: &["hat", "ramp", "sine"],
+        body: body(|call| {
+            let argument = call.argument("points");
+            let mut points = Vec::new();
+            for entry in argument.array()? {
+                let pair: Option<Vec<f64>> = entry.read_lock::<rhai::Array>().and_then(|pair| pair.iter().map(as_number).collect());
+                match pair.as_deref() {
+                    Some([time, value]) if time.is_finite() && value.is_finite() => points.push((*time, *value)),
+                    _ => {
+                        let given = describe(call.engine(), &entry);
+                        let failure = argument.fail("every point of `table` must be a pair `[time, value]`");
+                        return Err(failure.label(format!("this contains {given}")).hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into());
+                    }
+                }
+            }
+            match points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
+                Some(pair) => Err(argument
+                    .fail("the times of `table` must increase")
+                    .label(format!("{} comes after {}", number_text(pair[1].0), number_text(pair[0].0)))
+                    .hint("sort the points; a jump needs two times close to each other")
+                    .into()),
+                None => match Table::new(points) {
+                    Some(table) => Ok(Dynamic::from(TimeFunctionHandle(Arc::new(table)))),
+                    None => Err(argument.fail("`table` needs at least one point").hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into()),
+                },
+            }
+        }),
+    }
+}
+
+fn value() -> Function {
+    Function {
+        name: "value",
+        form: Form::Method(TimeFunctionHandle::receiver()),
+        topic: Topic::TimeFunctions,
+        summary: "the value of a time function at a time",
+        parameters: vec![Parameter::number("time", "time", Interval::Finite, "the time")],
+        returns: "number",
+        example: "print(hat(0.0, 1.0, 8.0).value(0.25)); // 4.0".into(),
+        see_also: &["hat", "ramp", "sine", "table"],
+        body: body(|call| {
+            let time = call.number("time")?;
+            let value = call.receiver::<TimeFunctionHandle>().0.value(time);
+            value.map(Dynamic::from).map_err(|error| call.fail(error.to_string()).into())
+        }),
+    }
+}

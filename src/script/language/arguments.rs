@@ -1,0 +1,293 @@
+//! Reads the arguments of a call: one place for conversion, ranges and defaults.
+//!
+//! Numbers may be written `1` or `1.0`, points are arrays (`arrays.rs`). A value of the wrong type is described in the words of the
+//! language. Which keys an options map may have is checked in `keys.rs` before a body runs.
+
+use rhai::{Dynamic, Map};
+
+use super::digits::number_text;
+use super::failure::Failure;
+use super::function::Call;
+use super::handle::{Handle, Types};
+use super::parameter::{Absent, Kind, Parameter};
+use super::scan::Target;
+use super::values::{as_number, as_whole, describe};
+use super::wording::{did_you_mean, joined};
+use crate::math::catalogue::Interval;
+
+/// Arguments by name: those of a call, or the keys of an options map.
+pub trait Arguments {
+    /// The argument of that name, given or not.
+    fn argument(&self, name: &str) -> Argument<'_>;
+
+    /// A number (or its default).
+    fn number(&self, name: &str) -> Result<f64, Failure> {
+        self.argument(name).number()
+    }
+
+    /// A number, if given.
+    fn optional_number(&self, name: &str) -> Result<Option<f64>, Failure> {
+        let argument = self.argument(name);
+        if argument.is_given() { argument.number().map(Some) } else { Ok(None) }
+    }
+
+    /// A whole number (or its default).
+    fn integer(&self, name: &str) -> Result<i64, Failure> {
+        self.argument(name).integer()
+    }
+
+    /// A truth value (or its default).
+    fn flag(&self, name: &str) -> Result<bool, Failure> {
+        self.argument(name).flag()
+    }
+
+    /// A string (or its default).
+    fn text(&self, name: &str) -> Result<String, Failure> {
+        self.argument(name).text()
+    }
+
+    /// An object.
+    fn handle<T: Handle>(&self, name: &str) -> Result<T, Failure> {
+        self.argument(name).handle()
+    }
+}
+
+impl<'a> Call<'a> {
+    /// The value of the parameter of that number, if it was given.
+    pub(super) fn value(&self, index: usize) -> Option<&Dynamic> {
+        self.values.get(index + usize::from(self.function.form.receiver().is_some()))
+    }
+
+    /// The options map of that name.
+    ///
+    /// # Errors
+    /// Something else was given.
+    pub fn options(&self, name: &str) -> Result<Options<'_>, Failure> {
+        let index = self.index(name);
+        let Kind::Options(keys) = &self.function.parameters[index].kind else {
+            panic!("`{name}` of `{}` is declared as options", self.function.name)
+        };
+        let map = match self.value(index) {
+            None => Map::new(),
+            Some(value) => value.read_lock::<Map>().map(|map| map.clone()).ok_or_else(|| self.argument(name).wrong_type())?,
+        };
+        Ok(Options { call: self, argument: index, keys, map, within: None })
+    }
+
+    fn index(&self, name: &str) -> usize {
+        let found = self.function.parameters.iter().position(|parameter| parameter.name == name);
+        found.unwrap_or_else(|| panic!("`{}` declares a parameter `{name}`", self.function.name))
+    }
+}
+
+impl Arguments for Call<'_> {
+    fn argument(&self, name: &str) -> Argument<'_> {
+        let index = self.index(name);
+        Argument {
+            call: self,
+            parameter: &self.function.parameters[index],
+            target: Target::Argument(index),
+            value: self.value(index).cloned(),
+        }
+    }
+}
+
+/// The keys of an options map.
+pub struct Options<'a> {
+    call: &'a Call<'a>,
+    argument: usize,
+    keys: &'a [Parameter],
+    map: Map,
+    /// The key whose value this map is, inside another.
+    within: Option<&'static str>,
+}
+
+impl<'a> Options<'a> {
+    /// The map that is the value of a key; empty when it is not given.
+    ///
+    /// # Errors
+    /// Something else was given.
+    pub fn nested(&self, name: &str) -> Result<Options<'a>, Failure> {
+        let key = self.keys.iter().find(|key| key.name == name);
+        let Some((key, Kind::Options(inner))) = key.map(|key| (key, &key.kind)) else {
+            panic!("`{name}` of `{}` is declared as options", self.call.function.name)
+        };
+        let map = match self.map.get(name) {
+            None => Map::new(),
+            Some(value) => value.read_lock::<Map>().map(|map| map.clone()).ok_or_else(|| self.argument(name).wrong_type())?,
+        };
+        Ok(Options { call: self.call, argument: self.argument, keys: inner, map, within: Some(key.name) })
+    }
+}
+
+impl Arguments for Options<'_> {
+    fn argument(&self, name: &str) -> Argument<'_> {
+        let parameter = self.keys.iter().find(|key| key.name == name);
+        let parameter = parameter.unwrap_or_else(|| panic!("`{}` declares a key `{name}`", self.call.function.name));
+        Argument {
+            call: self.call,
+            parameter,
+            target: Target::Key { argument: self.argument, key: self.within.unwrap_or(name).to_string(), value: true },
+            value: self.map.get(name).cloned(),
+        }
+    }
+}
+
+/// One argument, given or not.
+pub struct Argument<'a> {
+    pub(super) call: &'a Call<'a>,
+    pub(super) parameter: &'a Parameter,
+    target: Target,
+    pub(super) value: Option<Dynamic>,
+}
+
+impl Argument<'_> {
+    /// Whether the script gave it.
+    pub fn is_given(&self) -> bool {
+        self.value.is_some()
+    }
+
+    /// The value as it was given.
+    pub fn value(&self) -> Dynamic {
+        self.value.clone().unwrap_or_default()
+    }
+
+    /// The call it belongs to.
+    pub fn call(&self) -> &Call<'_> {
+        self.call
+    }
+
+    /// What holds when it is left out.
+    pub fn absent(&self) -> Absent {
+        self.parameter.absent
+    }
+
+    /// A failure that points at this argument.
+    pub fn fail(&self, title: impl Into<String>) -> Failure {
+        self.call.fail(title).at(self.target.clone())
+    }
+
+    /// `` `dt` of `simulate` ``.
+    pub fn title(&self) -> String {
+        format!("`{}` of {}", self.parameter.name, self.call.function.title())
+    }
+
+    /// The failure of a value of the wrong type.
+    pub fn wrong_type(&self) -> Failure {
+        let given = self.value.as_ref().map_or("nothing".to_string(), |value| describe(self.call.engine(), value));
+        let failure = self.fail(format!("{} must be {}", self.title(), self.parameter.requirement())).label(format!("this is {given}"));
+        let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
+        match &self.parameter.kind {
+            Kind::Number | Kind::Integer if self.value.as_ref().is_some_and(Dynamic::is_string) => failure.hint("leave out the quotes"),
+            Kind::Handle(name) => failure.hint(self.call.host.slots.get::<Types>().maker(name)),
+            Kind::Vector => failure.hint("write the components as an array, `[x, y]`"),
+            Kind::Options(_) => failure.hint(format!("write `{}(#{{ name: value, … }})`", self.call.function.name)),
+            kind => failure.hint(format!("give {}", kind.phrase())),
+        }
+    }
+
+    /// The failure of a number that the parameter does not allow.
+    pub fn out_of_range(&self, range: Interval, value: &str) -> Failure {
+        self.fail(format!("{} must be {}", self.title(), range))
+            .label(format!("this is {value}"))
+            .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))
+            .hint(format!("give {}", self.parameter.requirement()))
+    }
+
+    /// The failure of an argument that was left out and has no default.
+    pub fn missing(&self) -> Failure {
+        self.call.fail(format!("{} is missing", self.title())).hint(format!("give {}", self.parameter.requirement()))
+    }
+
+    /// A number in its range.
+    ///
+    /// # Errors
+    /// Another type, or out of range.
+    pub fn number(&self) -> Result<f64, Failure> {
+        let Some(value) = &self.value else {
+            return match self.parameter.absent {
+                Absent::Number(value) => Ok(value),
+                Absent::Integer(value) => Ok(value as f64),
+                _ => Err(self.missing()),
+            };
+        };
+        let number = as_number(value).ok_or_else(|| self.wrong_type())?;
+        if self.parameter.range.contains(number) { Ok(number) } else { Err(self.out_of_range(self.parameter.range, &number_text(number))) }
+    }
+
+    /// A whole number in its range; `2.0` counts as one.
+    ///
+    /// # Errors
+    /// Another type, a fraction, or out of range.
+    pub fn integer(&self) -> Result<i64, Failure> {
+        let Some(value) = &self.value else {
+            return match self.parameter.absent {
+                Absent::Integer(value) => Ok(value),
+                _ => Err(self.missing()),
+            };
+        };
+        let whole = as_whole(value).ok_or_else(|| self.wrong_type())?;
+        if self.parameter.range.contains(whole as f64) {
+            Ok(whole)
+        } else {
+            Err(self.out_of_range(self.parameter.range, &whole.to_string()))
+        }
+    }
+
+    /// A truth value.
+    ///
+    /// # Errors
+    /// Another type.
+    pub fn flag(&self) -> Result<bool, Failure> {
+        match (&self.value, self.parameter.absent) {
+            (Some(value), _) => value.as_bool().map_err(|_| self.wrong_type()),
+            (None, Absent::Flag(value)) => Ok(value),
+            (None, _) => Err(self.missing()),
+        }
+    }
+
+    /// A string, one of the choices where the parameter has them.
+    ///
+    /// # Errors
+    /// Another type or another word.
+    pub fn text(&self) -> Result<String, Failure> {
+        let Some(value) = &self.value else {
+            return match self.parameter.absent {
+                Absent::Text(value) => Ok(value.to_string()),
+                _ => Err(self.missing()),
+            };
+        };
+        let text = value.clone().into_string().map_err(|_| self.wrong_type())?;
+        match &self.parameter.kind {
+            Kind::Choice(words) if !words.contains(&text.as_str()) => Err(self.unknown_choice(&text, words)),
+            _ => Ok(text),
+        }
+    }
+
+    /// The failure of a word that is not one of the choices.
+    pub fn unknown_choice(&self, word: &str, known: &[impl AsRef<str>]) -> Failure {
+        self.unknown_name(format!("{} cannot be \"{word}\"", self.title()), word, known)
+    }
+
+    /// The failure of a name that does not exist, with those that do and the nearest of them.
+    pub fn unknown_name(&self, title: impl Into<String>, name: &str, known: &[impl AsRef<str>]) -> Failure {
+        let quoted: Vec<String> = known.iter().map(|word| format!("\"{}\"", word.as_ref())).collect();
+        let failure = self.fail(title).label("unknown name");
+        let failure = match quoted.len() {
+            0 => failure.cause("there is none to choose from"),
+            _ => failure.cause(format!("there {} {}", if quoted.len() == 1 { "is" } else { "are" }, joined(&quoted, "and"))),
+        };
+        match did_you_mean(name, known.iter().map(AsRef::as_ref)) {
+            Some(suggestion) => failure.hint(suggestion.replace('`', "\"")),
+            None => failure,
+        }
+    }
+
+    /// An object.
+    ///
+    /// # Errors
+    /// Another type.
+    pub fn handle<T: Handle>(&self) -> Result<T, Failure> {
+        self.value.clone().and_then(|value| value.try_cast::<T>()).ok_or_else(|| self.wrong_type())
+    }
+}

@@ -1,0 +1,111 @@
+//! Arguments that are arrays: vectors, numbers, points and counts.
+
+use rhai::{Array, Dynamic};
+
+use super::arguments::Argument;
+use super::digits::number_text;
+use super::failure::Failure;
+use super::values::{as_number, as_whole, describe};
+
+impl Argument<'_> {
+    /// An array of `dimension` numbers, the rest of the three filled with zeros.
+    ///
+    /// # Errors
+    /// Not an array, not of that length, or not of finite numbers.
+    pub fn vector(&self, dimension: usize) -> Result<[f64; 3], Failure> {
+        let mut vector = [0.0; 3];
+        vector[..dimension].copy_from_slice(&self.numbers_of(dimension)?);
+        Ok(vector)
+    }
+
+    /// An array of `count` finite numbers.
+    ///
+    /// # Errors
+    /// Not an array, not of that length, or not of finite numbers in range.
+    pub fn numbers_of(&self, count: usize) -> Result<Vec<f64>, Failure> {
+        let numbers = self.numbers()?;
+        if numbers.len() == count {
+            return Ok(numbers);
+        }
+        let failure = self.fail(format!("{} must have {count} components", self.title())).label(format!("this has {}", numbers.len()));
+        let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
+        Err(failure.hint(if count == 2 { "write `[x, y]`" } else { "write `[x, y, z]`" }))
+    }
+
+    /// An array of finite numbers, of any length.
+    ///
+    /// # Errors
+    /// Not an array, or not of finite numbers in range.
+    pub fn numbers(&self) -> Result<Vec<f64>, Failure> {
+        let array = self.array()?;
+        let numbers: Option<Vec<f64>> = array.iter().map(as_number).collect();
+        let numbers = numbers.ok_or_else(|| {
+            let wrong = array.iter().find(|value| as_number(value).is_none());
+            let what = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
+            self.fail(format!("{} must be an array of numbers", self.title())).label(format!("this contains {what}"))
+        })?;
+        match numbers.iter().find(|number| !self.parameter.range.contains(**number)) {
+            Some(wrong) => Err(self
+                .fail(format!("every entry of {} must be {}", self.title(), self.parameter.range))
+                .label(format!("this contains {}", number_text(*wrong)))
+                .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))),
+            None => Ok(numbers),
+        }
+    }
+
+    /// An array of points `[x, y]`.
+    ///
+    /// # Errors
+    /// Not an array, or not of pairs of finite numbers.
+    pub fn points(&self) -> Result<Vec<[f64; 2]>, Failure> {
+        let point = |entry: &Dynamic| -> Option<[f64; 2]> {
+            let numbers: Vec<f64> = entry.read_lock::<Array>()?.iter().map(as_number).collect::<Option<_>>()?;
+            <[f64; 2]>::try_from(numbers).ok().filter(|point| point.iter().all(|x| x.is_finite()))
+        };
+        let entries = self.array()?;
+        let points: Option<Vec<[f64; 2]>> = entries.iter().map(point).collect();
+        points.ok_or_else(|| {
+            let wrong = entries.iter().find(|entry| point(entry).is_none());
+            let given = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
+            let failure = self.fail(format!("every entry of {} must be a point `[x, y]`", self.title()));
+            failure.label(format!("this contains {given}")).hint("write `[[1.0, 0.0], [0.0, 0.0]]`")
+        })
+    }
+
+    /// An array of `count` positive whole numbers.
+    ///
+    /// # Errors
+    /// Anything else.
+    pub fn counts(&self, count: usize) -> Result<Vec<usize>, Failure> {
+        let array = self.array()?;
+        let whole: Option<Vec<i64>> = array.iter().map(as_whole).collect();
+        let whole = whole.ok_or_else(|| {
+            let wrong = array.iter().find(|value| as_whole(value).is_none());
+            let given = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
+            let failure = self.fail(format!("{} must be an array of whole numbers", self.title())).label(format!("this contains {given}"));
+            let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
+            failure.hint("write whole numbers, such as `[10, 40]`; `x.to_int()` drops a fraction")
+        })?;
+        if whole.len() != count {
+            return Err(self
+                .fail(format!("{} must have {count} entries", self.title()))
+                .label(format!("this has {}", whole.len()))
+                .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary)));
+        }
+        match whole.iter().find(|value| **value < 1) {
+            Some(wrong) => Err(self
+                .fail(format!("every entry of {} must be 1 or greater", self.title()))
+                .label(format!("this contains {wrong}"))
+                .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))),
+            None => Ok(whole.into_iter().map(|value| value as usize).collect()),
+        }
+    }
+
+    /// An array.
+    ///
+    /// # Errors
+    /// Another type.
+    pub fn array(&self) -> Result<Array, Failure> {
+        self.value.as_ref().and_then(|value| value.read_lock::<Array>().map(|array| array.clone())).ok_or_else(|| self.wrong_type())
+    }
+}

@@ -1,0 +1,175 @@
+//! A message as the user sees it: what is wrong, where, the numbers that show it, how to mend it.
+//!
+//! A diagnostic is plain data that can leave the thread of the script; drawing it is `annotate-snippets`' business. How errors of the
+//! engine become diagnostics is told in `explain/`.
+
+use annotate_snippets::renderer::DecorStyle;
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, normalize_untrusted_str};
+
+use super::failure::Class;
+use super::sources::Place;
+
+/// Whether the run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// It does not.
+    Error,
+    /// It does.
+    Warning,
+}
+
+/// One link of the chain of calls around an error.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// What was called, such as ``in the call of `broken` ``.
+    pub title: String,
+    /// Where.
+    pub place: Option<Place>,
+}
+
+/// A message.
+#[derive(Clone, Debug)]
+pub struct Diagnostic {
+    /// Error or warning.
+    pub severity: Severity,
+    /// Kind of failure.
+    pub class: Class,
+    /// What is wrong, one sentence.
+    pub title: String,
+    /// Where.
+    pub place: Option<Place>,
+    /// A few words at the place.
+    pub label: String,
+    /// The numbers that show it.
+    pub causes: Vec<String>,
+    /// How to mend it.
+    pub hints: Vec<String>,
+    /// The chain of calls, innermost first.
+    pub frames: Vec<Frame>,
+}
+
+/// How a diagnostic is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ink {
+    /// Without escape codes.
+    Plain,
+    /// With the colors of a terminal.
+    Colored,
+}
+
+/// Frames shown at most; a deep recursion repeats itself.
+const FRAMES: usize = 6;
+
+impl Diagnostic {
+    /// An error without a place.
+    pub fn error(class: Class, title: impl Into<String>) -> Self {
+        Diagnostic {
+            severity: Severity::Error,
+            class,
+            title: title.into(),
+            place: None,
+            label: String::new(),
+            causes: Vec::new(),
+            hints: Vec::new(),
+            frames: Vec::new(),
+        }
+    }
+
+    /// A warning at a place.
+    pub fn warning(title: impl Into<String>, place: Option<Place>) -> Self {
+        Diagnostic { severity: Severity::Warning, place, ..Diagnostic::error(Class::Script, title) }
+    }
+
+    /// The same with one more cause.
+    pub fn cause(mut self, cause: impl Into<String>) -> Self {
+        self.causes.push(cause.into());
+        self
+    }
+
+    /// The same with one more hint.
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hints.push(hint.into());
+        self
+    }
+
+    /// The same with a few words at the place.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    /// Whether a part of the message contains a text.
+    pub fn contains(&self, text: &str) -> bool {
+        [&self.title, &self.label].into_iter().chain(&self.causes).chain(&self.hints).any(|part| part.contains(text))
+    }
+
+    /// The drawn message, with a newline at its end.
+    pub fn render(&self, ink: Ink) -> String {
+        let title = normalize_untrusted_str(&self.title);
+        let notes: Vec<(&str, String)> = self
+            .causes
+            .iter()
+            .map(|cause| ("cause", normalize_untrusted_str(cause)))
+            .chain(self.hints.iter().map(|hint| ("hint", normalize_untrusted_str(hint))))
+            .collect();
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let mut group = Group::with_title(level.primary_title(title.as_str()));
+        if let Some(place) = &self.place {
+            group = group.element(snippet(place, &self.label, AnnotationKind::Primary));
+        }
+        for (name, text) in &notes {
+            let level = if *name == "hint" { Level::HELP } else { Level::NOTE };
+            group = group.element(level.with_name(*name).message(text.as_str()));
+        }
+        let mut report = vec![group];
+        for frame in self.frames.iter().take(FRAMES) {
+            let mut group = Group::with_title(Level::NOTE.no_name().secondary_title(frame.title.as_str()));
+            if let Some(place) = &frame.place {
+                group = group.element(snippet(place, "", AnnotationKind::Primary));
+            }
+            report.push(group);
+        }
+        let left_out = self.frames.len().saturating_sub(FRAMES);
+        let more = format!("… and {left_out} more calls around it");
+        if left_out > 0 {
+            report.push(Group::with_title(Level::NOTE.secondary_title(more.as_str())));
+        }
+        let renderer = match ink {
+            Ink::Plain => Renderer::plain(),
+            Ink::Colored => Renderer::styled(),
+        };
+        let mut drawn = renderer.decor_style(DecorStyle::Ascii).render(&report);
+        drawn.push('\n');
+        drawn
+    }
+}
+
+fn snippet<'a>(place: &'a Place, label: &'a str, kind: AnnotationKind) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+    let annotation = kind.span(place.range.clone());
+    let annotation = if label.is_empty() { annotation } else { annotation.label(label) };
+    Snippet::source(&*place.text).path(place.source.as_str()).annotation(annotation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(text: &str, found: &str) -> Place {
+        let start = text.find(found).unwrap();
+        Place { source: "a.rhai".into(), text: text.into(), range: start..start + found.len() }
+    }
+
+    #[test]
+    fn the_four_parts_and_the_chain_are_drawn() {
+        let text = "let a = 1;\nlet r = ring(#{ innner: 1 });\n";
+        let mut diagnostic =
+            Diagnostic::error(Class::Script, "`ring` has no option `innner`").cause("its options are …").hint("did you mean …?");
+        diagnostic.place = Some(place(text, "innner"));
+        diagnostic.label = "unknown".into();
+        diagnostic.frames = vec![Frame { title: "in the call of `f`".into(), place: Some(place(text, "ring")) }];
+        insta::assert_snapshot!(diagnostic.render(Ink::Plain));
+    }
+}

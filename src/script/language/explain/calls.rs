@@ -1,0 +1,195 @@
+//! Calls that fit no function: a name that does not exist, the wrong number of arguments, values that an operator does not take.
+
+use std::rc::Rc;
+
+use super::context::{Explainer, Signature};
+use super::phrases::{count_of, distinct, is_string, split_signature, type_phrase};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::failure::Class;
+use crate::script::language::function::{Form, Function};
+use crate::script::language::habits;
+use crate::script::language::handle::Types;
+use crate::script::language::registry::Registry;
+use crate::script::language::sources::Place;
+use crate::script::language::wording::{did_you_mean, joined, listed, with_article};
+
+impl Explainer<'_> {
+    /// A call of a name and values that no function takes.
+    pub(super) fn unknown_function(&self, signature: &str, source: &str, place: Option<&Place>) -> Diagnostic {
+        let (name, given) = split_signature(signature);
+        if !name.chars().next().is_some_and(|first| first.is_alphabetic() || first == '_') {
+            return self.unknown_operator(name, &given);
+        }
+        let name = name.rsplit("::").next().unwrap_or(name);
+        if name.starts_with("anon$") {
+            return wrong_closure(given.len());
+        }
+        let after_dot = place.is_some_and(|place| place.text[..place.range.start].trim_end().ends_with('.'));
+        let known: Vec<_> = Registry::of(self.host).named(name).cloned().collect();
+        let defined = self.defined_functions(source);
+        let own: Vec<&Signature> = defined.iter().filter(|(function, _)| function == name).collect();
+        // A function of the script hides a property of that name, unless it is called on an object.
+        if !own.is_empty() && (known.is_empty() || !after_dot) {
+            return wrong_own_call(name, given.len(), &own);
+        }
+        if !known.is_empty() {
+            return self.wrong_call(name, &given, &known, after_dot);
+        }
+        let mut builtin = self.builtin_functions();
+        // Functions of numbers that no script has are no help.
+        builtin.retain(|(_, types)| !types.iter().any(|name| FOREIGN_NUMBERS.contains(&name.as_str())));
+        let same: Vec<&Signature> = builtin.iter().filter(|(function, _)| function == name).collect();
+        if !same.is_empty() {
+            return self.wrong_builtin_call(name, &given, &same);
+        }
+        let others: Vec<&str> = defined.iter().chain(&builtin).map(|(name, _)| name.as_str()).collect();
+        self.nothing_of_that_name(name, &given, &others, after_dot)
+    }
+
+    /// A call of a name that nothing has; `others` are the functions of the script and of the engine.
+    fn nothing_of_that_name(&self, name: &str, given: &[String], others: &[&str], after_dot: bool) -> Diagnostic {
+        let script = |title: String| Diagnostic::error(Class::Script, title);
+        let registry = Registry::of(self.host);
+        let given_words: Vec<String> = given.iter().map(|name| type_phrase(name)).collect();
+        let object = given.first().filter(|_| after_dot);
+        let title = match object {
+            Some(type_name) => format!("{} has no function `{name}`", type_phrase(type_name)),
+            None => format!("there is no function `{name}`"),
+        };
+        let of_language = object.filter(|type_name| registry.types().contains(type_name));
+        let candidates: Vec<&str> = match of_language {
+            Some(type_name) => registry
+                .members(type_name)
+                .filter(|function| !matches!(function.form, Form::Column(_)))
+                .map(|function| function.name)
+                .collect(),
+            None => registry
+                .functions()
+                .iter()
+                .filter(|function| object.is_some() || function.form.receiver().is_none())
+                .map(|function| function.name)
+                .chain(others.iter().copied())
+                .collect(),
+        };
+        let diagnostic = match of_language {
+            Some(_) => script(title).cause(format!("it has {}", listed(&distinct(&candidates), "and"))),
+            None if given.is_empty() => script(title),
+            None => script(title).cause(format!("it was called with {}", joined(&given_words, "and"))),
+        };
+        let habit = habits::instead_of_call(name).map(String::from);
+        match habit.or_else(|| did_you_mean(name, candidates.iter().copied())) {
+            Some(suggestion) => diagnostic.hint(suggestion),
+            None => diagnostic.hint("functions are defined with `fn name(parameters) { … }`"),
+        }
+    }
+
+    /// A call of a function of the language on the wrong object, or with the wrong number of arguments.
+    fn wrong_call(&self, name: &str, given: &[String], known: &[Rc<Function>], after_dot: bool) -> Diagnostic {
+        let script = |title: String| Diagnostic::error(Class::Script, title);
+        let receivers: Vec<&str> = known.iter().filter_map(|function| function.form.receiver().map(|receiver| receiver.name)).collect();
+        let object = given.first().map(String::as_str).unwrap_or("");
+        let fitting: Vec<&Rc<Function>> =
+            known.iter().filter(|function| function.form.receiver().is_none_or(|receiver| receiver.name == object)).collect();
+        if fitting.is_empty() {
+            let phrases: Vec<String> = receivers.iter().map(|receiver| with_article(receiver)).collect();
+            let diagnostic = match given.first() {
+                Some(object) if after_dot => script(format!("{} has no function `{name}`", type_phrase(object))),
+                _ => script(format!("`{name}` must be called on {}", joined(&phrases, "or"))),
+            };
+            let diagnostic = diagnostic.cause(format!("`{name}` belongs to {}", joined(&phrases, "and")));
+            let signatures: Vec<String> = known.iter().map(|function| function.signature()).collect();
+            return diagnostic.hint(format!("write {}", listed(&signatures, "or")));
+        }
+        let function = fitting[0];
+        if matches!(function.form, Form::Property(_)) {
+            return script(format!("`{name}` is a property, not a function")).hint("leave out the parentheses");
+        }
+        let counted = given.len() - usize::from(function.form.receiver().is_some());
+        let least = function.parameters.iter().filter(|parameter| !parameter.is_optional()).count();
+        let most = function.parameters.len();
+        let wanted = if least == most {
+            count_of(most, "argument", "arguments")
+        } else {
+            format!("{least} to {}", count_of(most, "argument", "arguments"))
+        };
+        script(format!("`{name}` takes {wanted}, not {counted}"))
+            .cause(format!("`{name}`: {}", function.summary))
+            .hint(format!("write `{}`", function.signature()))
+    }
+
+    /// A call of a function of the engine with values that it does not take.
+    fn wrong_builtin_call(&self, name: &str, given: &[String], known: &[&Signature]) -> Diagnostic {
+        let given_words: Vec<String> = given.iter().map(|name| type_phrase(name)).collect();
+        let title = match given.len() {
+            0 => format!("`{name}` needs arguments"),
+            _ => format!("`{name}` does not work on {}", joined(&given_words, "and")),
+        };
+        let mut ways: Vec<String> = known
+            .iter()
+            .map(|(_, types)| {
+                if types.is_empty() {
+                    "no arguments".to_string()
+                } else {
+                    joined(&types.iter().map(|name| type_phrase(name)).collect::<Vec<_>>(), "and")
+                }
+            })
+            .collect();
+        ways.sort();
+        ways.dedup();
+        ways.truncate(6);
+        let diagnostic = Diagnostic::error(Class::Script, title).cause(format!("it works on {}", joined(&ways, "or on")));
+        let whole_for_fraction = known.iter().any(|(_, types)| {
+            types.len() == given.len()
+                && types.iter().zip(given).all(|(wanted, given)| wanted == given || (wanted == "f64" && given == "i64"))
+        });
+        if whole_for_fraction {
+            return diagnostic.hint("write the whole number with a decimal point, `2.0` instead of `2`, or convert it: `x.to_float()`");
+        }
+        match name {
+            "print" | "debug" => diagnostic.hint("`print` takes one value; join several: `` print(`x = ${x}, y = ${y}`) ``"),
+            _ => diagnostic.hint("convert the arguments first"),
+        }
+    }
+
+    /// An operator between values that it does not take.
+    fn unknown_operator(&self, operator: &str, given: &[String]) -> Diagnostic {
+        let words: Vec<String> = given.iter().map(|name| type_phrase(name)).collect();
+        let diagnostic = Diagnostic::error(Class::Script, format!("`{operator}` does not work on {}", joined(&words, "and")));
+        if let Some(hint) = habits::operator(operator) {
+            return diagnostic.hint(hint);
+        }
+        if given.iter().any(|name| is_string(name)) && given.iter().any(|name| name == "i64" || name == "f64") {
+            return diagnostic.hint("a string is not a number: leave out the quotes, or convert it with `parse_float(text)`");
+        }
+        let types = self.host.slots.get::<Types>();
+        if let Some(hint) = given.iter().find_map(|name| types.instead_of_operator(name)) {
+            return diagnostic.hint(hint);
+        }
+        if given.iter().any(|name| name == "array") {
+            return diagnostic.hint("compute with the entries, such as `[a[0] + b[0], a[1] + b[1]]`");
+        }
+        if given.iter().any(|name| name == "()") {
+            return diagnostic.hint("one of the two has no value: a function without a result, or a variable that was never set");
+        }
+        diagnostic.hint("convert one of the two")
+    }
+}
+
+/// A closure that is called with another number of values than it has parameters.
+fn wrong_closure(count: usize) -> Diagnostic {
+    let parameters = ["x", "y", "z"].into_iter().take(count).collect::<Vec<_>>().join(", ");
+    Diagnostic::error(Class::Script, "the closure has the wrong number of parameters")
+        .cause(format!("it is called with {}", count_of(count, "value", "values")))
+        .hint(format!("write `|{parameters}| …`"))
+}
+
+/// A call of a function that the script defines otherwise.
+fn wrong_own_call(name: &str, count: usize, own: &[&Signature]) -> Diagnostic {
+    let ways: Vec<String> = own.iter().map(|(function, parameters)| format!("`{function}({})`", parameters.join(", "))).collect();
+    Diagnostic::error(Class::Script, format!("`{name}` does not take {}", count_of(count, "argument", "arguments")))
+        .cause(format!("it is defined as {}", joined(&ways, "and")))
+        .hint("give as many arguments as it has parameters")
+}
+
+/// Types of numbers for which the engine brings functions, though scripts have whole numbers and fractions only.
+const FOREIGN_NUMBERS: [&str; 12] = ["f32", "i8", "i16", "i32", "i128", "u8", "u16", "u32", "u64", "u128", "isize", "usize"];

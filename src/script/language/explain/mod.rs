@@ -1,0 +1,97 @@
+//! Turns the engine's errors into messages in the words of the language.
+//!
+//! Walks the chain of calls to the innermost error, which has the message; the calls around it become the frames. Failures of our own
+//! functions bring everything with them; the engine's own errors are reworded (`runtime.rs`, `syntax.rs`), with the names that may have
+//! been meant (`names.rs`, `calls.rs`).
+
+use rhai::{Engine, EvalAltResult, ParseErrorType};
+
+use super::diagnostics::{Diagnostic, Frame};
+use super::failure::Failure;
+use super::host::Host;
+use super::sources::Place;
+use crate::script::language::scan;
+use context::Explainer;
+use phrases::call_title;
+
+mod calls;
+mod context;
+mod names;
+mod phrases;
+mod runtime;
+mod syntax;
+
+/// The message of an error that a script of the given source ended with.
+pub fn explain(host: &Host, engine: &Engine, error: &EvalAltResult, source: &str) -> Diagnostic {
+    let mut frames = Vec::new();
+    let mut diagnostic = Explainer { host, engine }.walk(error, source, &mut frames);
+    frames.reverse();
+    let relocate = |place: &mut Option<Place>| *place = place.take().map(|place| host.sources.relocate(place));
+    frames.iter_mut().for_each(|frame| relocate(&mut frame.place));
+    relocate(&mut diagnostic.place);
+    diagnostic.frames = frames;
+    diagnostic
+}
+
+/// The message of a failure outside of any script, such as a script file that cannot be read.
+pub fn explain_failure(failure: &Failure) -> Diagnostic {
+    Diagnostic {
+        place: failure.origin.clone(),
+        causes: failure.causes.clone(),
+        hints: failure.hints.clone(),
+        ..Diagnostic::error(failure.class, failure.title.clone())
+    }
+}
+
+impl Explainer<'_> {
+    fn walk(&self, error: &EvalAltResult, source: &str, frames: &mut Vec<Frame>) -> Diagnostic {
+        use EvalAltResult::{ErrorInFunctionCall, ErrorInModule, ErrorRuntime, ErrorTerminated};
+        match error {
+            ErrorInFunctionCall(name, inner_source, inner, position) => {
+                let place = self.place(source, *position);
+                frames.push(Frame { title: call_title(name, place.as_ref()), place });
+                self.walk(inner, if inner_source.is_empty() { source } else { inner_source }, frames)
+            }
+            ErrorInModule(path, inner, position) => {
+                let inner_source = format!("{path}.rhai");
+                if matches!(**inner, EvalAltResult::ErrorModuleNotFound(..)) {
+                    return self.walk(inner, source, frames);
+                }
+                frames.push(Frame { title: "in the module imported here".into(), place: self.place(source, *position) });
+                self.walk(inner, &inner_source, frames)
+            }
+            ErrorRuntime(value, position) | ErrorTerminated(value, position) if value.is::<Failure>() => {
+                let failure = value.clone_cast::<Failure>();
+                let place = failure.origin.clone();
+                let place = place.or_else(|| self.host.place(self.engine, source, *position, &failure.target, failure.method));
+                if let Some(inner) = &failure.inner {
+                    frames.push(Frame { title: failure.title.clone(), place });
+                    return self.walk(&inner.error, &inner.source, frames);
+                }
+                Diagnostic { place, label: failure.label.clone(), ..explain_failure(&failure) }
+            }
+            other => {
+                let place = self.place(source, other.position());
+                let diagnostic = self.reword(other, source, place.as_ref());
+                let place = self.better_place(other, source, place.as_ref()).or(place);
+                Diagnostic { place, ..diagnostic }
+            }
+        }
+    }
+
+    /// A place that says more than the one the engine gives.
+    fn better_place(&self, error: &EvalAltResult, source: &str, place: Option<&Place>) -> Option<Place> {
+        let main = self.host.main.borrow().clone();
+        let source = if source.is_empty() { main.as_str() } else { source };
+        let text = self.host.sources.text(source)?;
+        let lexemes = scan::lexemes(self.engine, &text);
+        let range = match error {
+            EvalAltResult::ErrorParsing(ParseErrorType::MissingToken(token, _), _) if token == ";" => {
+                scan::end_before(&lexemes, place?.range.start)?
+            }
+            EvalAltResult::ErrorDataRace(what, position) if position.is_none() => scan::self_use(&lexemes, what.split('\'').nth(1)?)?,
+            _ => return None,
+        };
+        Some(Place { source: source.to_string(), text, range })
+    }
+}

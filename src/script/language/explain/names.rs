@@ -1,0 +1,73 @@
+//! Names that mean nothing: variables and properties, with what may have been meant.
+
+use super::context::Explainer;
+use super::phrases::{distinct, lower, type_phrase};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::failure::Class;
+use crate::script::language::function::Form;
+use crate::script::language::habits;
+use crate::script::language::registry::Registry;
+use crate::script::language::scan;
+use crate::script::language::sources::Place;
+use crate::script::language::wording::{did_you_mean, listed};
+
+impl Explainer<'_> {
+    /// A variable that is not declared where it is used.
+    pub(super) fn unknown_variable(&self, name: &str, source: &str, place: Option<&Place>) -> Diagnostic {
+        let mut diagnostic = Diagnostic::error(Class::Script, format!("there is no variable `{name}`"));
+        let declared = self.lexemes(source).map(|lexemes| scan::declared(&lexemes)).unwrap_or_default();
+        let registry = Registry::of(self.host);
+        let meant = place.and_then(|place| habits::meant(&place.text[..place.range.start], name, &place.text[place.range.end..]));
+        // Every other name of one letter is near to one of one letter, so none is suggested.
+        let near = did_you_mean(name, declared.iter().map(String::as_str)).filter(|_| name.chars().count() > 1);
+        if let Some(hint) = meant {
+            diagnostic = diagnostic.hint(hint);
+        } else if let Some(hint) = habits::instead_of(name) {
+            diagnostic = diagnostic.hint(hint);
+        } else if let Some(suggestion) = near {
+            diagnostic = diagnostic.hint(suggestion);
+        } else if self.lexemes(source).is_some_and(|lexemes| scan::has_variable(&lexemes, name)) {
+            diagnostic = diagnostic
+                .cause("a function sees its parameters and constants of its own, not the variables around it")
+                .hint(format!("pass `{name}` as a parameter"));
+        } else if registry.named(name).next().is_some() {
+            diagnostic = diagnostic.cause(format!("`{name}` is a function")).hint(format!("call it: `{name}(…)`"));
+        } else {
+            diagnostic = diagnostic.hint(format!("declare it first: `let {name} = …;`"));
+        }
+        diagnostic
+    }
+
+    /// A property that a type does not have, or that cannot be assigned to.
+    pub(super) fn unknown_property(&self, text: &str) -> Diagnostic {
+        let mut words = text.split('\'').skip(1).step_by(2);
+        let (Some(name), Some(type_name)) = (words.next(), words.next()) else {
+            return Diagnostic::error(Class::Script, lower(text));
+        };
+        let registry = Registry::of(self.host);
+        if text.contains("setter") {
+            let title = format!("`{name}` of {} cannot be assigned to", type_phrase(type_name));
+            return Diagnostic::error(Class::Script, title).hint("give the value when the object is made");
+        }
+        let members: Vec<&str> = registry
+            .members(type_name)
+            .filter(|function| !matches!(function.form, Form::Column(_)))
+            .map(|function| function.name)
+            .collect();
+        let diagnostic = Diagnostic::error(Class::Script, format!("{} has no property `{name}`", type_phrase(type_name)));
+        if members.contains(&name) {
+            return diagnostic.cause(format!("`{name}` is a function")).hint(format!("call it: `.{name}(…)`"));
+        }
+        let diagnostic =
+            if members.is_empty() { diagnostic } else { diagnostic.cause(format!("it has {}", listed(&distinct(&members), "and"))) };
+        let is_function = || self.builtin_functions().iter().any(|(function, types)| function == name && types.len() == 1);
+        match did_you_mean(name, members.iter().copied()) {
+            Some(suggestion) => diagnostic.hint(suggestion),
+            None => match registry.types().instead_of_property(type_name, name) {
+                Some(hint) => diagnostic.hint(hint),
+                None if members.is_empty() && is_function() => diagnostic.hint(format!("call it: `{name}(x)` or `x.{name}()`")),
+                None => diagnostic,
+            },
+        }
+    }
+}

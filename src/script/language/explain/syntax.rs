@@ -1,0 +1,88 @@
+//! Texts that do not parse.
+
+use rhai::{LexError, ParseErrorType};
+
+use super::context::Explainer;
+use super::phrases::{count_of, lower, missing_hint, type_hint, type_phrase};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::failure::Class;
+use crate::script::language::habits;
+use crate::script::language::sources::Place;
+
+impl Explainer<'_> {
+    /// The message of a text that does not parse.
+    pub(super) fn reword_syntax(&self, kind: &ParseErrorType, source: &str, place: Option<&Place>) -> Diagnostic {
+        let word = place.map_or("", |place| &place.text[place.range.clone()]);
+        let script = |title: String| Diagnostic::error(Class::Script, title);
+        match kind {
+            ParseErrorType::UnexpectedEOF => {
+                script("the script ends in the middle of something".into()).hint("close the open bracket, string or block")
+            }
+            ParseErrorType::BadInput(LexError::UnterminatedString) => {
+                script("the string has no end".into()).hint("close it with `\"` in the same line")
+            }
+            ParseErrorType::BadInput(LexError::UnexpectedInput(text)) if text == "fn" => {
+                script("`fn` means nothing here".into()).hint("write a closure as `|x| …`; `fn name(x) { … }` stands by itself")
+            }
+            ParseErrorType::BadInput(LexError::UnexpectedInput(text)) => {
+                script(format!("`{text}` means nothing here")).hint("remove it; strings stand in double quotes")
+            }
+            ParseErrorType::BadInput(LexError::MalformedChar(text)) => {
+                script(format!("'{text}' is not a single character")).hint("write strings in double quotes")
+            }
+            ParseErrorType::BadInput(LexError::MalformedNumber(text)) => {
+                script(format!("`{text}` is not a number")).hint("write numbers such as `12`, `0.5` or `1e-3`")
+            }
+            ParseErrorType::BadInput(LexError::ImproperSymbol(text, _)) if habits::operator(text).is_some() => {
+                script(format!("there is no operator `{text}`")).hint(habits::operator(text).unwrap_or_default())
+            }
+            ParseErrorType::BadInput(error) if error.to_string().contains("typo of '=='") => {
+                script("`=` gives a variable a value; it does not compare".into()).hint("write `==`")
+            }
+            ParseErrorType::BadInput(error) => script(lower(&error.to_string())),
+            ParseErrorType::UnknownOperator(text) => {
+                let error = script(format!("there is no operator `{text}`"));
+                error.hint(habits::operator(text).unwrap_or("the operators are `+ - * / % **`, comparisons, `&&`, `||` and `!`"))
+            }
+            ParseErrorType::MissingToken(token, purpose) => {
+                let hint = habits::instead_of(word).map(String::from).unwrap_or_else(|| missing_hint(token));
+                script(format!("`{token}` is missing {}", lower(purpose))).hint(hint)
+            }
+            ParseErrorType::VariableExpected | ParseErrorType::PropertyExpected | ParseErrorType::FnMissingName
+                if word.chars().all(char::is_alphabetic) && !word.is_empty() =>
+            {
+                script(format!("`{word}` is a word of the language and cannot be a name")).hint("choose another name")
+            }
+            ParseErrorType::Reserved(word) => {
+                script(format!("`{word}` is a reserved word")).hint(habits::instead_of(word).unwrap_or("choose another name"))
+            }
+            ParseErrorType::VariableUndefined(name) => self.unknown_variable(name, source, place),
+            ParseErrorType::ModuleUndefined(name) => {
+                script(format!("there is no module `{name}`")).hint(format!("import it first: `import \"path\" as {name};`"))
+            }
+            ParseErrorType::DuplicatedProperty(name) => script(format!("the map has two entries `{name}`")).hint("remove one of them"),
+            ParseErrorType::DuplicatedVariable(name) => script(format!("the name `{name}` is there twice")).hint("choose another name"),
+            ParseErrorType::AssignmentToConstant(name) => {
+                script(format!("`{name}` is a constant and cannot be assigned to")).hint("declare it with `let` instead of `const`")
+            }
+            ParseErrorType::MismatchedType(expected, given) => {
+                script(format!("this must be {}, not {}", type_phrase(expected), type_phrase(given))).hint(type_hint(expected, given))
+            }
+            ParseErrorType::FnDuplicatedDefinition(name, count) => {
+                script(format!("there are two functions `{name}` with {}", count_of(*count, "parameter", "parameters")))
+                    .hint("rename one of them")
+            }
+            ParseErrorType::WrongDocComment => {
+                script("a `///` comment must stand in front of a function".into()).hint("write `//` for other comments")
+            }
+            ParseErrorType::WrongFnDefinition => script("a function cannot be defined inside a block or another function".into())
+                .hint("move it to the top level, or use a closure: `let f = |x| …;`"),
+            ParseErrorType::ExprTooDeep => script("the expression is nested too deeply".into()).hint("split it with `let`"),
+            ParseErrorType::LoopBreak => script("`break` is not inside a loop".into()).hint("remove it"),
+            ParseErrorType::LiteralTooLarge(what, limit) => {
+                script(format!("{} is too large", lower(what))).cause(format!("the limit is {limit}"))
+            }
+            other => script(lower(&other.to_string())),
+        }
+    }
+}

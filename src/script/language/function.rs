@@ -1,0 +1,177 @@
+//! A function of the language, as it describes itself, and a call of it.
+//!
+//! Every function is one [`Function`]: name, topic, summary, parameters with dimension, range and default, an example, and its body. A
+//! field cannot be left out, so a function without documentation does not compile. From the same description come its registration
+//! (`registry.rs`), the checks of its arguments (`arguments.rs`), the names that errors suggest, and the reference.
+
+use std::borrow::Cow;
+use std::rc::Rc;
+
+use rhai::{Dynamic, Engine, EvalAltResult, NativeCallContext, Position};
+
+use super::failure::Failure;
+use super::handle::{Handle, Receiver};
+use super::host::Host;
+use super::parameter::{Kind, Parameter};
+use super::scan::Target;
+use super::sources::Place;
+
+/// Heading of the reference under which a function stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Topic {
+    /// Generators, readers and transforms of meshes.
+    Meshes,
+    /// Material laws.
+    Materials,
+    /// Bodies, supports, loads, contact pairs.
+    Model,
+    /// Histories that loads follow.
+    TimeFunctions,
+    /// Contact methods.
+    Contact,
+    /// Integrators, steps, states.
+    Simulation,
+    /// Columns, fields, pictures.
+    Results,
+    /// Expectations.
+    Checks,
+    /// Values from the command line.
+    Parameters,
+    /// Numbers and text.
+    Numbers,
+}
+
+/// How a function is called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// `f(…)`.
+    Function,
+    /// `object.f(…)`.
+    Method(Receiver),
+    /// `object.f`.
+    Property(Receiver),
+    /// `object["name"]` and `object.name` for every name.
+    Column(Receiver),
+}
+
+impl Form {
+    /// The object's type, if it has one.
+    pub fn receiver(self) -> Option<Receiver> {
+        match self {
+            Form::Function => None,
+            Form::Method(receiver) | Form::Property(receiver) | Form::Column(receiver) => Some(receiver),
+        }
+    }
+}
+
+/// What a function computes.
+pub type Body = Rc<dyn Fn(&Call) -> Result<Dynamic, Box<EvalAltResult>>>;
+
+/// A body from a closure.
+pub fn body(closure: impl Fn(&Call) -> Result<Dynamic, Box<EvalAltResult>> + 'static) -> Body {
+    Rc::new(closure)
+}
+
+/// A function of the language.
+#[derive(Clone)]
+pub struct Function {
+    /// Name.
+    pub name: &'static str,
+    /// How it is called.
+    pub form: Form,
+    /// Where it stands in the reference.
+    pub topic: Topic,
+    /// One sentence: what it is or does.
+    pub summary: &'static str,
+    /// Parameters, the object of a method not among them; optional ones last.
+    pub parameters: Vec<Parameter>,
+    /// Name of the type of its value; empty for none.
+    pub returns: &'static str,
+    /// A script that uses it and runs.
+    pub example: Cow<'static, str>,
+    /// Names of related functions.
+    pub see_also: &'static [&'static str],
+    /// What it computes.
+    pub body: Body,
+}
+
+impl Function {
+    /// As it is written, such as `model.fix(boundary, components)`.
+    pub fn signature(&self) -> String {
+        let object = self.form.receiver().map(|receiver| receiver.name.to_lowercase());
+        let names: Vec<String> = self
+            .parameters
+            .iter()
+            .map(|parameter| match &parameter.kind {
+                Kind::Options(keys) => {
+                    let keys: Vec<String> =
+                        keys.iter().map(|key| if key.is_optional() { format!("{}?", key.name) } else { key.name.to_string() }).collect();
+                    format!("#{{ {} }}", keys.join(", "))
+                }
+                _ if parameter.is_optional() => format!("{}?", parameter.name),
+                _ => parameter.name.to_string(),
+            })
+            .collect();
+        let names = names.join(", ");
+        match (self.form, object) {
+            (Form::Property(_), Some(object)) => format!("{object}.{}", self.name),
+            (Form::Column(_), Some(object)) => format!("{object}.{names}"),
+            (_, Some(object)) => format!("{object}.{}({names})", self.name),
+            (_, None) => format!("{}({names})", self.name),
+        }
+    }
+
+    /// How messages name it: `` `f` `` or `` `model.f` ``.
+    pub fn title(&self) -> String {
+        format!("`{}`", self.name)
+    }
+}
+
+/// One call of a script function.
+pub struct Call<'a> {
+    /// The engine's context of the call.
+    pub context: &'a NativeCallContext<'a>,
+    /// The called function.
+    pub function: &'a Function,
+    /// What the script may reach.
+    pub host: &'a Rc<Host>,
+    /// The values as the engine has them, the object of a method first.
+    pub(super) values: Vec<Dynamic>,
+}
+
+impl<'a> Call<'a> {
+    /// A call with its values, the object of a method first.
+    pub fn new(context: &'a NativeCallContext<'a>, function: &'a Function, values: Vec<Dynamic>, host: &'a Rc<Host>) -> Self {
+        Call { context, function, host, values }
+    }
+
+    /// The object of a method.
+    pub fn receiver<T: Handle>(&self) -> T {
+        self.values[0].clone().cast::<T>()
+    }
+
+    /// The engine.
+    pub fn engine(&self) -> &Engine {
+        self.context.engine()
+    }
+
+    /// A failure of this call.
+    pub fn fail(&self, title: impl Into<String>) -> Failure {
+        Failure::script(title).in_method(self.function.form.receiver().is_some())
+    }
+
+    /// Position of the call in its source.
+    pub fn position(&self) -> Position {
+        self.context.call_position()
+    }
+
+    /// Name of the source in which the call stands.
+    pub fn source(&self) -> String {
+        self.context.call_source().unwrap_or_default().to_string()
+    }
+
+    /// The place of the call, or of a part of it.
+    pub fn place(&self, target: &Target) -> Option<Place> {
+        self.host.place(self.engine(), &self.source(), self.position(), target, self.function.form.receiver().is_some())
+    }
+}

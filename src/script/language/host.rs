@@ -1,0 +1,205 @@
+//! What a session shares with the functions that its scripts call: files, texts, warnings, the interrupt, a slot for each topic of the API.
+//!
+//! The host knows what holds for every script: whether it is only checked, whether it is to stop, what was already warned of. What a topic
+//! of the API must remember (simulations, values of `param`) stands in `slots`, which the host cannot look into.
+
+#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+use std::rc::{Rc, Weak};
+use std::sync::atomic::Ordering;
+
+use rhai::{Engine, NativeCallContextStore, Position};
+
+use super::diagnostics::Diagnostic;
+use super::failure::{Failure, interrupted};
+use super::observer::Observer;
+use super::sandbox::Sandbox;
+use super::scan::{self, Target};
+use super::settings::{Mode, Settings};
+use super::slots::Slots;
+use super::sources::{Place, Sources, offset};
+
+/// What script functions share with their session.
+pub struct Host {
+    /// How the script is run.
+    pub settings: Settings,
+    /// Texts of the script and its modules.
+    pub sources: Sources,
+    /// Files.
+    pub sandbox: Sandbox,
+    /// Who watches.
+    pub observer: Rc<dyn Observer>,
+    /// Name of the main source.
+    pub main: RefCell<String>,
+    /// What the functions of the API share.
+    pub slots: Slots,
+    /// What `conserva check` found out.
+    pub findings: RefCell<Vec<String>>,
+    engine: RefCell<Weak<RefCell<Engine>>>,
+    module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
+    loading: RefCell<Vec<Vec<String>>>,
+    warned: RefCell<Vec<String>>,
+    passed: RefCell<Vec<String>>,
+    effects: Cell<u64>,
+    /// Changes after which the script is stopped.
+    limit: Cell<Option<u64>>,
+    /// Simulations that take steps now.
+    stepping: Cell<usize>,
+}
+
+impl Host {
+    /// A host for a sandbox.
+    pub fn new(settings: Settings, sandbox: Sandbox, observer: Rc<dyn Observer>) -> Self {
+        Host {
+            settings,
+            sources: Sources::default(),
+            sandbox,
+            observer,
+            main: RefCell::default(),
+            slots: Slots::default(),
+            findings: RefCell::default(),
+            engine: RefCell::default(),
+            module_contexts: RefCell::default(),
+            loading: RefCell::default(),
+            warned: RefCell::default(),
+            passed: RefCell::default(),
+            effects: Cell::new(0),
+            limit: Cell::default(),
+            stepping: Cell::default(),
+        }
+    }
+
+    /// Counts changes of objects that scripts share: a call that failed without one can be left out of a record of the session.
+    pub fn count_effect(&self) {
+        self.effects.set(self.effects.get() + 1);
+    }
+
+    /// Changes of shared objects so far.
+    pub fn effects(&self) -> u64 {
+        self.effects.get()
+    }
+
+    /// Stops the script after so many changes, until this is set otherwise; what held before.
+    pub fn stop_after(&self, changes: Option<u64>) -> Option<u64> {
+        self.limit.replace(changes)
+    }
+
+    /// Whether the changes are made after which the script stops.
+    pub fn is_stopped(&self) -> bool {
+        self.limit.get().is_some_and(|limit| self.effects.get() >= limit)
+    }
+
+    /// Whether a simulation takes steps: closures between these are not stopped halfway.
+    pub fn is_stepping(&self) -> bool {
+        self.stepping.get() > 0
+    }
+
+    /// Notes that a simulation begins to take steps, until [`Self::end_steps`].
+    pub fn begin_steps(&self) {
+        self.stepping.set(self.stepping.get() + 1);
+    }
+
+    /// Notes that a simulation has taken its steps.
+    pub fn end_steps(&self) {
+        self.stepping.set(self.stepping.get().saturating_sub(1));
+    }
+
+    /// The engine, while its session lives.
+    pub fn engine(&self) -> Option<Rc<RefCell<Engine>>> {
+        self.engine.borrow().upgrade()
+    }
+
+    /// Tells the host its engine.
+    pub fn attach(&self, engine: &Rc<RefCell<Engine>>) {
+        *self.engine.borrow_mut() = Rc::downgrade(engine);
+    }
+
+    /// Whether this is `conserva check`.
+    pub fn is_check(&self) -> bool {
+        self.settings.mode == Mode::Check
+    }
+
+    /// Whether the user asked to stop, or the script is to stop here.
+    pub fn is_interrupted(&self) -> bool {
+        self.settings.interrupt.load(Ordering::Relaxed) || self.is_stopped()
+    }
+
+    /// The failure of an interrupted run, if it is interrupted.
+    ///
+    /// # Errors
+    /// The user asked to stop.
+    pub fn go_on(&self) -> Result<(), Failure> {
+        if self.is_interrupted() { Err(interrupted("interrupted")) } else { Ok(()) }
+    }
+
+    /// The place that a position and a target mean. An empty source is the main one.
+    pub fn place(&self, engine: &Engine, source: &str, position: Position, target: &Target, method: bool) -> Option<Place> {
+        let source = if source.is_empty() { self.main.borrow().clone() } else { source.to_string() };
+        let text = self.sources.text(&source)?;
+        let start = offset(&text, position)?;
+        let lexemes = scan::lexemes(engine, &text);
+        let start = scan::name_after_dot(&lexemes, start);
+        let range = scan::locate(&lexemes, start, target, method).unwrap_or_else(|| scan::word(&lexemes, &text, start));
+        Some(Place { source, text, range })
+    }
+
+    /// Shows a warning, once.
+    pub fn warn(&self, mut warning: Diagnostic) {
+        warning.place = warning.place.map(|place| self.sources.relocate(place));
+        let key = format!("{} {}", warning.title, warning.place.as_ref().map(ToString::to_string).unwrap_or_default());
+        if !self.warned.borrow().contains(&key) {
+            self.warned.borrow_mut().push(key);
+            self.observer.warn(&warning);
+        }
+    }
+
+    /// Reports a check that holds, the first time that it does: in a loop or after every step it is asked often.
+    pub fn passed(&self, line: &str, place: Option<&Place>) {
+        let key = place.map_or_else(|| line.to_string(), ToString::to_string);
+        if !self.passed.borrow().contains(&key) {
+            self.passed.borrow_mut().push(key);
+            let place = place.map(|place| self.sources.relocate(place.clone()));
+            let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
+            self.observer.passed(&format!("{line}{place}"));
+        }
+    }
+
+    /// Number of checks that held.
+    pub fn checks(&self) -> usize {
+        self.passed.borrow().len()
+    }
+
+    /// The context of the imported module that made a closure.
+    pub fn module_context(&self, closure: &str) -> Option<Rc<NativeCallContextStore>> {
+        self.module_contexts.borrow().get(closure).cloned().flatten()
+    }
+
+    /// A module with these closures begins to load.
+    pub fn begin_module(&self, closures: Vec<String>) {
+        self.loading.borrow_mut().push(closures);
+    }
+
+    /// The module that began last has loaded.
+    pub fn end_module(&self) {
+        self.loading.borrow_mut().pop();
+    }
+
+    /// Keeps the context of the module that is loading for its closures. Closures with the same text in two modules have the same name;
+    /// neither is bound then.
+    pub fn keep_module_context(&self, context: NativeCallContextStore) {
+        let context = Rc::new(context);
+        let loading = self.loading.borrow();
+        let mut contexts = self.module_contexts.borrow_mut();
+        for closure in loading.last().into_iter().flatten() {
+            contexts.entry(closure.clone()).and_modify(|known| *known = None).or_insert_with(|| Some(context.clone()));
+        }
+    }
+
+    /// Lets go of everything that holds the host itself.
+    pub fn release(&self) {
+        self.slots.clear();
+        self.module_contexts.borrow_mut().clear();
+    }
+}

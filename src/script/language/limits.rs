@@ -1,0 +1,13 @@
+//! What a script may use at most; the engine refuses more, and messages name these numbers.
+
+/// Calls that may be open at a time.
+pub const MAX_CALL_LEVELS: usize = 64;
+/// Characters of a string.
+pub const MAX_STRING: usize = 16_000_000;
+/// Entries of an array.
+pub const MAX_ARRAY: usize = 10_000_000;
+/// Entries of a map.
+pub const MAX_MAP: usize = 1_000_000;
+
+/// Operations of a script at most by default: about a minute of pure script.
+pub const MAX_OPERATIONS: u64 = 500_000_000;

@@ -1,0 +1,30 @@
+//! The language itself: how functions describe themselves, how arguments are read, how messages are made.
+//!
+//! Knows no object of the API: types come in through [`handle::Types`], what a topic shares through [`slots::Slots`].
+
+pub mod arguments;
+pub mod arrays;
+pub mod callback;
+pub mod diagnostics;
+pub mod digits;
+pub mod explain;
+pub mod failure;
+pub mod function;
+pub mod habits;
+pub mod handle;
+pub mod host;
+pub mod keys;
+pub mod limits;
+pub mod lint;
+pub mod observer;
+pub mod parameter;
+pub mod registry;
+pub mod sandbox;
+pub mod scan;
+pub mod settings;
+pub mod slots;
+pub mod sources;
+pub mod tables;
+pub mod thread_bound;
+pub mod values;
+pub mod wording;

@@ -1,0 +1,53 @@
+//! Who watches a session: a terminal, a test that keeps what it hears, or nobody.
+//!
+//! The session says what it prints, checks and warns of; how that looks is the watcher's business.
+
+use super::diagnostics::{Diagnostic, Ink};
+use crate::dynamics::LedgerRow;
+
+/// An accepted step, as an observer sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// Time at which the current `run_to` began.
+    pub from: f64,
+    /// Time at which it ends, if it is known.
+    pub until: Option<f64>,
+    /// The step.
+    pub row: &'a LedgerRow,
+    /// Largest total energy so far, to relate the defect to.
+    pub scale: f64,
+}
+
+/// Watches a session: what the script prints, what it checks, how far it is.
+pub trait Observer {
+    /// A line that the script prints.
+    fn print(&self, line: &str);
+    /// A check that holds, with what it measured.
+    fn passed(&self, line: &str);
+    /// Something the user should know; the run goes on.
+    fn warn(&self, warning: &Diagnostic);
+    /// An accepted step.
+    fn advanced(&self, progress: &Progress);
+    /// A long computation without steps begins, such as `settle`.
+    fn began(&self, what: &str);
+    /// A computation that reported progress has ended.
+    fn ended(&self);
+    /// Whether printed lines may have colors.
+    fn ink(&self) -> Ink {
+        Ink::Plain
+    }
+}
+
+/// An observer that looks away.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn print(&self, _: &str) {}
+    fn passed(&self, _: &str) {}
+    fn warn(&self, _: &Diagnostic) {}
+    fn advanced(&self, _: &Progress) {}
+    fn began(&self, _: &str) {}
+    fn ended(&self) {}
+}

@@ -1,0 +1,151 @@
+//! What a script may read: files below its own folder and below the folders the user named.
+//!
+//! Paths are made canonical before they are compared, so that `..` and symbolic links lead nowhere. What it may write is kept by
+//! [`RunFiles`](crate::output::RunFiles).
+
+use std::path::{Path, PathBuf};
+
+use super::failure::Failure;
+use super::wording::did_you_mean;
+
+/// Folders of a run.
+#[derive(Clone, Debug)]
+pub struct Sandbox {
+    home: PathBuf,
+    readable: Vec<PathBuf>,
+}
+
+impl Sandbox {
+    /// A sandbox around the folder of a script.
+    ///
+    /// # Errors
+    /// A folder that does not exist.
+    pub fn new(home: &Path, allowed: &[PathBuf]) -> Result<Self, Failure> {
+        let home = if home.as_os_str().is_empty() { Path::new(".") } else { home };
+        let canonical = |folder: &Path| {
+            folder.canonicalize().map_err(|error| {
+                Failure::script(format!("the folder {} cannot be opened", folder.display()))
+                    .cause(reason(&error))
+                    .hint("name an existing folder")
+            })
+        };
+        let readable = allowed.iter().map(|folder| canonical(folder)).collect::<Result<_, _>>()?;
+        Ok(Sandbox { home: canonical(home)?, readable })
+    }
+
+    /// The folder of the script.
+    pub fn home(&self) -> &Path {
+        &self.home
+    }
+
+    /// The file that a script means by a path: below its own folder first, then below the working folder and the allowed folders.
+    ///
+    /// # Errors
+    /// There is no such file, or the script may not read it.
+    pub fn readable(&self, path: &str) -> Result<PathBuf, Failure> {
+        let given = Path::new(path);
+        let bases = [self.home.clone(), PathBuf::from(".")].into_iter().chain(self.readable.iter().cloned());
+        let found: Vec<PathBuf> = bases.filter_map(|base| base.join(given).canonicalize().ok()).filter(|file| file.is_file()).collect();
+        let allowed = |file: &PathBuf| std::iter::once(&self.home).chain(&self.readable).any(|folder| file.starts_with(folder));
+        if let Some(file) = found.iter().find(|file| allowed(file)) {
+            return Ok(file.clone());
+        }
+        Err(match found.first() {
+            Some(file) => {
+                let folder = file.parent().unwrap_or(file);
+                Failure::script(format!("the script may not read \"{path}\""))
+                    .cause("a script reads files below its own folder and below the folders that `--allow-read` names")
+                    .hint(format!("allow it with `--allow-read {}`", folder.display()))
+            }
+            None => {
+                let looked = given.parent().filter(|parent| !parent.as_os_str().is_empty());
+                let folder = looked.map_or(self.home.clone(), |parent| self.home.join(parent));
+                let siblings = siblings(&folder, given);
+                let failure = Failure::script(format!("there is no file \"{path}\""))
+                    .cause("paths are relative to the script's folder, or absolute below a folder that `--allow-read` names");
+                match siblings {
+                    Some(suggestion) => failure.hint(suggestion),
+                    None => failure.hint("check the path"),
+                }
+            }
+        })
+    }
+
+    /// The file of an imported module.
+    ///
+    /// # Errors
+    /// There is no such file, or it lies outside of the script's folder.
+    pub fn module(&self, path: &str) -> Result<PathBuf, Failure> {
+        let file = self.home.join(format!("{path}.rhai"));
+        match file.canonicalize() {
+            Ok(file) if file.starts_with(&self.home) => Ok(file),
+            Ok(_) => Err(Failure::script(format!("the script may not import \"{path}\""))
+                .cause("modules lie below the folder of the script that was started")
+                .hint("move the module into a subfolder, such as `lib`, next to the script")),
+            Err(_) => {
+                let folder = file.parent().unwrap_or(&self.home).to_path_buf();
+                let failure = Failure::script(format!("there is no module \"{path}\""))
+                    .cause(format!("the import means the file \"{path}.rhai\" below the script's folder"));
+                Err(match siblings(&folder, Path::new(&format!("{path}.rhai"))).filter(|suggestion| suggestion.contains(".rhai")) {
+                    Some(suggestion) => failure.hint(suggestion.replace(".rhai", "")),
+                    None => failure.hint("write the path without the ending `.rhai`"),
+                })
+            }
+        }
+    }
+}
+
+/// An operating system's error in lower case, without its number.
+pub fn reason(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or(&text);
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+}
+
+fn siblings(folder: &Path, given: &Path) -> Option<String> {
+    let name = given.file_name()?.to_string_lossy().into_owned();
+    let names: Vec<String> =
+        std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    did_you_mean(&name, names.iter().map(String::as_str)).map(|suggestion| suggestion.replace('`', "\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("conserva-sandbox-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(folder.join("home/lib")).unwrap();
+        fs::create_dir_all(folder.join("other")).unwrap();
+        fs::write(folder.join("home/mesh.msh"), "").unwrap();
+        fs::write(folder.join("home/lib/rings.rhai"), "").unwrap();
+        fs::write(folder.join("other/secret.msh"), "").unwrap();
+        fs::write(folder.join("other/secret.rhai"), "").unwrap();
+        folder
+    }
+
+    #[test]
+    fn reading_stays_inside() {
+        let root = folder("reading");
+        let home = root.join("home");
+        let closed = Sandbox::new(&home, &[]).unwrap();
+        assert!(closed.readable("mesh.msh").is_ok());
+        assert!(closed.readable("lib/../mesh.msh").is_ok());
+        assert!(closed.readable("../other/secret.msh").unwrap_err().title.contains("may not read"));
+        assert!(closed.readable(root.join("other/secret.msh").to_str().unwrap()).is_err());
+        std::os::unix::fs::symlink(root.join("other"), home.join("link")).unwrap();
+        assert!(closed.readable("link/secret.msh").unwrap_err().title.contains("may not read"));
+        assert!(closed.module("link/secret").unwrap_err().title.contains("may not import"));
+        assert!(closed.module("../other/secret").is_err());
+        assert!(closed.module("lib/rings").is_ok());
+        assert!(closed.module("lib/ring").unwrap_err().hints[0].contains("rings"));
+        assert!(closed.readable("mesh.mhs").unwrap_err().hints[0].contains("mesh.msh"));
+        let open = Sandbox::new(&home, &[root.join("other")]).unwrap();
+        assert!(open.readable("secret.msh").is_ok());
+        assert!(open.readable(root.join("other/secret.msh").to_str().unwrap()).is_ok());
+        fs::remove_dir_all(root).unwrap();
+    }
+}

@@ -1,0 +1,55 @@
+//! How a session runs its scripts: the values that the command line or a test decides on.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32};
+
+use super::limits::MAX_OPERATIONS;
+
+/// What a session does with a script.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Runs it.
+    Run,
+    /// Builds its models and reports what it would do; takes no step.
+    Check,
+}
+
+/// How a session runs a script.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Run or check.
+    pub mode: Mode,
+    /// Values for `param`, as given with `--set`.
+    pub overrides: Vec<(String, String)>,
+    /// Folders that a script may read besides its own.
+    pub allow_read: Vec<PathBuf>,
+    /// Folder of the results; none are written without it.
+    pub output: Option<PathBuf>,
+    /// Threads of the element loop.
+    pub threads: usize,
+    /// Operations after which a script counts as endless; time spent in native functions does not count.
+    pub max_operations: u64,
+    /// Ends the run at the last accepted step when it becomes true.
+    pub interrupt: Arc<AtomicBool>,
+    /// Tells how far a long factorization is, in thousandths; 0 while none runs.
+    pub factorization: Arc<AtomicU32>,
+    /// Whether somebody sits at a prompt, who can ask further.
+    pub interactive: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            mode: Mode::Run,
+            overrides: Vec::new(),
+            allow_read: Vec::new(),
+            output: None,
+            threads: 1,
+            max_operations: MAX_OPERATIONS,
+            interrupt: Arc::default(),
+            factorization: Arc::default(),
+            interactive: false,
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Values of which a session has one, kept by their type.
+//!
+//! The API keeps with the session what its functions share: the simulations of a script, the models that were simulated, the values of
+//! `--set`. The host holds these without knowing their types, so that the language stands below the API.
+
+use std::any::{Any, TypeId};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// One value of each type.
+#[derive(Default)]
+pub struct Slots(RefCell<HashMap<TypeId, Rc<dyn Any>>>);
+
+impl Slots {
+    /// The value of a type; its default the first time.
+    pub fn get<T: Default + 'static>(&self) -> Rc<T> {
+        let mut slots = self.0.borrow_mut();
+        let slot = slots.entry(TypeId::of::<T>()).or_insert_with(|| Rc::new(T::default()));
+        slot.clone().downcast::<T>().unwrap_or_default()
+    }
+
+    /// Puts a value in place of the one of its type.
+    pub fn set<T: 'static>(&self, value: Rc<T>) {
+        let before = self.0.borrow_mut().insert(TypeId::of::<T>(), value);
+        drop(before);
+    }
+
+    /// Lets go of all values. What they hold may ask for slots while it goes, so the table is free by then.
+    pub fn clear(&self) {
+        let slots = self.0.take();
+        drop(slots);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Count(std::cell::Cell<usize>);
+
+    #[test]
+    fn there_is_one_value_of_each_type() {
+        let slots = Slots::default();
+        slots.get::<Count>().0.set(3);
+        assert_eq!(slots.get::<Count>().0.get(), 3);
+        slots.set(Rc::new(Count::default()));
+        assert_eq!(slots.get::<Count>().0.get(), 0);
+        slots.get::<Count>().0.set(1);
+        slots.clear();
+        assert_eq!(slots.get::<Count>().0.get(), 0);
+    }
+}

@@ -1,0 +1,20 @@
+//! How a text becomes a tree that the engine runs, and the scope in which it begins.
+
+use rhai::{AST, Engine, EvalAltResult, Scope};
+
+/// A scope with the constants of the language.
+pub fn constants() -> Scope<'static> {
+    let mut scope = Scope::new();
+    scope.push_constant("PI", std::f64::consts::PI);
+    scope
+}
+
+/// The tree of a text, which knows the name of its source.
+///
+/// # Errors
+/// A text that does not parse.
+pub fn compile(engine: &Engine, scope: &Scope, name: &str, text: &str) -> Result<AST, Box<EvalAltResult>> {
+    let mut tree = engine.compile_with_scope(scope, text)?;
+    tree.set_source(name);
+    Ok(tree)
+}

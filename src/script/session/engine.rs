@@ -1,0 +1,147 @@
+//! Makes the engine of a session: its limits, its types and functions, and what it asks the session while it runs.
+
+#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+
+use std::rc::Rc;
+use std::sync::atomic::Ordering;
+
+use rhai::packages::{Package, StandardPackage};
+use rhai::{Dynamic, Engine, FuncRegistration, Module, NativeCallContext, OptimizationLevel, RhaiFunc, Shared};
+
+use super::help;
+use super::modules::{KEEP_CONTEXT, Modules};
+use crate::script::api;
+use crate::script::api::contacts::methods::ContactMethodHandle;
+use crate::script::api::contacts::obstacles::ObstacleHandle;
+use crate::script::api::materials::MaterialHandle;
+use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::api::models::handle::{BodyHandle, BoundaryHandle, ModelHandle};
+use crate::script::api::simulations::contact_state::ContactHandle;
+use crate::script::api::simulations::forensics::FailedStepHandle;
+use crate::script::api::simulations::handle::SimulationHandle;
+use crate::script::api::simulations::history::HistoryHandle;
+use crate::script::api::simulations::probes::ProbeHandle;
+use crate::script::api::simulations::reactions::ReactionHandle;
+use crate::script::api::simulations::settling::register_settle_to_come;
+use crate::script::api::simulations::simulate::IntegratorHandle;
+use crate::script::api::simulations::states::StateHandle;
+use crate::script::api::time_functions::TimeFunctionHandle;
+use crate::script::language::failure::{Class, Failure};
+use crate::script::language::function::Function;
+use crate::script::language::handle::Types;
+use crate::script::language::host::Host;
+use crate::script::language::limits::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING};
+use crate::script::language::registry::Registry;
+
+/// All functions of the language, topic by topic.
+fn functions() -> Vec<Function> {
+    let mut all = api::functions();
+    all.extend(help::functions());
+    all
+}
+
+/// Strings of which an engine keeps one copy; as many as a default engine.
+const STRINGS_INTERNED: usize = 256;
+
+thread_local! {
+    /// The functions that the engine brings with it. Describing them is most of the work of making an engine, and tests make many.
+    static STANDARD: Shared<Module> = StandardPackage::new().as_shared_module();
+}
+
+/// The engine of a session, with all functions and types of the language.
+pub fn engine(host: &Rc<Host>) -> Engine {
+    let mut engine = Engine::new_raw();
+    engine.set_max_strings_interned(STRINGS_INTERNED);
+    STANDARD.with(|standard| engine.register_global_module(standard.clone()));
+    engine.set_optimization_level(OptimizationLevel::Simple);
+    engine.set_strict_variables(true);
+    engine.set_fail_on_invalid_map_property(true);
+    engine.disable_symbol("eval");
+    limit(&mut engine, host);
+    connect(&mut engine, host);
+
+    let types = Rc::new(types(&mut engine));
+    host.slots.set(types.clone());
+    if host.is_check() {
+        register_settle_to_come(&mut engine);
+    }
+    let mut registry = Registry::new(types);
+    let mut module = Module::new();
+    registry.add(&mut module, host, functions());
+    keep_context(&mut module, host);
+    engine.register_global_module(module.into());
+    host.slots.set(Rc::new(registry));
+    engine
+}
+
+/// What a script may use at most.
+fn limit(engine: &mut Engine, host: &Host) {
+    engine.set_max_operations(host.settings.max_operations);
+    engine.set_max_call_levels(MAX_CALL_LEVELS);
+    engine.set_max_expr_depths(128, 64);
+    engine.set_max_string_size(MAX_STRING);
+    engine.set_max_array_size(MAX_ARRAY);
+    engine.set_max_map_size(MAX_MAP);
+    engine.set_max_modules(1000);
+}
+
+/// What the engine asks and tells the session: whether to stop, what is printed, where modules are.
+fn connect(engine: &mut Engine, host: &Rc<Host>) {
+    let interrupt = host.settings.interrupt.clone();
+    let progress = Rc::downgrade(host);
+    engine.on_progress(move |_| {
+        let is_over = || progress.upgrade().is_some_and(|host| host.is_stopped() && !host.is_stepping());
+        (interrupt.load(Ordering::Relaxed) || is_over()).then(|| Dynamic::from(Failure::new(Class::Interrupted, "interrupted")))
+    });
+    let observer = host.observer.clone();
+    engine.on_print(move |text| observer.print(text));
+    let observer = host.observer.clone();
+    engine.on_debug(move |text, source, position| {
+        let source = source.map(|source| format!("{source}:{}: ", position.line().unwrap_or(0))).unwrap_or_default();
+        observer.print(&format!("{source}{text}"));
+    });
+    engine.set_module_resolver(Modules::new(host.clone()));
+}
+
+/// All types of objects.
+fn types(engine: &mut Engine) -> Types {
+    let mut types = Types::default();
+    types.add::<MeshHandle>(engine);
+    types.add::<MaterialHandle>(engine);
+    types.add::<ModelHandle>(engine);
+    types.add::<BodyHandle>(engine);
+    types.add::<BoundaryHandle>(engine);
+    types.add::<ContactMethodHandle>(engine);
+    types.add::<ObstacleHandle>(engine);
+    types.add::<ProbeHandle>(engine);
+    types.add::<ContactHandle>(engine);
+    types.add::<ReactionHandle>(engine);
+    types.add::<TimeFunctionHandle>(engine);
+    types.add::<IntegratorHandle>(engine);
+    types.add::<SimulationHandle>(engine);
+    types.add::<StateHandle>(engine);
+    types.add::<HistoryHandle>(engine);
+    types.add::<FailedStepHandle>(engine);
+    types.add::<Failure>(engine);
+    types
+}
+
+/// The hidden function by which a module leaves its context; not part of the language.
+fn keep_context(module: &mut Module, host: &Rc<Host>) {
+    let host = host.clone();
+    FuncRegistration::new(KEEP_CONTEXT).in_global_namespace().set_into_module_raw(
+        module,
+        [],
+        RhaiFunc::Pure {
+            func: Rc::new(move |context: Option<NativeCallContext>, _: &mut [&mut Dynamic]| {
+                if let Some(context) = context {
+                    host.keep_module_context(context.store_data());
+                }
+                Ok(Dynamic::UNIT)
+            }),
+            has_context: true,
+            is_pure: true,
+            is_volatile: true,
+        },
+    );
+}

@@ -1,0 +1,92 @@
+//! `help`: what the functions of the language say about themselves, in a script and at the prompt.
+//!
+//! The texts are those of the [reference](super::reference); only the overview, which is names alone, is made here.
+
+use rhai::Dynamic;
+
+use super::reference::{Entry, Reference, TOPICS};
+use crate::script::language::arguments::Arguments;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::registry::Registry;
+
+/// Names of the topics.
+pub fn topics() -> impl Iterator<Item = String> {
+    TOPICS.iter().map(|(_, title)| title.to_lowercase())
+}
+
+/// Help on a topic, a function, a method (also written `object.method`), a word or a type; an overview without a name.
+pub fn help(registry: &Registry, name: &str) -> String {
+    let name = name.trim();
+    if name.is_empty() {
+        return overview(registry);
+    }
+    match Reference::new(registry).find(name) {
+        Ok(entries) => entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n"),
+        Err(suggestion) => {
+            let suggestion = suggestion.unwrap_or_else(|| "`help()` lists the topics".into());
+            format!("there is no function, topic or type `{name}`; {suggestion}")
+        }
+    }
+}
+
+/// Members of a type.
+pub fn of_type(registry: &Registry, type_name: &str) -> String {
+    match Reference::new(registry).members(type_name) {
+        Some(entry) => entry.text(),
+        None => format!("{type_name} has no members"),
+    }
+}
+
+fn overview(registry: &Registry) -> String {
+    let mut lines = vec!["help(\"topic\") or ?name tells more.".to_string()];
+    for (topic, title) in TOPICS {
+        let mut names: Vec<&str> = registry.functions().iter().filter(|function| function.topic == topic).map(|f| f.name).collect();
+        names.dedup();
+        lines.push(format!("\n{}", title.to_lowercase()));
+        lines.extend(wrapped(&names, 96).into_iter().map(|line| format!("  {line}")));
+    }
+    lines.join("\n")
+}
+
+fn wrapped(names: &[&str], width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for (index, name) in names.iter().enumerate() {
+        let comma = if index + 1 < names.len() { ", " } else { "" };
+        let last = lines.len() - 1;
+        if lines[last].len() + name.len() > width {
+            lines.push(format!("{name}{comma}"));
+        } else {
+            lines[last] += &format!("{name}{comma}");
+        }
+    }
+    lines
+}
+
+/// The function `help`.
+pub fn functions() -> Vec<Function> {
+    vec![Function {
+        name: "help",
+        form: Form::Function,
+        topic: Topic::Numbers,
+        summary: "prints what a topic, a function, a type or an object offers",
+        parameters: vec![
+            Parameter::new("about", Kind::Any, "the name of a topic, a function or a type, or an object").or(Absent::Means("all topics")),
+        ],
+        returns: "",
+        example: "help(\"run_to\");".into(),
+        see_also: &[],
+        body: body(|call| {
+            let argument = call.argument("about");
+            let registry = Registry::of(call.host);
+            let value = argument.value();
+            let text = match value.clone().into_string() {
+                Ok(name) => help(&registry, &name),
+                Err(_) if !argument.is_given() => help(&registry, ""),
+                Err(_) => of_type(&registry, call.engine().map_type_name(value.type_name())),
+            };
+            call.host.observer.print(&text);
+            Ok(Dynamic::UNIT)
+        }),
+    }]
+}

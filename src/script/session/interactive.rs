@@ -1,0 +1,305 @@
+//! The session behind the prompt: entries one after another in a scope that lasts. No terminal here.
+//!
+//! The engine runs whole scripts. Three things make a session of it: the functions of all entries are merged into one tree; imports are
+//! written again in front of each entry (`imports.rs`); and every entry is compiled below as many blank lines as the session has, so that a
+//! position means one place in the whole session ([`Sources::append`](crate::script::language::sources::Sources::append)).
+//!
+//! What was entered can be written as a script (`record.rs`).
+
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use rhai::{AST, Dynamic, ParseErrorType, Token};
+
+use super::completion::{Candidate, KEYWORDS, Words};
+use super::cursor::{Cursor, Piece, PieceKind, pieces};
+use super::help;
+use super::imports::Imports;
+use super::record::{ANSWER, Record, lexemes, positions};
+use super::session::{Report, Session, defect};
+use super::shown::{kind_of, shown};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::explain::explain;
+use crate::script::language::failure::Class;
+use crate::script::language::lint::lint;
+use crate::script::language::observer::Observer;
+use crate::script::language::registry::Registry;
+use crate::script::language::sandbox::reason;
+use crate::script::language::settings::Settings;
+use crate::script::language::sources::offset;
+
+/// Name of the source in which all entries stand.
+const SOURCE: &str = "prompt";
+
+/// What an entry gave.
+#[derive(Clone, Debug, Default)]
+pub struct Answer {
+    /// The value as the prompt shows it; nothing after a semicolon or without a value.
+    pub shown: Option<String>,
+    /// How long it took.
+    pub elapsed: Duration,
+}
+
+/// A variable of the session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Variable {
+    /// Its name.
+    pub name: String,
+    /// The kind of its value.
+    pub kind: String,
+    /// Its value in one line.
+    pub value: String,
+}
+
+/// How a stretch of a text is colored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// A word of the language.
+    Keyword,
+    /// A function of the language.
+    Function,
+    /// A number.
+    Number,
+    /// A string.
+    Text,
+    /// A comment.
+    Comment,
+}
+
+/// A session at a prompt.
+pub struct Interactive {
+    pub(super) session: Session,
+    functions: AST,
+    imports: Imports,
+    record: Record,
+    count: usize,
+}
+
+impl Interactive {
+    /// A session for files below a folder.
+    ///
+    /// # Errors
+    /// A folder that does not exist.
+    pub fn new(settings: Settings, home: &Path, observer: Rc<dyn Observer>) -> Result<Self, Box<Diagnostic>> {
+        let mut session = Session::new(settings, home, observer)?;
+        session.scope.push(ANSWER, ());
+        Ok(Interactive { session, functions: AST::empty(), imports: Imports::default(), record: Record::default(), count: 0 })
+    }
+
+    /// Evaluates what was typed.
+    ///
+    /// # Errors
+    /// What is wrong with it; all that was complete before stays.
+    pub fn evaluate(&mut self, text: &str) -> Result<Answer, Box<Diagnostic>> {
+        self.count += 1;
+        let name = format!("{SOURCE} {}", self.count);
+        self.enter(&name, text)
+    }
+
+    /// Evaluates the text of a file as an entry.
+    ///
+    /// # Errors
+    /// A file that cannot be read; what is wrong with it.
+    pub fn load(&mut self, path: &Path) -> Result<Answer, Box<Diagnostic>> {
+        let name = path.display().to_string();
+        let text = match std::fs::read(path).map(String::from_utf8) {
+            Ok(Ok(text)) => text,
+            Ok(Err(_)) => return Err(unreadable(&name, "it is not text (UTF-8)")),
+            Err(error) => return Err(unreadable(&name, &reason(&error))),
+        };
+        self.enter(&name, &text)
+    }
+
+    fn enter(&mut self, name: &str, text: &str) -> Result<Answer, Box<Diagnostic>> {
+        let host = self.session.host.clone();
+        let begun = Instant::now();
+        let (effects, before) = (host.effects(), positions(&self.session));
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.run(name, text))).unwrap_or_else(|panic| Err((Some(0), defect(&*panic))));
+        let lexemes = lexemes(&self.session, text);
+        match outcome {
+            Ok(value) => {
+                let has_value = !value.is_unit();
+                if !lexemes.is_empty() {
+                    self.record.keep(text, has_value);
+                }
+                let quiet = lexemes.last().is_some_and(|last| matches!(last.token, Token::SemiColon));
+                let shown = if quiet || !has_value { None } else { Some(shown(&Registry::of(&host), &value)) };
+                if has_value {
+                    self.session.scope.set_value(ANSWER, value);
+                }
+                Ok(Answer { shown, elapsed: begun.elapsed() })
+            }
+            Err((None, error)) => Err(error),
+            Err((Some(position), error)) => {
+                let affected = host.effects() != effects || positions(&self.session) != before;
+                self.record.keep_part(&self.session, text, position, &error, affected, &before);
+                Err(error)
+            }
+        }
+    }
+
+    /// Compiles and runs an entry; an error comes with where in the entry it was raised, unless nothing ran at all.
+    fn run(&mut self, name: &str, text: &str) -> Result<Dynamic, (Option<usize>, Box<Diagnostic>)> {
+        let host = self.session.host.clone();
+        let engine_cell = self.session.engine.clone();
+        let engine = engine_cell.borrow();
+        let first_line = host.sources.text(SOURCE).map_or(0, |whole| whole.matches('\n').count());
+        let start = host.sources.text(SOURCE).map_or(0, |whole| whole.len());
+        host.sources.append(SOURCE, name, text);
+        *host.main.borrow_mut() = SOURCE.to_string();
+        lint(&host, &engine, SOURCE);
+        let explained = |error: &rhai::EvalAltResult| Box::new(explain(&host, &engine, error, SOURCE));
+        let padded = format!("{}{text}", self.imports.padding(first_line));
+        let tree = engine.compile_with_scope(&self.session.scope, &padded).map_err(|error| (None, explained(&error.into())))?;
+        let mut tree = self.functions.merge(&tree);
+        tree.set_source(SOURCE);
+        let outcome = engine.eval_ast_with_scope::<Dynamic>(&mut self.session.scope, &tree);
+        match outcome {
+            Ok(value) => {
+                tree.clear_statements();
+                self.functions = tree;
+                self.imports.keep(&engine, &host.sandbox, first_line, text);
+                Ok(value)
+            }
+            Err(error) => {
+                let position = host.sources.text(SOURCE).and_then(|whole| offset(&whole, error.position()));
+                let position = position.map_or(0, |position| position.saturating_sub(start).min(text.len()));
+                // Its functions and closures stay, because values may hold them already.
+                tree.clear_statements();
+                self.functions = tree;
+                self.imports.keep(&engine, &host.sandbox, first_line, &text[..position]);
+                Err((Some(position), explained(&error)))
+            }
+        }
+    }
+
+    /// Whether a text is the beginning of an entry that needs more lines.
+    pub fn is_incomplete(&self, text: &str) -> bool {
+        let cursor = Cursor::new(text);
+        if cursor.in_comment && !text.trim_end().ends_with('\n') && text.rfind("/*") > text.rfind("//") {
+            return true;
+        }
+        if cursor.is_crossed {
+            return false;
+        }
+        if let Some(start) = cursor.in_string() {
+            return text[..start].ends_with('`');
+        }
+        if !cursor.levels.is_empty() {
+            return true;
+        }
+        let engine = self.session.engine.borrow();
+        let imports = self.imports.line();
+        let whole = format!("{imports}\n{text}");
+        let Err(error) = engine.compile_with_scope(&self.session.scope, &whole) else { return false };
+        if matches!(error.err_type(), ParseErrorType::VariableUndefined(_) | ParseErrorType::ModuleUndefined(_)) {
+            return false;
+        }
+        let (lines, last) = (whole.matches('\n').count() + 1, whole.rsplit('\n').next().unwrap_or(""));
+        let position = error.position();
+        let line = position.line().unwrap_or(usize::MAX);
+        line > lines || (line == lines && position.position().unwrap_or(0) > last.trim_end().chars().count())
+    }
+
+    fn words<T>(&self, ask: impl FnOnce(&Words) -> T) -> T {
+        let engine = self.session.engine.borrow();
+        let registry = Registry::of(&self.session.host);
+        ask(&Words {
+            engine: &engine,
+            scope: &self.session.scope,
+            registry: &registry,
+            functions: &self.functions,
+            modules: self.imports.modules(),
+            home: self.session.host.sandbox.home(),
+        })
+    }
+
+    /// Where the completed word begins, and what can be written at the cursor, which stands at the end of `before`.
+    pub fn complete(&self, before: &str) -> (usize, Vec<Candidate>) {
+        match before.strip_prefix('?') {
+            Some(name) => {
+                let registry = Registry::of(&self.session.host);
+                let names = registry.functions().iter().map(|function| function.name.to_string());
+                let names = names.chain(help::topics()).chain(registry.types().names().iter().map(ToString::to_string));
+                let mut names: Vec<String> = names.filter(|known| known.starts_with(name)).collect();
+                names.sort();
+                names.dedup();
+                (1, names.into_iter().map(|name| Candidate { text: name.clone(), display: name }).collect())
+            }
+            None => self.words(|words| words.complete(before)),
+        }
+    }
+
+    /// The rest of the signature of the call at the cursor, which stands at the end of `before`.
+    pub fn hint(&self, before: &str) -> Option<String> {
+        self.words(|words| words.hint(before))
+    }
+
+    /// Help on a name: of a topic, a function, a type, or a variable of the session.
+    pub fn help(&self, name: &str) -> String {
+        let registry = Registry::of(&self.session.host);
+        match self.session.scope.get(name.trim()) {
+            Some(value) if registry.named(name.trim()).next().is_none() => {
+                let engine = self.session.engine.borrow();
+                help::of_type(&registry, engine.map_type_name(value.type_name()))
+            }
+            _ => help::help(&registry, name),
+        }
+    }
+
+    /// The variables of the session, in the order of their declaration.
+    pub fn variables(&self) -> Vec<Variable> {
+        let (engine, registry) = (self.session.engine.borrow(), Registry::of(&self.session.host));
+        let mut all: Vec<(&str, bool, &Dynamic)> = self.session.scope.iter_raw().collect();
+        // The engine lists the newest first.
+        all.reverse();
+        let mut found: Vec<Variable> = Vec::new();
+        // Of several variables with one name the newest counts.
+        for (name, is_constant, value) in all {
+            found.retain(|variable| variable.name != name);
+            if name == "PI" || value.is_unit() {
+                continue;
+            }
+            let kind = format!("{}{}", if is_constant { "const " } else { "" }, kind_of(&engine, value));
+            let text = shown(&registry, &value.flatten_clone());
+            let line: String = text.lines().next().unwrap_or("").chars().take(90).collect();
+            found.push(Variable { name: name.into(), kind, value: line });
+        }
+        found
+    }
+
+    /// Stretches of a text to be colored.
+    pub fn styles(&self, text: &str) -> Vec<(Range<usize>, Style)> {
+        let registry = Registry::of(&self.session.host);
+        let style = |piece: &Piece| {
+            let word = &text[piece.range.clone()];
+            Some(match piece.kind {
+                PieceKind::Name if KEYWORDS.contains(&word) => Style::Keyword,
+                PieceKind::Name if registry.named(word).next().is_some() => Style::Function,
+                PieceKind::Number => Style::Number,
+                PieceKind::Text { .. } => Style::Text,
+                PieceKind::Comment { .. } => Style::Comment,
+                _ => return None,
+            })
+        };
+        pieces(text).iter().filter_map(|piece| Some((piece.range.clone(), style(piece)?))).collect()
+    }
+
+    /// Ends the session: writes the files of its simulations.
+    pub fn finish(&mut self) -> Report {
+        self.session.finish(None)
+    }
+
+    /// The session as a script that runs from scratch to the same results.
+    pub fn script(&self) -> String {
+        self.record.script(&self.session)
+    }
+}
+
+fn unreadable(name: &str, cause: &str) -> Box<Diagnostic> {
+    let error = Diagnostic::error(Class::Script, format!("the script {name} cannot be read"));
+    Box::new(error.cause(cause).hint("check the path of the script"))
+}

@@ -1,0 +1,21 @@
+//! A session that runs scripts: the engine with its scope and its host, modules, the prompt, the reference, script tests.
+
+#[cfg(test)]
+mod argument_tests;
+pub mod compile;
+pub mod completion;
+pub mod cursor;
+pub mod engine;
+pub mod help;
+pub mod imports;
+pub mod interactive;
+#[cfg(test)]
+mod interactive_tests;
+pub mod modules;
+pub mod record;
+pub mod reference;
+#[allow(clippy::module_inception)] // the room has the name of what it is about
+pub mod session;
+pub mod shown;
+pub mod statements;
+pub mod testing;

@@ -1,0 +1,462 @@
+//! The reference of the language, from the registered functions and the catalogues, as text, Markdown or JSON.
+//!
+//! Nothing is written here about a function: sentence, parameters, example and relations come from its description in the registry. Words
+//! that are no functions (update rules, cell kinds, fields, columns of the history, keys of `summary.json`, findings) come from their
+//! catalogues.
+
+use std::fmt::Write;
+use std::rc::Rc;
+
+use serde_json::{Value, json};
+
+use crate::dynamics::{LedgerRow, RunFindingKind, UPDATE_RULES};
+use crate::elements::CellKind;
+use crate::materials;
+use crate::math::catalogue::Interval;
+use crate::output::{Field, KEYS};
+use crate::script::language::function::{Form, Function, Topic};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::registry::Registry;
+use crate::script::language::wording::{did_you_mean, with_article};
+
+/// Topics in the order of the reference, with their titles.
+pub const TOPICS: [(Topic, &str); 10] = [
+    (Topic::Meshes, "Meshes"),
+    (Topic::Materials, "Materials"),
+    (Topic::Model, "Model"),
+    (Topic::TimeFunctions, "Time functions"),
+    (Topic::Contact, "Contact"),
+    (Topic::Simulation, "Simulation"),
+    (Topic::Results, "Results"),
+    (Topic::Checks, "Checks"),
+    (Topic::Parameters, "Parameters"),
+    (Topic::Numbers, "Numbers and text"),
+];
+
+/// A word of the language that is no function: the value of an option, or the name of a column.
+#[derive(Clone, Debug)]
+pub struct Word {
+    /// The word.
+    pub name: &'static str,
+    /// Catalogue to which it belongs, such as `update rule of a contact pair`.
+    pub group: &'static str,
+    /// One sentence.
+    pub summary: String,
+}
+
+/// What the reference knows under a name.
+#[derive(Clone)]
+pub enum Entry {
+    /// A function, method or property.
+    Function(Rc<Function>),
+    /// A word that is no function.
+    Word(Word),
+    /// A topic with its functions.
+    Topic(&'static str, Vec<Rc<Function>>),
+    /// A type with its members.
+    Type(&'static str, Vec<Rc<Function>>),
+}
+
+/// The reference.
+pub struct Reference {
+    functions: Vec<Rc<Function>>,
+    words: Vec<Word>,
+}
+
+/// What each column of the history is.
+const COLUMNS: &[(&str, &str)] = &[
+    ("step", "the number of the accepted step, 0 for the beginning"),
+    ("time", "the time at the end of the step [time]"),
+    ("dt", "the size of the step [time]"),
+    ("kinetic", "the kinetic energy [energy]"),
+    ("strain", "the strain energy [energy]"),
+    ("potential", "the potential energy of gravity and of penalty potentials, and the `reserve` [energy]"),
+    ("total", "the sum of the three energies [energy]"),
+    ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
+    ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),
+    ("energy_defect", "change of `total` - `load_work` - `contact_work` in this step: round-off when the scheme conserves [energy]"),
+    ("momentum_x", "the linear momentum along x [momentum]"),
+    ("momentum_y", "the linear momentum along y [momentum]"),
+    ("momentum_z", "the linear momentum along z [momentum]"),
+    ("angular_momentum", "the angular momentum about the origin; in space its length [length * momentum]"),
+    ("angular_momentum_x", "the angular momentum about the x axis [length * momentum]"),
+    ("angular_momentum_y", "the angular momentum about the y axis [length * momentum]"),
+    ("angular_momentum_z", "the angular momentum about the z axis [length * momentum]"),
+    ("momentum_defect", "the largest change of linear momentum in this step that neither loads nor supports explain"),
+    ("angular_momentum_defect", "the largest change of angular momentum in this step that neither loads nor supports explain"),
+    ("newton_iterations", "the Newton iterations of the step"),
+    ("halvings", "how often the step was tried and halved before it was accepted; what is halved untried is not counted"),
+    ("active", "the number of closed contact nodes"),
+    ("max_penetration", "the largest depth of a node of either side in the other body, point by point [length]"),
+    ("reserve", "what closings under the update rule velocity took and keep until the contact opens, part of `potential` [energy]"),
+];
+
+fn words() -> Vec<Word> {
+    let mut all = Vec::new();
+    let mut add = |name, group, summary: String| all.push(Word { name, group, summary });
+    for rule in UPDATE_RULES {
+        add(rule.name, "update rule of a contact pair", rule.summary.into());
+    }
+    for kind in CellKind::ALL {
+        add(kind.name(), "cell kind", kind.summary().into());
+    }
+    for (name, words, _) in Field::ALL {
+        add(name, "field of a picture", (*words).into());
+    }
+    for name in LedgerRow::columns(3) {
+        let summary = COLUMNS.iter().find(|(known, _)| *known == name).map_or("", |(_, summary)| summary);
+        add(name, "column of the history", summary.into());
+    }
+    for (name, summary) in KEYS {
+        add(name, "key of summary.json", (*summary).into());
+    }
+    for (name, summary) in RunFindingKind::ALL {
+        add(name, "finding of a run", (*summary).into());
+    }
+    all
+}
+
+impl Reference {
+    /// The reference of the functions of a registry.
+    pub fn new(registry: &Registry) -> Self {
+        Reference { functions: registry.functions().to_vec(), words: words() }
+    }
+
+    /// All words that are no functions.
+    pub fn words(&self) -> &[Word] {
+        &self.words
+    }
+
+    fn of_topic(&self, topic: Topic) -> Vec<Rc<Function>> {
+        self.functions.iter().filter(|function| function.topic == topic).cloned().collect()
+    }
+
+    fn types(&self) -> Vec<&'static str> {
+        let mut names: Vec<&str> = self.functions.iter().filter_map(|function| function.form.receiver()).map(|of| of.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    /// A type with its members, if it has any.
+    pub fn members(&self, type_name: &str) -> Option<Entry> {
+        let name = self.types().into_iter().find(|known| *known == type_name)?;
+        let members = self.functions.iter().filter(|function| function.form.receiver().is_some_and(|receiver| receiver.name == name));
+        Some(Entry::Type(name, members.cloned().collect()))
+    }
+
+    /// Everything of that name: functions (also written `Type.name`, `object.name` or `name()`), words, a topic, a type.
+    ///
+    /// # Errors
+    /// There is nothing of that name; a suggestion, where a name is near.
+    pub fn find(&self, name: &str) -> Result<Vec<Entry>, Option<String>> {
+        let wanted = name.trim().trim_end_matches("()").trim_end();
+        let (owner, last) = wanted.rsplit_once('.').map_or((None, wanted), |(owner, last)| (Some(owner.to_lowercase()), last));
+        let mut functions: Vec<&Rc<Function>> = self.functions.iter().filter(|function| function.name == last).collect();
+        // An owner that is no type is the name of an object, which may be of any type.
+        let is_owned = |function: &Function| function.form.receiver().is_some_and(|of| Some(of.name.to_lowercase()) == owner);
+        if functions.iter().any(|function| is_owned(function)) {
+            functions.retain(|function| is_owned(function));
+        }
+        let mut found: Vec<Entry> = functions.into_iter().cloned().map(Entry::Function).collect();
+        found.extend(self.words.iter().filter(|word| word.name == wanted).cloned().map(Entry::Word));
+        let lower = wanted.to_lowercase();
+        let alone = found.is_empty();
+        let of_title = |title: &str| title == lower || (alone && title.starts_with(&format!("{lower} ")));
+        for (topic, title) in TOPICS.iter().filter(|(_, title)| of_title(&title.to_lowercase())) {
+            found.push(Entry::Topic(title, self.of_topic(*topic)));
+        }
+        let type_name = self.types().into_iter().find(|name| *name == wanted || (alone && name.to_lowercase() == lower));
+        found.extend(type_name.and_then(|name| self.members(name)));
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let names = self.functions.iter().map(|function| function.name).chain(self.words.iter().map(|word| word.name));
+        let names = names.chain(TOPICS.iter().map(|(_, title)| *title)).chain(self.types());
+        Err(did_you_mean(last, names))
+    }
+
+    /// One line for each function and word, topic by topic.
+    pub fn overview(&self) -> String {
+        let mut text = String::new();
+        for (topic, title) in TOPICS {
+            let _ = writeln!(text, "{title}\n{}\n", listing(&self.of_topic(topic)));
+        }
+        for (group, words) in self.groups() {
+            let rows: Vec<String> = words.iter().map(|word| format!("  {}\n      {}", word.name, word.summary)).collect();
+            let _ = writeln!(text, "{}\n{}\n", plural(group), rows.join("\n"));
+        }
+        text.push_str("`conserva doc NAME` tells more of a function, word, topic or type\n");
+        text
+    }
+
+    fn groups(&self) -> Vec<(&'static str, Vec<&Word>)> {
+        let mut groups: Vec<(&str, Vec<&Word>)> = Vec::new();
+        for word in &self.words {
+            match groups.last_mut().filter(|(group, _)| *group == word.group) {
+                Some((_, words)) => words.push(word),
+                None => groups.push((word.group, vec![word])),
+            }
+        }
+        groups
+    }
+
+    /// The page `docs/reference.md`.
+    pub fn markdown(&self) -> String {
+        let mut page = String::from(
+            "# Reference\n\nEvery function of the language, from the descriptions it is registered with. This page is written by\n\
+             `conserva doc --format markdown`; a test fails when it is not current, and another one runs every example.\n\n\
+             `name?` may be left out. Dimensions stand in brackets; any consistent set of units will do. `any`\n\
+             depends on what the number is used for.\n\n",
+        );
+        for (topic, title) in TOPICS {
+            let _ = writeln!(page, "## {title}\n");
+            for function in self.of_topic(topic) {
+                page.push_str(&self.function_markdown(&function));
+            }
+        }
+        page.push_str("## Words\n\n");
+        for (group, words) in self.groups() {
+            let _ = writeln!(page, "### {}\n\n| name | is |\n|---|---|", plural(group));
+            for word in words {
+                let _ = writeln!(page, "| `{}` | {} |", word.name, cell(&word.summary));
+            }
+            page.push('\n');
+        }
+        page.truncate(page.trim_end().len());
+        page.push('\n');
+        page
+    }
+
+    /// One entry in Markdown.
+    pub fn entry_markdown(&self, entry: &Entry) -> String {
+        match entry {
+            Entry::Function(function) => self.function_markdown(function),
+            Entry::Word(word) => format!("### {}\n\n{} ({}).\n", word.name, sentence(&word.summary), word.group),
+            Entry::Topic(title, functions) | Entry::Type(title, functions) => {
+                let all: Vec<String> = functions.iter().map(|function| self.function_markdown(function)).collect();
+                format!("## {title}\n\n{}", all.concat())
+            }
+        }
+    }
+
+    fn function_markdown(&self, function: &Function) -> String {
+        let mut text = format!("### {}\n\n`{}`", heading(function), function.signature());
+        if !function.returns.is_empty() {
+            let _ = write!(text, " gives {}", with_article(function.returns));
+        }
+        let _ = writeln!(text, "\n\n{}.\n", sentence(function.summary));
+        if let Some(formula) = formula(function) {
+            let _ = writeln!(text, "{formula}\n");
+        }
+        let rows = parameters(function);
+        if !rows.is_empty() {
+            text.push_str("| parameter | what it is | takes | default |\n|---|---|---|---|\n");
+            for (name, parameter) in rows {
+                let absent = match parameter.absent {
+                    Absent::Refused => "required".into(),
+                    Absent::Means(words) => words.to_string(),
+                    absent => format!("`{absent}`"),
+                };
+                let _ = writeln!(text, "| `{name}` | {} | {} | {} |", cell(parameter.summary), cell(&takes(parameter)), cell(&absent));
+            }
+            text.push('\n');
+        }
+        let _ = writeln!(text, "```rhai\n{}\n```\n", function.example);
+        let links: Vec<String> = function.see_also.iter().map(|name| self.link(name)).collect();
+        if !links.is_empty() {
+            let _ = writeln!(text, "See also {}.\n", links.join(", "));
+        }
+        text
+    }
+
+    fn link(&self, name: &str) -> String {
+        match self.functions.iter().find(|function| function.name == name) {
+            Some(function) => {
+                let anchor: String = heading(function).to_lowercase().chars().filter(|c| c.is_alphanumeric() || *c == '_').collect();
+                format!("[{name}](#{anchor})")
+            }
+            None => name.to_string(),
+        }
+    }
+
+    /// Everything as JSON.
+    pub fn json(&self) -> String {
+        let functions: Vec<Value> = self.functions.iter().map(|function| function_json(function)).collect();
+        let words: Vec<Value> = self.words.iter().map(word_json).collect();
+        pretty(&json!({ "version": env!("CARGO_PKG_VERSION"), "functions": functions, "words": words }))
+    }
+
+    /// Some entries as JSON.
+    pub fn entries_json(&self, entries: &[Entry]) -> String {
+        let values: Vec<Value> = entries
+            .iter()
+            .flat_map(|entry| match entry {
+                Entry::Function(function) => vec![function_json(function)],
+                Entry::Word(word) => vec![word_json(word)],
+                Entry::Topic(_, functions) | Entry::Type(_, functions) => {
+                    functions.iter().map(|function| function_json(function)).collect()
+                }
+            })
+            .collect();
+        pretty(&Value::Array(values))
+    }
+}
+
+impl Entry {
+    /// The entry as text for a terminal.
+    pub fn text(&self) -> String {
+        match self {
+            Entry::Function(function) => function_text(function),
+            Entry::Word(word) => format!("\"{}\", {}\n  {}", word.name, word.group, word.summary),
+            Entry::Topic(title, functions) | Entry::Type(title, functions) => format!("{title}\n{}", listing(functions)),
+        }
+    }
+}
+
+fn listing(functions: &[Rc<Function>]) -> String {
+    functions.iter().map(|function| format!("  {}\n      {}", function.signature(), function.summary)).collect::<Vec<_>>().join("\n")
+}
+
+fn function_text(function: &Function) -> String {
+    let value = if function.returns.is_empty() { String::new() } else { format!("  ->  {}", function.returns) };
+    let mut lines = vec![format!("{}{value}", function.signature()), format!("  {}", function.summary)];
+    lines.extend(formula(function).map(|formula| format!("  {formula}")));
+    for (name, parameter) in parameters(function) {
+        let absent = if parameter.is_optional() { format!("; default: {}", parameter.absent) } else { String::new() };
+        lines.push(format!("  {name}: {}; {}{absent}", parameter.summary, takes(parameter)));
+    }
+    lines.push("  example:".into());
+    lines.extend(function.example.lines().map(|line| format!("    {}", line.trim_end())));
+    if !function.see_also.is_empty() {
+        lines.push(format!("  see also: {}", function.see_also.join(", ")));
+    }
+    lines.join("\n")
+}
+
+/// Parameters with the keys of options after their map, each under its full name.
+fn parameters(function: &Function) -> Vec<(String, &Parameter)> {
+    fn keys<'a>(of: &'a Parameter, prefix: &str, rows: &mut Vec<(String, &'a Parameter)>) {
+        if let Kind::Options(inner) = &of.kind {
+            for key in inner {
+                rows.push((format!("{prefix}{}", key.name), key));
+                keys(key, &format!("{prefix}{}.", key.name), rows);
+            }
+        }
+    }
+    let mut rows = Vec::new();
+    for parameter in &function.parameters {
+        // a map that is the only parameter needs no row of its own
+        if function.parameters.len() > 1 || !matches!(parameter.kind, Kind::Options(_)) {
+            rows.push((parameter.name.to_string(), parameter));
+        }
+        keys(parameter, "", &mut rows);
+    }
+    rows
+}
+
+/// Kind, range and dimension.
+fn takes(parameter: &Parameter) -> String {
+    let ranged = matches!(parameter.kind, Kind::Number | Kind::Integer);
+    let each = if !ranged && parameter.range != Interval::Finite { format!(", each {}", parameter.range) } else { String::new() };
+    let dimension = if parameter.dimension.is_empty() || parameter.requirement().ends_with(']') {
+        String::new()
+    } else {
+        format!(" [{}]", parameter.dimension)
+    };
+    format!("{}{each}{dimension}", parameter.requirement())
+}
+
+/// `ring`, `Model.add_body`.
+fn heading(function: &Function) -> String {
+    match (function.form, function.form.receiver()) {
+        (Form::Column(_), Some(receiver)) => format!("{}[{}]", receiver.name, function.name),
+        (_, Some(receiver)) => format!("{}.{}", receiver.name, function.name),
+        (_, None) => function.name.to_string(),
+    }
+}
+
+fn formula(function: &Function) -> Option<&'static str> {
+    let row = materials::CATALOGUE.iter().find(|row| function.topic == Topic::Materials && row.name == function.name);
+    row.map(|row| row.formula)
+}
+
+/// With a capital letter at its beginning.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn plural(group: &str) -> String {
+    let (first, rest) = group.split_once(' ').map_or((group, String::new()), |(first, rest)| (first, format!(" {rest}")));
+    let text = match group {
+        "cell kind" => "cell kinds".to_string(),
+        "update rule of a contact pair" => "update rules of a contact pair".into(),
+        "key of summary.json" => "keys of `summary.json`".into(),
+        _ => format!("{first}s{rest}"),
+    };
+    sentence(&text)
+}
+
+/// A text inside a table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+fn parameter_json(parameter: &Parameter) -> Value {
+    let keys: Vec<Value> = match &parameter.kind {
+        Kind::Options(keys) => keys.iter().map(parameter_json).collect(),
+        _ => Vec::new(),
+    };
+    let default = match parameter.absent {
+        Absent::Refused => Value::Null,
+        Absent::Number(value) => json!(value),
+        Absent::Integer(value) => json!(value),
+        Absent::Flag(value) => json!(value),
+        Absent::Text(value) => json!(value),
+        Absent::Means(words) => json!({ "means": words }),
+    };
+    json!({
+        "name": parameter.name,
+        "kind": parameter.kind.word(),
+        "summary": parameter.summary,
+        "dimension": parameter.dimension,
+        "range": if parameter.range == Interval::Finite { Value::Null } else { json!(parameter.range.to_string()) },
+        "required": !parameter.is_optional(),
+        "default": default,
+        "choices": match &parameter.kind { Kind::Choice(words) => json!(words), _ => Value::Null },
+        "keys": keys,
+    })
+}
+
+fn function_json(function: &Function) -> Value {
+    let form = match function.form {
+        Form::Function => "function",
+        Form::Method(_) => "method",
+        Form::Property(_) => "property",
+        Form::Column(_) => "column",
+    };
+    let topic = TOPICS.iter().find(|(topic, _)| *topic == function.topic).map_or("", |(_, title)| title);
+    json!({
+        "name": function.name,
+        "form": form,
+        "of": function.form.receiver().map(|receiver| receiver.name),
+        "topic": topic,
+        "signature": function.signature(),
+        "summary": function.summary,
+        "parameters": function.parameters.iter().map(parameter_json).collect::<Vec<_>>(),
+        "returns": function.returns,
+        "example": function.example,
+        "see_also": function.see_also,
+    })
+}
+
+fn word_json(word: &Word) -> Value {
+    json!({ "name": word.name, "form": "word", "group": word.group, "summary": word.summary })
+}
+
+fn pretty(value: &Value) -> String {
+    let mut text = serde_json::to_string_pretty(value).unwrap_or_default();
+    text.push('\n');
+    text
+}

@@ -1,0 +1,216 @@
+//! One engine with its scope, from the first line of a script to the files at its end.
+
+use std::cell::RefCell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Instant;
+
+use rhai::{Dynamic, Engine, Scope};
+
+use super::compile::{compile, constants};
+use super::engine::engine;
+use super::modules::KEEP_CONTEXT;
+use crate::script::api::models::change::warn_of_unseen_changes;
+use crate::script::api::parameters::{Overrides, check_overrides};
+use crate::script::api::simulations::ending;
+use crate::script::api::simulations::handle::Simulations;
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::explain::{explain, explain_failure};
+use crate::script::language::failure::Class;
+use crate::script::language::host::Host;
+use crate::script::language::lint::lint;
+use crate::script::language::observer::Observer;
+use crate::script::language::registry::Registry;
+use crate::script::language::sandbox::{Sandbox, reason};
+use crate::script::language::scan;
+use crate::script::language::settings::Settings;
+
+/// How a script ended.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The error it ended with, if it did.
+    pub error: Option<Diagnostic>,
+    /// What `conserva check` found out.
+    pub findings: Vec<String>,
+    /// Number of checks that held.
+    pub checks: usize,
+}
+
+/// What a text consists of.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    /// Name, least number of parameters and first byte of each function, in the order in which they are written.
+    pub functions: Vec<(String, usize, usize)>,
+    /// Whether there are statements outside of functions.
+    pub has_statements: bool,
+}
+
+/// The text of a script file.
+///
+/// # Errors
+/// A file that cannot be read or is not text.
+pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
+    let text = match std::fs::read(path) {
+        Ok(bytes) => String::from_utf8(bytes).map_err(|_| "it is not text (UTF-8)".to_string()),
+        Err(error) => Err(reason(&error)),
+    };
+    text.map_err(|cause| {
+        let error = Diagnostic::error(Class::Script, format!("the script {} cannot be read", path.display()));
+        Box::new(error.cause(cause).hint("check the path of the script"))
+    })
+}
+
+/// An engine with its scope and its host.
+pub struct Session {
+    pub(super) engine: Rc<RefCell<Engine>>,
+    pub(super) scope: Scope<'static>,
+    pub(super) host: Rc<Host>,
+    begun: Instant,
+}
+
+impl Session {
+    /// A session for scripts in a folder.
+    ///
+    /// # Errors
+    /// A folder that does not exist.
+    pub fn new(settings: Settings, home: &Path, observer: Rc<dyn Observer>) -> Result<Self, Box<Diagnostic>> {
+        let begun = Instant::now();
+        let sandbox = Sandbox::new(home, &settings.allow_read).map_err(|failure| Box::new(explain_failure(&failure)))?;
+        let host = Rc::new(Host::new(settings, sandbox, observer));
+        host.slots.set(Rc::new(Overrides::new(&host.settings.overrides)));
+        let engine = Rc::new(RefCell::new(engine(&host)));
+        host.attach(&engine);
+        Ok(Session { engine, scope: constants(), host, begun })
+    }
+
+    /// All functions of the language.
+    pub fn registry(&self) -> Rc<Registry> {
+        Registry::of(&self.host)
+    }
+
+    /// The definition file of the language for its language server.
+    pub fn definitions(&self) -> String {
+        let all = self.engine.borrow().definitions().include_standard_packages(false).single_file();
+        all.split("\n\n").filter(|block| !block.contains(KEEP_CONTEXT)).collect::<Vec<_>>().join("\n\n")
+    }
+
+    /// Runs a script file to its end and writes the files of the run.
+    pub fn run_file(&mut self, path: &Path) -> Report {
+        let name = path.display().to_string();
+        *self.host.main.borrow_mut() = name.clone();
+        let error = match read_script(path) {
+            Ok(text) => self.guarded(|session| session.evaluate(&name, &text)),
+            Err(error) => Some(error),
+        };
+        self.finish(error)
+    }
+
+    /// Runs a script as a test: its statements and then, if one is named, one of its functions.
+    pub fn run_test(&mut self, name: &str, text: &str, function: Option<&str>) -> Report {
+        let error = self.guarded(|session| match function {
+            None => session.evaluate(name, text),
+            Some(function) => session.call(name, text, function),
+        });
+        self.finish(error)
+    }
+
+    /// Functions of a text and whether it has statements, without running it.
+    ///
+    /// # Errors
+    /// A text that does not parse.
+    pub fn outline(&self, name: &str, text: &str) -> Result<Outline, Box<Diagnostic>> {
+        *self.host.main.borrow_mut() = name.to_string();
+        self.host.sources.insert(name, text);
+        let engine = self.engine.borrow();
+        let tree = compile(&engine, &self.scope, name, text).map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))?;
+        let starts = scan::functions(&scan::lexemes(&engine, text));
+        let parameters =
+            |function: &str| tree.iter_functions().filter(|known| known.name == function).map(|known| known.params.len()).min();
+        let functions = starts.into_iter().filter_map(|(function, start)| parameters(&function).map(|count| (function, count, start)));
+        Ok(Outline { functions: functions.collect(), has_statements: !tree.statements().is_empty() })
+    }
+
+    /// Evaluates, and turns a defect of the program into a message, so that the files of the run are still completed.
+    fn guarded(&mut self, work: impl FnOnce(&mut Self) -> Result<Dynamic, Box<Diagnostic>>) -> Option<Box<Diagnostic>> {
+        match catch_unwind(AssertUnwindSafe(|| work(self))) {
+            Ok(outcome) => outcome.err(),
+            Err(panic) => Some(defect(&*panic)),
+        }
+    }
+
+    /// Runs a text under a name.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn evaluate(&mut self, name: &str, text: &str) -> Result<Dynamic, Box<Diagnostic>> {
+        *self.host.main.borrow_mut() = name.to_string();
+        self.host.sources.insert(name, text);
+        let engine = self.engine.borrow();
+        lint(&self.host, &engine, name);
+        let outcome =
+            compile(&engine, &self.scope, name, text).and_then(|tree| engine.eval_ast_with_scope::<Dynamic>(&mut self.scope, &tree));
+        outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
+    }
+
+    /// Runs the statements of a text under a name, then one of its functions, which has no parameters.
+    fn call(&mut self, name: &str, text: &str, function: &str) -> Result<Dynamic, Box<Diagnostic>> {
+        *self.host.main.borrow_mut() = name.to_string();
+        self.host.sources.insert(name, text);
+        let engine = self.engine.borrow();
+        lint(&self.host, &engine, name);
+        let outcome =
+            compile(&engine, &self.scope, name, text).and_then(|tree| engine.call_fn::<Dynamic>(&mut self.scope, &tree, function, ()));
+        outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
+    }
+
+    /// Ends the run: refuses unknown `--set` names, warns of what never acted and of what was found, writes the files.
+    pub fn finish(&mut self, error: Option<Box<Diagnostic>>) -> Report {
+        let host = &self.host;
+        let stopped = error.as_ref().is_some_and(|error| error.class == Class::ResultUsed);
+        let error = error.map(|error| *error).filter(|error| error.class != Class::ResultUsed || !self.stopped_at(error));
+        let unused = || check_overrides(host, &self.engine.borrow(), !stopped).err().map(|failure| explain_failure(&failure));
+        let error = error.or_else(unused);
+        // A load that never acted may be why a check fails; any other error cut the run short, so that it means nothing.
+        if error.as_ref().is_none_or(|error| error.class == Class::Check) {
+            for simulation in Simulations::of(host).0.borrow().iter() {
+                simulation.warn_of_idle_parts(host);
+                simulation.warn_of_findings(host);
+            }
+            warn_of_unseen_changes(host);
+        }
+        let refused = ending::last_frames(host).err().map(|failure| explain_failure(&failure));
+        let error = error.or(refused);
+        let outcome = match &error {
+            None => "completed".to_string(),
+            Some(error) if error.class == Class::Interrupted => "interrupted".into(),
+            Some(error) => error.title.clone(),
+        };
+        let written = ending::finish(host, self.begun, &outcome).err().map(|failure| explain_failure(&failure));
+        Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks() }
+    }
+
+    /// Notes where `conserva check` stopped.
+    fn stopped_at(&self, error: &Diagnostic) -> bool {
+        let place = error.place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
+        let finding = format!("{place}{}; what follows depends on it and was not checked", error.title);
+        self.host.findings.borrow_mut().push(finding);
+        true
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // Simulations hold closures, which hold the host, which holds the simulations.
+        self.host.release();
+    }
+}
+
+/// The message of a panic, which is a defect of the program.
+pub fn defect(panic: &(dyn std::any::Any + Send)) -> Box<Diagnostic> {
+    let what = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
+    let error = Diagnostic::error(Class::Internal, "the program has a defect and had to stop")
+        .cause(what.unwrap_or_else(|| "unknown".into()))
+        .hint("please report it together with the script; results up to the last accepted step are kept");
+    Box::new(error)
+}

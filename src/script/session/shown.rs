@@ -1,0 +1,90 @@
+//! Values as the prompt shows them: short ones as they are written, long ones cut, objects as small tables.
+
+use rhai::{Array, Dynamic, Engine, Map};
+
+use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::api::simulations::handle::SimulationHandle;
+use crate::script::language::digits::number_text;
+use crate::script::language::registry::Registry;
+use crate::script::language::tables::table;
+use crate::script::language::values::as_number;
+
+/// Entries of an array that are shown at most.
+const SHOWN: usize = 24;
+
+/// The kind of a value in the words of the language.
+pub fn kind_of(engine: &Engine, value: &Dynamic) -> String {
+    if value.is_fnptr() {
+        return "closure".into();
+    }
+    if let Some(array) = value.read_lock::<Array>() {
+        return format!("array of {}", array.len());
+    }
+    match engine.map_type_name(value.type_name()) {
+        "i64" => "whole number".into(),
+        "f64" => "number".into(),
+        "bool" => "truth value".into(),
+        "string" => "string".into(),
+        other => other.to_string(),
+    }
+}
+
+/// A value at the prompt.
+pub fn shown(registry: &Registry, value: &Dynamic) -> String {
+    if let Some(mesh) = value.clone().try_cast::<MeshHandle>() {
+        return mesh.table();
+    }
+    if let Some(simulation) = value.clone().try_cast::<SimulationHandle>() {
+        return simulation.table();
+    }
+    if let Some(map) = value.read_lock::<Map>() {
+        if map.is_empty() {
+            return "#{}".into();
+        }
+        let rows: Vec<Vec<String>> = map.iter().map(|(key, value)| vec![key.to_string(), short(registry, value)]).collect();
+        let width = rows.iter().map(|row| row[0].chars().count()).max().unwrap_or(0);
+        return rows.iter().map(|row| format!("  {:<width$}  {}", row[0], row[1])).collect::<Vec<_>>().join("\n");
+    }
+    short(registry, value)
+}
+
+/// A value in one line where that is possible.
+fn short(registry: &Registry, value: &Dynamic) -> String {
+    if let Some(text) = registry.types().print(value) {
+        return text;
+    }
+    if let Ok(text) = value.clone().into_string() {
+        return format!("{text:?}");
+    }
+    if value.is_fnptr() {
+        return "closure".into();
+    }
+    if let Some(array) = value.read_lock::<Array>() {
+        let is_table = !array.is_empty()
+            && array.iter().all(|row| row.read_lock::<Array>().is_some_and(|row| row.iter().all(|x| as_number(x).is_some())));
+        if is_table && array.len() <= SHOWN && array.len() > 1 {
+            let rows: Vec<Vec<String>> = array
+                .iter()
+                .filter_map(|row| row.read_lock::<Array>().map(|row| row.iter().map(|value| short(registry, value)).collect()))
+                .collect();
+            return table(&vec![""; rows.iter().map(Vec::len).max().unwrap_or(0)], &rows);
+        }
+        let mut entries: Vec<String> = array.iter().take(SHOWN).map(|value| short(registry, value)).collect();
+        if array.len() > SHOWN {
+            entries.push(format!("… {} entries in all", array.len()));
+        }
+        let joint = if entries.iter().any(|entry| entry.contains('\n')) { ",\n" } else { ", " };
+        return format!("[{}]", entries.join(joint));
+    }
+    if let Some(map) = value.read_lock::<Map>() {
+        let entries: Vec<String> = map.iter().map(|(key, value)| format!("{key}: {}", short(registry, value))).collect();
+        return format!("#{{ {} }}", entries.join(", "));
+    }
+    match value.as_float() {
+        Ok(number) => {
+            let text = number_text(number);
+            if text.contains(['.', 'e', 'N', 'i']) { text } else { format!("{text}.0") }
+        }
+        Err(_) => value.to_string(),
+    }
+}

@@ -1,0 +1,358 @@
+//! The rules of the house, checked on the source text: floors, crate owners, no printing in kernels, headers, width; circles of files,
+//! sizes and small numbers in files of their own.
+//!
+//! Files are cut into tokens, so that comments and strings name what they like. Rules look at tokens, not at resolved paths: a crate
+//! or module that is reached through a re-export is seen where it is re-exported. The last tests show that every rule can fail.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+mod circles;
+mod exceptions;
+mod sizes;
+mod source;
+mod tolerances;
+
+use source::{Source, repository, sources};
+
+/// Modules by floor, the lowest first.
+const FLOORS: &[&[&str]] = &[
+    &["math"],
+    &["elements", "linear", "materials"],
+    &["mesh"],
+    &["integrators"],
+    &["bodies", "contact"],
+    &["dynamics"],
+    &["output"],
+    &["script"],
+    &["cli"],
+];
+
+/// Which modules may name a crate; an empty list: all.
+const OWNERS: &[(&str, &[&str])] = &[
+    ("annotate-snippets", &["script"]),
+    ("clap", &["cli"]),
+    ("csv", &["output"]),
+    ("faer", &["linear"]),
+    ("pulp", &["math", "linear"]),
+    ("feral-metis", &["linear"]),
+    ("flate2", &["output"]),
+    ("indicatif", &["cli"]),
+    // its matrices are the vocabulary of the kernels' interfaces
+    ("nalgebra", &["math", "elements", "linear", "materials", "integrators", "bodies", "contact", "dynamics"]),
+    ("num-dual", &["contact"]),
+    ("plotters", &["output"]),
+    ("rayon", &["math"]),
+    ("rhai", &["script", "cli"]),
+    ("spade", &["mesh"]),
+    ("rstar", &["contact"]),
+    ("rustyline", &["cli"]),
+    // what a state keeps is written as a whole
+    ("serde", &["linear", "contact", "dynamics", "output", "script", "cli"]),
+    ("serde_json", &["output", "script"]),
+    ("signal-hook", &["cli"]),
+    ("strsim", &["mesh", "script", "cli"]),
+    ("thiserror", &[]),
+];
+
+/// Files that may use `unsafe`, each with its reason.
+const UNSAFE: &[(&str, &str)] = &[("src/math/simd.rs", "calls a kernel that was compiled for the instructions that the processor has")];
+
+/// Modules that speak to the terminal.
+const PRINTING: &[&str] = &["cli", "main"];
+
+/// Widest line, in characters; the formatter does not break comments and strings. Rows of numbers in a table may be wider.
+const WIDTH: usize = 140;
+
+/// Top-level modules that a file names, with the place of each: `crate::x`, `conserva::x`, and `super::…::x` that reaches the root.
+fn named_modules(source: &Source) -> Vec<(String, String)> {
+    let mut named = Vec::new();
+    // braces that are open, and whether each is the body of a module
+    let mut braces: Vec<bool> = Vec::new();
+    let mut index = 0;
+    while index < source.tokens.len() {
+        match source.text_at(index) {
+            "{" => braces.push(index >= 2 && source.text_at(index - 2) == "mod"),
+            "}" => drop(braces.pop()),
+            root @ ("crate" | "conserva")
+                if source.text_at(index + 1) == "::" && !(root == "conserva" && index > 0 && source.text_at(index - 1) == "::") =>
+            {
+                named.extend(first_segments(source, index + 2));
+            }
+            "super" if index == 0 || source.text_at(index - 1) != "::" => {
+                let mut depth = source.module_path().len() + braces.iter().filter(|module| **module).count();
+                let mut next = index;
+                while source.text_at(next) == "super" && source.text_at(next + 1) == "::" {
+                    depth = depth.saturating_sub(1);
+                    next += 2;
+                }
+                if depth == 0 {
+                    named.extend(first_segments(source, next));
+                }
+            }
+            _ => {}
+        }
+        index += 1;
+    }
+    named
+}
+
+/// What follows `crate::`: one name, or the first names of the paths in a brace.
+fn first_segments(source: &Source, index: usize) -> Vec<(String, String)> {
+    if source.text_at(index) != "{" {
+        return vec![(source.text_at(index).into(), source.at(index))];
+    }
+    let mut segments = Vec::new();
+    let mut depth = 0;
+    for place in index..source.tokens.len() {
+        match source.text_at(place) {
+            "{" => depth += 1,
+            "}" => depth -= 1,
+            name if depth == 1 && matches!(source.text_at(place - 1), "{" | ",") => segments.push((name.into(), source.at(place))),
+            _ => {}
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    segments
+}
+
+/// Position in the order of `lib.rs`; what stands outside it (`main`, `lib`) may name everything.
+fn rank(module: &str) -> usize {
+    FLOORS.concat().iter().position(|known| *known == module).unwrap_or(usize::MAX)
+}
+
+/// Modules named from below.
+fn floor_violations(source: &Source) -> Vec<String> {
+    let own = source.floor_module();
+    let above = |name: &str| name == "*" || (rank(name) != usize::MAX && rank(name) > rank(own));
+    let named = named_modules(source).into_iter().filter(|(name, _)| above(name));
+    named.map(|(name, place)| format!("{place}: `{own}` names `{name}`, which stands below it in src/lib.rs")).collect()
+}
+
+/// Crates named outside the folders that own them.
+fn owner_violations(source: &Source) -> Vec<String> {
+    let own = source.floor_module();
+    let mut violations = Vec::new();
+    for (index, token) in source.tokens.iter().enumerate() {
+        let before = if index > 0 { source.text_at(index - 1) } else { "" };
+        let is_root =
+            before != "::" || index < 2 || !source.text_at(index - 2).chars().all(|c| c.is_alphanumeric() || c == '_' || c == '>');
+        let is_path = source.text_at(index + 1) == "::" && is_root || matches!(before, "use" | "crate");
+        let owners = OWNERS.iter().find(|(name, _)| is_path && name.replace('-', "_") == token.text);
+        if let Some((name, owners)) = owners.filter(|(_, owners)| !owners.is_empty() && !owners.contains(&own)) {
+            violations.push(format!("{}: `{own}` uses {name}, which belongs to {owners:?}", source.at(index)));
+        }
+    }
+    violations
+}
+
+/// Output to the terminal from a kernel.
+fn printing_violations(source: &Source) -> Vec<String> {
+    if PRINTING.contains(&source.floor_module()) {
+        return Vec::new();
+    }
+    let prints = |index: &usize| {
+        matches!(source.text_at(*index), "print" | "println" | "eprint" | "eprintln" | "dbg")
+            && source.text_at(index + 1) == "!"
+            && matches!(source.text_at(index + 2), "(" | "[" | "{")
+    };
+    let found = (0..source.tokens.len()).filter(prints);
+    found.map(|index| format!("{}: `{}!` outside `cli`", source.at(index), source.text_at(index))).collect()
+}
+
+/// `unsafe` outside the listed files.
+fn unsafe_violations(source: &Source) -> Vec<String> {
+    if UNSAFE.iter().any(|(path, _)| *path == source.path) {
+        return Vec::new();
+    }
+    let found = (0..source.tokens.len()).filter(|&index| source.text_at(index) == "unsafe");
+    found.map(|index| format!("{}: `unsafe` in a file that is not listed for it", source.at(index))).collect()
+}
+
+/// What the text itself must and must not have.
+fn text_violations(source: &Source) -> Vec<String> {
+    let path = &source.path;
+    let mut violations = Vec::new();
+    if !source.text.starts_with("//! ") {
+        violations.push(format!("{path}:1: does not open with `//!` and what the file is"));
+    }
+    for (number, line) in (1..).zip(source.text.lines()) {
+        let length = line.chars().count();
+        let is_table = line.chars().filter(char::is_ascii_digit).count() * 2 > length;
+        if length > WIDTH && !is_table {
+            violations.push(format!("{path}:{number}: {length} characters, more than {WIDTH}"));
+        }
+        // in two pieces, or this line would violate its own rule
+        if [concat!("TO", "DO"), concat!("FIX", "ME")].iter().any(|mark| line.contains(mark)) {
+            violations.push(format!("{path}:{number}: an open end; write an issue instead"));
+        }
+    }
+    violations
+}
+
+/// Modules on a cycle of the graph of who names whom.
+fn modules_on_cycles(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
+    // modules that only name modules taken away before are taken away; what stays is on a cycle or leads to one
+    let mut left = graph.clone();
+    loop {
+        let free = left.iter().find(|(module, names)| names.iter().all(|name| name == *module || !left.contains_key(name)));
+        match free.map(|(module, _)| module.clone()) {
+            Some(module) => left.remove(&module),
+            None => return left.into_keys().collect(),
+        };
+    }
+}
+
+/// All files of `src/` keep a rule.
+fn assert_kept(folders: &[&str], rule: fn(&Source) -> Vec<String>) {
+    let sources = sources(folders);
+    assert!(sources.len() > 10, "the source was not found");
+    let violations: Vec<String> = sources.iter().flat_map(rule).collect();
+    assert!(violations.is_empty(), "\n{}\n", violations.join("\n"));
+}
+
+#[test]
+fn the_library_lists_its_modules_in_floor_order() {
+    let text = std::fs::read_to_string(repository().join("src/lib.rs")).unwrap();
+    let mut floors: Vec<Vec<&str>> = vec![Vec::new()];
+    for line in text.lines() {
+        match line.strip_prefix("pub mod ").and_then(|rest| rest.strip_suffix(';')) {
+            Some(module) => floors.last_mut().unwrap().push(module),
+            None if line.is_empty() => floors.push(Vec::new()),
+            None => {}
+        }
+    }
+    floors.retain(|floor| !floor.is_empty());
+    assert_eq!(floors, FLOORS);
+    // and there is nothing in src/ that is not on a floor
+    for source in sources(&["src"]) {
+        let module = source.floor_module();
+        assert!(rank(module) != usize::MAX || matches!(module, "lib" | "main"), "{} is on no floor", source.path);
+    }
+}
+
+#[test]
+fn no_module_names_a_higher_floor() {
+    assert_kept(&["src"], floor_violations);
+}
+
+#[test]
+fn there_is_no_cycle_between_modules() {
+    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for source in sources(&["src"]) {
+        let names = named_modules(&source).into_iter().map(|(name, _)| name);
+        graph.entry(source.floor_module().into()).or_default().extend(names);
+    }
+    assert!(graph["dynamics"].contains("contact"), "the graph is empty");
+    assert_eq!(modules_on_cycles(&graph), Vec::<String>::new());
+}
+
+#[test]
+fn crates_stay_in_the_folders_that_own_them() {
+    assert_kept(&["src"], owner_violations);
+}
+
+#[test]
+fn every_dependency_has_an_owner() {
+    let manifest = std::fs::read_to_string(repository().join("Cargo.toml")).unwrap();
+    let section = manifest.split("\n[").find(|section| section.starts_with("dependencies]")).unwrap();
+    let names: Vec<&str> = section.lines().skip(1).filter_map(|line| line.split_once('=')).map(|(name, _)| name.trim()).collect();
+    assert!(names.contains(&"faer"));
+    for name in names {
+        assert!(OWNERS.iter().any(|(known, _)| *known == name), "{name} has no owner: add it to OWNERS in tests/architecture/main.rs");
+    }
+}
+
+/// The page for newcomers names every crate at the first of its owners.
+#[test]
+fn the_architecture_page_lists_the_crates() {
+    let page = std::fs::read_to_string(repository().join("src/README.md")).unwrap();
+    for module in FLOORS.concat() {
+        let row = page.lines().find(|line| line.contains(&format!("| `{module}/` |"))).unwrap_or_else(|| panic!("{module} has no row"));
+        let cell = row.trim_end_matches('|').rsplit('|').next().unwrap();
+        let mut listed: Vec<&str> = cell.split(',').map(str::trim).filter(|name| !name.is_empty()).collect();
+        let mut owned: Vec<&str> = OWNERS.iter().filter(|(_, owners)| owners.first() == Some(&module)).map(|(name, _)| *name).collect();
+        listed.sort_unstable();
+        owned.sort_unstable();
+        assert_eq!(listed, owned, "the crates of `{module}` in src/README.md");
+    }
+}
+
+#[test]
+fn only_the_command_line_prints() {
+    assert_kept(&["src"], printing_violations);
+}
+
+#[test]
+fn unsafe_code_stays_where_it_is_listed() {
+    assert_kept(&["src"], unsafe_violations);
+}
+
+#[test]
+fn files_open_with_what_they_are_and_keep_the_width() {
+    assert_kept(&["src", "tests", "benches", "examples"], text_violations);
+}
+
+#[test]
+fn public_items_must_be_documented() {
+    let lib = std::fs::read_to_string(repository().join("src/lib.rs")).unwrap();
+    assert!(lib.lines().any(|line| line == "#![deny(missing_docs)]"), "src/lib.rs does not deny missing docs");
+}
+
+#[test]
+fn the_floor_rule_sees_every_way_to_name_a_module() {
+    let names = |path: &str, text: &str| floor_violations(&Source::new(path, text)).len();
+    assert_eq!(names("src/mesh/gmsh.rs", "use crate::script::Engine;"), 1);
+    assert_eq!(names("src/mesh/mod.rs", "fn f() { crate::contact::search(); }"), 1);
+    assert_eq!(names("src/mesh/mod.rs", "use crate::{elements::{Quad4, cli}, dynamics, math, output::x};"), 2);
+    assert_eq!(names("src/mesh/mod.rs", "use crate::*;"), 1);
+    assert_eq!(names("src/linear/mod.rs", "use crate::materials;"), 1);
+    assert_eq!(names("src/mesh/mod.rs", "use super::contact::X;"), 1);
+    assert_eq!(names("src/mesh/gmsh/lines.rs", "use super::super::super::contact::X;"), 1);
+    assert_eq!(names("src/mesh/gmsh.rs", "mod tests { use super::super::super::{contact, math}; }"), 1);
+    assert_eq!(names("src/mesh/gmsh.rs", "macro_rules! m { () => { $crate::cli::run() } }"), 1);
+    // and nothing else
+    assert_eq!(names("src/mesh/gmsh.rs", "use super::contact; use super::super::math; mod tests { use super::super::contact; }"), 0);
+    assert_eq!(names("src/mesh/gmsh.rs", "//! [`crate::script`]\nconst X: &str = \"crate::script\"; // crate::cli"), 0);
+    assert_eq!(names("src/cli/run.rs", "use crate::{script, math}; use crate::cli::x;"), 0);
+    assert_eq!(names("src/main.rs", "fn main() { conserva::cli::main() }"), 0);
+    assert_eq!(names("src/contact/mod.rs", "use crate::bodies;"), 0);
+}
+
+#[test]
+fn the_owner_rule_sees_paths_only() {
+    let uses = |path: &str, text: &str| owner_violations(&Source::new(path, text)).len();
+    assert_eq!(uses("src/mesh/mod.rs", "use faer::Mat;"), 1);
+    assert_eq!(uses("src/mesh/mod.rs", "use {faer::Mat, std::fmt};"), 1);
+    assert_eq!(uses("src/mesh/mod.rs", "use rayon as threads;"), 1);
+    assert_eq!(uses("src/mesh/mod.rs", "fn f() { ::rhai::Engine::new(); }"), 1);
+    assert_eq!(uses("src/output/mod.rs", "use annotate_snippets::Level;"), 1);
+    assert_eq!(uses("src/mesh/mod.rs", "#[derive(thiserror::Error)] struct E;"), 0);
+    assert_eq!(uses("src/linear/mod.rs", "use faer::Mat;"), 0);
+    assert_eq!(uses("src/script/mod.rs", "use crate::output::csv::Writer; let csv = 1; // faer::Mat"), 0);
+}
+
+#[test]
+fn the_other_rules_can_fail() {
+    let source = |text: &str| Source::new("src/mesh/mod.rs", text);
+    for printing in ["println!(\"\")", "eprintln!(\"x\")", "print! {\"x\"}", "dbg!(1)", "std::eprint!(\"x\")"] {
+        assert_eq!(printing_violations(&source(&format!("fn f() {{ {printing}; }}"))).len(), 1, "{printing}");
+    }
+    assert!(printing_violations(&source("fn f(print: u8) -> bool { print != 1 } // println!(\"x\")")).is_empty());
+    assert_eq!(unsafe_violations(&source("fn f() { unsafe { g() } }")).len(), 1);
+    assert!(unsafe_violations(&source("#![forbid(unsafe_code)] // unsafe\n")).is_empty());
+    assert_eq!(text_violations(&source("use std::fmt;")).len(), 1);
+    assert_eq!(text_violations(&source(&format!("//! x\n// {}: y", concat!("TO", "DO")))).len(), 1);
+    assert_eq!(text_violations(&source(&format!("//! {}", "ü".repeat(137)))).len(), 1);
+    assert!(text_violations(&source(&format!("//! {}", "ü".repeat(136)))).is_empty());
+    let graph = |edges: &[(&str, &str)]| {
+        let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for (from, to) in edges {
+            graph.entry((*from).into()).or_default().insert((*to).into());
+        }
+        graph
+    };
+    assert_eq!(modules_on_cycles(&graph(&[("a", "b"), ("b", "c"), ("c", "a"), ("d", "e")])), ["a", "b", "c"]);
+    assert!(modules_on_cycles(&graph(&[("a", "b"), ("b", "c"), ("a", "c"), ("c", "c")])).is_empty());
+}
