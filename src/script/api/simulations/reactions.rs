@@ -57,7 +57,7 @@ fn reaction() -> Function {
         name: "reaction",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "what `fix` and `prescribe` exert on a boundary; the history has it in the columns `body.boundary.reaction.force_x` and so on",
+        summary: "what `fix` and `prescribe` exert on a boundary, in the history as columns `body.boundary.reaction.force_x` and so on",
         parameters: vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "a boundary that a support holds or moves")],
         returns: ReactionHandle::NAME,
         example: contact_example(
