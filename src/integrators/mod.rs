@@ -4,6 +4,7 @@
 //! its promises. Functions of quadratic invariants have the [`discrete_gradient`]; functions of the positions of a patch without such
 //! invariants have one of their own ([`Projection`]).
 
+mod backward_euler;
 mod derivative;
 mod discrete_gradient;
 mod energy_momentum;
@@ -12,6 +13,7 @@ mod projected;
 mod scheme;
 mod trapezoidal;
 
+pub use backward_euler::BACKWARD_EULER;
 pub use derivative::{Configuration, Derivative, Placement};
 pub use discrete_gradient::discrete_gradient;
 pub use energy_momentum::ENERGY_MOMENTUM;
@@ -21,4 +23,4 @@ pub use scheme::{Kinematics, Promises, Scheme};
 pub use trapezoidal::TRAPEZOIDAL;
 
 /// All time integrators, in the order of the reference.
-pub static CATALOGUE: &[&Scheme] = &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL];
+pub static CATALOGUE: &[&Scheme] = &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER];

@@ -1,7 +1,8 @@
 //! Free fall: the parabola, exactly.
 //!
-//! Closed form. All three schemes integrate a constant acceleration exactly: `v_1 = v_0 + dt g`, `q_1 = q_0 + dt (v_0 + v_1)/2`, at any
-//! step size, so positions differ from the parabola by round-off alone, and kinetic plus potential energy stays.
+//! Closed form. The schemes whose positions move by the mean velocity integrate a constant acceleration exactly: `v_1 = v_0 + dt g`,
+//! `q_1 = q_0 + dt (v_0 + v_1)/2`, at any step size, so positions differ from the parabola by round-off alone, and kinetic plus potential
+//! energy stays.
 
 use conserva::dynamics::LoadKind;
 use conserva::integrators::{self, ENERGY_MOMENTUM, Scheme};
@@ -39,7 +40,7 @@ fn fall(mesh: Mesh, integrator: &'static Scheme) {
 
 #[test]
 fn falls_on_the_parabola_at_any_step() {
-    for &integrator in integrators::CATALOGUE {
+    for &integrator in integrators::CATALOGUE.iter().filter(|scheme| scheme.kinematics.slope == 2.0) {
         fall(rectangle([2.0, 1.0], [3, 2], [0.0; 2]).expect("the mesh is sound"), integrator);
         fall(block([2.0, 1.0, 1.0], [2, 2, 1], [0.0; 3]).expect("the mesh is sound"), integrator);
     }

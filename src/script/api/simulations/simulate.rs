@@ -36,7 +36,7 @@ pub struct IntegratorHandle(pub &'static Scheme);
 
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()` or `trapezoidal()`";
+    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()` or `backward_euler()`";
 
     fn describe(&self) -> String {
         format!("{}()", self.0.name)
