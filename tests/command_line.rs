@@ -209,6 +209,21 @@ fn an_interrupt_ends_a_long_step_of_a_large_model_at_once() {
 }
 
 #[test]
+fn a_run_that_does_not_conserve_says_so_at_its_end() {
+    let run = |name: &str, integrator: &str| {
+        let home = folder(name, &flight("sim.run_to(0.5);").replace("energy_momentum()", integrator));
+        let output = conserva(&home, &["run", "main.rhai"]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (stderr(&output), outcome(&home))
+    };
+    let (told, outcome) = run("conserving", "energy_momentum()");
+    assert!(told.contains("done; results in") && !told.contains("energy:") && outcome == "completed", "{told}");
+    let (told, outcome) = run("not-conserving", "backward_euler()");
+    assert!(told.contains("energy: the integrator took") && told.contains("ended, not conserving; results in"), "{told}");
+    assert_eq!(outcome, "not conserving");
+}
+
+#[test]
 fn an_interrupt_ends_a_script_that_only_loops() {
     let home = folder("interrupt-loop", "print(\"looping\"); loop { }");
     let mut child = conserva(&home, &["run", "main.rhai", "--max-operations", "1000000000000"]).stdout(Stdio::piped()).spawn().unwrap();

@@ -78,7 +78,9 @@ pub fn run(arguments: Arguments) -> u8 {
                 1 => ", 1 check passed".into(),
                 count => format!(", {count} checks passed"),
             };
-            console.note(&format!("done{checks}; results in {}", out.display()));
+            report.energy.iter().for_each(|line| console.note(line));
+            let kept = if report.is_conserving { "done" } else { "ended, not conserving" };
+            console.note(&format!("{kept}{checks}; results in {}", out.display()));
             0
         }
         Some(error) => {

@@ -92,10 +92,18 @@ impl std::fmt::Display for Finding {
             Finding::DuplicateFacets { surface, count, at: [x, y], .. } => {
                 write!(out, "\"{surface}\" lists {count} facets more than once, the first at ({x:.3}, {y:.3})")
             }
-            Finding::FacingAway { secondary, primary, cosine, distance } => write!(
+            Finding::FacingAway { secondary, primary, cosine, .. } if *cosine >= 0.0 => {
+                let angle = cosine.min(1.0).acos().to_degrees();
+                write!(
+                    out,
+                    "no facet of \"{secondary}\" faces \"{primary}\": their outward normals are {angle:.0} degrees apart, and 180 is \
+                     face to face"
+                )
+            }
+            Finding::FacingAway { secondary, primary, distance, .. } => write!(
                 out,
-                "no facet of \"{secondary}\" faces \"{primary}\": the nearest facets' normals have a mean cosine of {cosine:.2} (-1 is \
-                 face to face) and lie {distance:.3e} ahead"
+                "no facet of \"{secondary}\" faces \"{primary}\", which lies {:.3e} behind it, on the side of its own body",
+                distance.abs()
             ),
             Finding::CoarseSecondary { secondary, primary, secondary_size, primary_size } => write!(
                 out,

@@ -103,6 +103,9 @@ pub const GIVEN: f64 = 1e-10;
 /// Energy defect of a step from which on it is told, in Newton's tolerances: the promise of 1e-11 with the default.
 pub const DEFECT: f64 = 100.0;
 
+/// Energy that came or went, relative to all, from which on a run does not count as conserving: a thousand steps of round-off stay below.
+pub const CONSERVED: f64 = 1e-8;
+
 /// Energy that contact has taken or keeps, relative to all, from which on it is told: it begins to show in a plot.
 pub const LOST: f64 = 1e-3;
 

@@ -24,6 +24,8 @@ pub use history_csv::HistoryCsv;
 pub use history_svg::{energies, plot};
 pub use picture::{Field, PictureOptions, picture};
 pub use pvd::{FieldSeries, pvd};
-pub use summary::{Drifts, FindingRecord, Inertia, KEYS, Summary, WallSeconds, drifts, peak_memory_bytes};
+pub use summary::{
+    COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
+};
 pub use vtu::{Frame, Grid};
 pub use writer::FieldWriter;

@@ -8,7 +8,12 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::dynamics::{Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
+use crate::dynamics::{EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
+
+/// Outcome of a run that came to its end.
+pub const COMPLETED: &str = "completed";
+/// Outcome of a run that came to its end with an energy that its integrator has changed.
+pub const NOT_CONSERVING: &str = "not conserving";
 
 /// Everything in `summary.json`; the names of the fields are those of the file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -43,11 +48,13 @@ pub struct Summary {
     pub angular_momentum_drift: Option<f64>,
     /// See [`Drifts::worst_energy_defect`].
     pub worst_energy_defect: Option<f64>,
+    /// What changed the energy beyond round-off, by cause.
+    pub energy_changes: BTreeMap<&'static str, EnergyChange>,
     /// Halvings by cause, those of steps included that were not even tried.
     pub halvings_by_cause: BTreeMap<String, usize>,
     /// What is remarkable about the run.
     pub findings: Vec<FindingRecord>,
-    /// `completed`, `interrupted`, or the title of the error.
+    /// [`COMPLETED`], [`NOT_CONSERVING`], `interrupted`, or the title of the error.
     pub outcome: String,
 }
 
@@ -69,6 +76,11 @@ pub const KEYS: &[(&str, &str)] = &[
     ("angular_momentum_drift", "the same for the angular momentum"),
     ("worst_energy_defect", "the largest energy defect of a step, relative to the largest total energy of the run"),
     (
+        "energy_changes",
+        "an object: what changed the energy beyond round-off (`loads`, `contact`, `integrator`, `settling`), each with `energy`, positive \
+         where it was given, and its `share` of the largest energy",
+    ),
+    (
         "halvings_by_cause",
         "an object: all halvings by cause; `sliding` and `approach` were foreseen, `came_through` was seen after convergence, the others \
          followed a failure of Newton's method",
@@ -78,8 +90,20 @@ pub const KEYS: &[(&str, &str)] = &[
         "an array of what the run is warned of, each with `kind`, `contact` (or null), `value` and its `limit`, the `step` and its `time`, \
          and a `message`",
     ),
-    ("outcome", "`completed`, `interrupted`, or the title of the error"),
+    (
+        "outcome",
+        "`completed`, `not conserving` (completed, but its integrator changed the energy), `interrupted`, or the title of the error",
+    ),
 ];
+
+/// What one cause did to the energy, as the file has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EnergyChange {
+    /// How much it gave `[energy]`, negative where it took.
+    pub energy: f64,
+    /// The same over the largest energy of the run.
+    pub share: f64,
+}
 
 /// A finding of the run as the file has it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -123,6 +147,14 @@ impl Summary {
         self.momentum_drift = drifts.momentum;
         self.angular_momentum_drift = drifts.angular_momentum;
         self.worst_energy_defect = drifts.worst_energy_defect;
+    }
+
+    /// Takes over where energy came from and went to.
+    pub fn book(&mut self, account: &EnergyAccount) {
+        let change = |(cause, energy): (&'static str, f64)| {
+            (cause.trim_start_matches("the "), EnergyChange { energy, share: energy / account.scale })
+        };
+        self.energy_changes = account.changes().into_iter().map(change).collect();
     }
 
     /// Takes over what was found, and why steps were halved.
@@ -339,6 +371,7 @@ mod tests {
           "momentum_drift": null,
           "angular_momentum_drift": null,
           "worst_energy_defect": null,
+          "energy_changes": {},
           "halvings_by_cause": {
             "inverted_cell": 1,
             "sliding": 5

@@ -1,21 +1,14 @@
 //! Bodies and obstacles that are inside each other before anything is computed, from the undeformed meshes alone.
 //!
-//! One idea: a node of one body that lies inside the hull of another, and hull facets that cross far from all their nodes, are an overlap
-//! whatever contact is defined between the two. Hulls are polygons, so a node of one curved side may lie behind the chord of the other by
-//! its rise (sagitta): that much, and a hundredth of a facet, is allowed. In the plane only.
+//! Hulls that are inside each other are an overlap whatever contact is defined between the two. In the plane only.
 
 use std::fmt;
 
 use super::boundaries::boundary_facets;
 use super::definitions::Model;
+use super::hulls::{ALLOWED, Hull, Inside, hull_ends};
 use super::interactions::{Interaction, Partner};
 use crate::contact::{ContactKernel, Outlook, RigidContact};
-
-/// Part of a facet that may overlap besides the rise of curved sides.
-const ALLOWED: f64 = 0.01;
-
-/// Turn between neighboring facets, in degrees, beyond which a hull has a corner there and is not a curve.
-const CORNER: f64 = 45.0;
 
 /// An overlap in the undeformed bodies.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,16 +65,6 @@ impl Overlap {
     }
 }
 
-/// The hull of a body in the plane, the body on the left of its facets.
-struct Hull {
-    body: usize,
-    facets: Vec<[[f64; 2]; 2]>,
-    /// How far the curve that each facet stands for may rise above it, and besides a part of the facet.
-    allowed: Vec<f64>,
-    low: [f64; 2],
-    high: [f64; 2],
-}
-
 impl Model {
     /// Everything that overlaps in the undeformed bodies, the deepest place of each two; empty for bodies in space.
     pub fn overlaps(&self) -> Vec<Overlap> {
@@ -91,9 +74,8 @@ impl Model {
         let hulls: Vec<Hull> = (0..self.bodies.len()).map(|body| self.hull(body)).collect();
         let mut found = Vec::new();
         for (index, first) in hulls.iter().enumerate() {
-            for second in hulls[index + 1..].iter().filter(|second| first.meets(second)) {
-                let inside = [deepest(first, second), deepest(second, first), crossing(first, second)];
-                let Some((depth, size, at)) = inside.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+            for second in &hulls[index + 1..] {
+                let Some(Inside { depth, size, at }) = first.inside(second) else { continue };
                 let names = [first.body, second.body].map(|body| self.bodies[body].name.clone());
                 let contact = self.between(first.body, second.body);
                 found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at });
@@ -103,46 +85,14 @@ impl Model {
         found
     }
 
-    fn hull(&self, body: usize) -> Hull {
+    /// The undeformed hull of a body.
+    pub fn hull(&self, body: usize) -> Hull {
         let mesh = &self.bodies[body].mesh;
-        let point = |node: u32| [mesh.points[node as usize][0], mesh.points[node as usize][1]];
-        let ends: Vec<[u32; 2]> = mesh
-            .hull()
-            .into_iter()
-            .map(|facet| {
-                let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
-                [nodes[0], nodes[1]]
-            })
-            .collect();
-        let mut before = vec![None; mesh.points.len()];
-        ends.iter().enumerate().for_each(|(facet, [_, end])| before[*end as usize] = Some(facet));
-        let facets: Vec<[[f64; 2]; 2]> = ends.iter().map(|ends| ends.map(point)).collect();
-        let direction = |facet: usize| {
-            let [a, b] = facets[facet];
-            f64::atan2(b[1] - a[1], b[0] - a[0])
-        };
-        // The turn at the first node of each facet, and at the last one: that of the facet behind it.
-        let turn = |facet: usize| {
-            let behind = before[ends[facet][0] as usize]?;
-            let turn = (direction(facet) - direction(behind)).rem_euclid(std::f64::consts::TAU);
-            let turn = turn.min(std::f64::consts::TAU - turn);
-            (turn < CORNER.to_radians()).then_some((behind, turn))
-        };
-        let mut largest = vec![0.0f64; facets.len()];
-        for facet in 0..facets.len() {
-            if let Some((behind, turn)) = turn(facet) {
-                largest[facet] = largest[facet].max(turn);
-                largest[behind] = largest[behind].max(turn);
-            }
-        }
-        let allowed = facets.iter().zip(&largest).map(|(facet, turn)| length(*facet) * (ALLOWED + turn / 8.0)).collect();
-        let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1].map(|i| facets.iter().flatten().fold(start, |best, x| pick(best, x[i])));
-        let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
-        Hull { body, facets, allowed, low, high }
+        Hull::new(body, &hull_ends(mesh), &|node| [mesh.points[node as usize][0], mesh.points[node as usize][1]])
     }
 
     /// The interaction between two bodies.
-    fn between(&self, first: usize, second: usize) -> Option<String> {
+    pub fn between(&self, first: usize, second: usize) -> Option<String> {
         let joins = |a: usize, b: usize| {
             let found = self.interactions.iter().find(|one| one.secondary.body == a && one.primary().iter().any(|on| on.body == b));
             found.map(|interaction| interaction.name.clone())
@@ -175,66 +125,6 @@ impl Model {
         };
         self.interactions.iter().filter_map(overlap).collect()
     }
-}
-
-impl Hull {
-    /// Whether the boxes around two hulls overlap.
-    fn meets(&self, other: &Hull) -> bool {
-        (0..2).all(|i| self.low[i] < other.high[i] && other.low[i] < self.high[i])
-    }
-
-    fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        let crosses = |[[ax, ay], [bx, by]]: &[[f64; 2]; 2]| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax);
-        self.facets.iter().filter(|facet| crosses(facet)).count() % 2 == 1
-    }
-}
-
-/// The deepest node of one hull inside another: depth, size of the facet there, place.
-fn deepest(of: &Hull, inside: &Hull) -> Option<(f64, f64, [f64; 2])> {
-    let in_box = |x: &[f64; 2]| (0..2).all(|i| inside.low[i] < x[i] && x[i] < inside.high[i]);
-    let depth = |(index, [x, _]): (usize, &[[f64; 2]; 2])| {
-        let distances = inside.facets.iter().map(|facet| distance(*x, *facet)).enumerate();
-        let (nearest, depth) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let allowed = inside.allowed[nearest] + of.allowed[index];
-        (depth > allowed && inside.contains(*x)).then(|| (depth, length(inside.facets[nearest]).min(length(of.facets[index])), *x))
-    };
-    let found = of.facets.iter().enumerate().filter(|(_, [x, _])| in_box(x)).filter_map(depth);
-    found.max_by(|a, b| a.0.total_cmp(&b.0))
-}
-
-/// The crossing of two hulls' facets that is farthest from all their nodes: bodies that pass through each other without a node inside.
-fn crossing(first: &Hull, second: &Hull) -> Option<(f64, f64, [f64; 2])> {
-    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
-    let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
-    let mut farthest: Option<(f64, f64, [f64; 2])> = None;
-    for (k, a) in first.facets.iter().enumerate() {
-        let along = minus(a[1], a[0]);
-        for (l, b) in second.facets.iter().enumerate() {
-            let other = minus(b[1], b[0]);
-            // Signed distances of each facet's ends from the line of the other one.
-            let of_b = [0, 1].map(|end| cross(along, minus(b[end], a[0])) / length(*a));
-            let of_a = [0, 1].map(|end| cross(other, minus(a[end], b[0])) / length(*b));
-            if of_b[0] * of_b[1] >= 0.0 || of_a[0] * of_a[1] >= 0.0 {
-                continue;
-            }
-            let depth = of_a.iter().chain(&of_b).fold(f64::INFINITY, |least, x| least.min(x.abs()));
-            if depth > first.allowed[k] + second.allowed[l] && farthest.is_none_or(|(most, ..)| depth > most) {
-                let share = of_a[0] / (of_a[0] - of_a[1]);
-                farthest = Some((depth, length(*a).min(length(*b)), [0, 1].map(|i| a[0][i] + share * along[i])));
-            }
-        }
-    }
-    farthest
-}
-
-fn length([a, b]: [[f64; 2]; 2]) -> f64 {
-    (b[0] - a[0]).hypot(b[1] - a[1])
-}
-
-fn distance(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
-    let (along, to) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
-    let share = ((along[0] * to[0] + along[1] * to[1]) / (along[0] * along[0] + along[1] * along[1])).clamp(0.0, 1.0);
-    (to[0] - share * along[0]).hypot(to[1] - share * along[1])
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ pub mod accept;
 pub mod balance;
 pub mod contact_quantities;
 pub mod diagnosis;
+pub mod energy_account;
 pub mod engine;
 pub mod failed;
 pub mod fields;

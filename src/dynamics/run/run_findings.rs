@@ -4,10 +4,11 @@
 //! A finding is no error: the run went on. Shares of energy are relative to the largest `kinetic + strain + |potential|` of the run, and
 //! never below what round-off of the positions does to it. What is suspicious before anything is computed is told by `findings.rs`.
 
+use super::energy_account::{percent, three_digits};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
-use crate::math::tolerances::{APPROACH, CAME_THROUGH, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, SLIDING};
+use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, SLIDING};
 
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +17,10 @@ pub enum RunFindingKind {
     PositiveContactWork,
     /// More energy appeared or vanished in a step than round-off explains; the value is its share.
     EnergyDefect,
+    /// The integrator does not promise to keep the energy, and did not; the value is the largest share that it added or took so far.
+    NotConserved,
+    /// Bodies between which nothing is defined are inside each other; the value is the depth in facets.
+    PassedThrough,
     /// The sides of a contact overlap by more than a tenth of a facet; the value is the largest depth in facets.
     Depth,
     /// Contact took energy; the value is its share.
@@ -35,6 +40,7 @@ impl RunFindingKind {
     pub const ALL: &'static [(&'static str, &'static str)] = &[
         ("positive_contact_work", "contact gave energy in a step, which no update rule does: the largest share of the energy"),
         ("energy_defect", "energy appeared or vanished in a step beyond round-off: the largest share of the energy"),
+        ("not_conserved", "the integrator added or took energy, which it does not promise to keep: the largest share of the energy"),
         ("depth", "the sides of a contact overlapped by more than a tenth of a facet: the largest depth in facets"),
         ("energy_taken", "closings under the update rule gap took energy: its share of the energy"),
         ("reserve_held", "contacts of the update rule velocity keep energy at the end: its share of the energy"),
@@ -45,6 +51,7 @@ impl RunFindingKind {
             "motion_too_fast",
             "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
         ),
+        ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
     ];
 
@@ -53,6 +60,8 @@ impl RunFindingKind {
         match self {
             RunFindingKind::PositiveContactWork => "positive_contact_work",
             RunFindingKind::EnergyDefect => "energy_defect",
+            RunFindingKind::NotConserved => "not_conserved",
+            RunFindingKind::PassedThrough => "passed_through",
             RunFindingKind::Depth => "depth",
             RunFindingKind::EnergyTaken => "energy_taken",
             RunFindingKind::ReserveHeld => "reserve_held",
@@ -88,6 +97,8 @@ impl std::fmt::Display for RunFinding {
         match self.kind {
             RunFindingKind::PositiveContactWork => write!(out, "{contact} gave energy"),
             RunFindingKind::EnergyDefect => write!(out, "energy is not kept to round-off"),
+            RunFindingKind::NotConserved => write!(out, "energy is not conserved"),
+            RunFindingKind::PassedThrough => write!(out, "bodies have passed into each other"),
             RunFindingKind::Depth => write!(out, "the sides of {contact} overlap"),
             RunFindingKind::EnergyTaken => write!(out, "{contact} took energy"),
             RunFindingKind::ReserveHeld => write!(out, "{contact} keeps energy at the end"),
@@ -105,6 +116,8 @@ impl RunFinding {
         match self.kind {
             RunFindingKind::PositiveContactWork => "no update rule should do so: do not trust the run from there on, and try a smaller dt",
             RunFindingKind::EnergyDefect => "do not trust the run from there on, and try a smaller dt",
+            RunFindingKind::NotConserved => "`energy_momentum()` conserves; with this integrator a smaller dt changes less",
+            RunFindingKind::PassedThrough => "define what touches with `model.add_contact(…)`, or move the bodies apart",
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \
                  smaller dt, or a larger `penalty`"
@@ -155,6 +168,8 @@ pub struct Measures<'a> {
     pub stiffness: f64,
     /// Share of the energy that a step may be off by; `None` where the integrator does not keep it.
     pub defect: Option<f64>,
+    /// Name of the time integrator.
+    pub integrator: &'static str,
     /// Why steps were halved.
     pub halvings: &'a [Halving],
     /// Why they would have to be, but could not.
@@ -191,6 +206,9 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
         let (defect, row) = largest(&|row| row.energy_defect.abs() / scale);
         let explanation = format!("a step was off by {defect:.1e} of the energy, and {promised:.0e} is promised");
         add(RunFindingKind::EnergyDefect, None, defect, promised.max(round_off), row, explanation);
+    } else {
+        let (share, row, explanation) = not_conserved(rows, scale, measures.integrator);
+        add(RunFindingKind::NotConserved, None, share, CONSERVED.max(round_off), row, explanation);
     }
 
     for (k, &(name, size)) in measures.contacts.iter().enumerate() {
@@ -202,11 +220,11 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
     let taken = rows.iter().map(|row| (-row.contact_work).max(0.0)).sum::<f64>();
     let (most, row) = largest(&|row| -row.contact_work / scale);
     let share = taken / scale;
-    let explanation = format!("it took {taken:.2e}, {} of the energy; most in one step: {}", percent(share), percent(most));
+    let explanation = format!("it took {}, {} of the energy; most in one step: {}", three_digits(taken), percent(share), percent(most));
     add(RunFindingKind::EnergyTaken, only.clone(), share, LOST.max(round_off), row, explanation);
 
     let held = last.reserve / scale;
-    let explanation = format!("its reserve is {:.2e}, {} of the energy", last.reserve, percent(held));
+    let explanation = format!("its reserve is {}, {} of the energy", three_digits(last.reserve), percent(held));
     add(RunFindingKind::ReserveHeld, only, held, LOST.max(round_off), last, explanation);
 
     for Halving { motion, step, time, dt, .. } in measures.refused {
@@ -228,13 +246,31 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
     found
 }
 
+/// The largest share of the energy that the integrator has added or taken up to a step, that step, and what it means in words.
+fn not_conserved<'a>(rows: &'a [LedgerRow], scale: f64, integrator: &str) -> (f64, &'a LedgerRow, String) {
+    let (mut sum, mut given) = (0.0, rows[0].total());
+    let (mut most, mut worst, mut at) = (0.0, 0.0, &rows[0]);
+    let mut growth = 1.0f64;
+    for row in &rows[1..] {
+        sum += row.energy_defect;
+        given += row.load_work + row.contact_work;
+        if f64::abs(sum) > most {
+            (most, worst, at) = (sum.abs(), sum, row);
+            growth = row.total() / given;
+        }
+    }
+    let verb = if worst > 0.0 { "added" } else { "took" };
+    let share = most / scale;
+    let explanation = match growth {
+        growth if growth > 2.0 && growth.is_finite() => format!("{integrator}() made {growth:.1} times of it"),
+        _ => format!("{integrator}() {verb} {} of energy, {}", three_digits(most), percent(share)),
+    };
+    (share, at, explanation)
+}
+
 /// A step size without the round-off of times that were subtracted.
 fn rounded(dt: f64) -> f64 {
     format!("{dt:.6e}").parse().unwrap_or(dt)
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.2} %", 100.0 * share)
 }
 
 #[cfg(test)]
@@ -254,7 +290,14 @@ mod tests {
     }
 
     fn measures<'a>() -> Measures<'a> {
-        Measures { contacts: vec![("race", 0.5), ("floor", 0.1)], stiffness: 1.0, defect: Some(1e-11), halvings: &[], refused: &[] }
+        Measures {
+            contacts: vec![("race", 0.5), ("floor", 0.1)],
+            stiffness: 1.0,
+            defect: Some(1e-11),
+            integrator: "midpoint",
+            halvings: &[],
+            refused: &[],
+        }
     }
 
     #[test]
@@ -300,6 +343,23 @@ mod tests {
     }
 
     #[test]
+    fn an_integrator_that_does_not_conserve_is_named() {
+        let found = |defects: [f64; 4]| {
+            let mut rows = rows();
+            for (row, defect) in rows[1..].iter_mut().zip(defects) {
+                row.energy_defect = defect;
+                row.kinetic = 2.0 + defect;
+            }
+            run_findings(&rows, &Measures { defect: None, ..measures() })
+        };
+        assert_eq!(found([1e-12, -1e-10, 0.0, 1e-9]), []);
+        let took = found([1e-4, -3e-4, 0.0, 1e-4]);
+        assert_eq!((took[0].kind, took[0].step, took.len()), (RunFindingKind::NotConserved, 2, 1));
+        assert!(took[0].explanation.starts_with("midpoint() took 0.0002 of energy"), "{}", took[0].explanation);
+        assert!(found([1e3, 0.0, 0.0, 0.0])[0].explanation.starts_with("midpoint() made 501.0 times of it"));
+    }
+
+    #[test]
     fn halvings_are_told_with_their_cause() {
         let motion = LargeMotion { contact: "race".into(), kind: MotionKind::Sliding, facets: 1.5 };
         let sliding = Halving { cause: "sliding", motion: Some(motion), count: 1, step: 2, time: 0.2, dt: 0.1 };
@@ -320,9 +380,15 @@ mod tests {
     #[test]
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Sliding};
-        use RunFindingKind::{Depth, EnergyDefect, EnergyTaken, Failures, Motion, PositiveContactWork, ReserveHeld, TooFast};
-        let kinds = [PositiveContactWork, EnergyDefect, Depth, EnergyTaken, ReserveHeld];
-        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough].map(Motion)).chain([TooFast(Sliding), Failures("divergence")]);
+        use RunFindingKind::{
+            Depth, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough, PositiveContactWork, ReserveHeld, TooFast,
+        };
+        let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Depth, EnergyTaken, ReserveHeld];
+        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough].map(Motion)).chain([
+            TooFast(Sliding),
+            PassedThrough,
+            Failures("divergence"),
+        ]);
         let names: Vec<&str> = kinds.map(RunFindingKind::name).collect();
         assert_eq!(names, RunFindingKind::ALL.iter().map(|(name, _)| *name).collect::<Vec<_>>());
     }

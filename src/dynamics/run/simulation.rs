@@ -8,15 +8,18 @@ use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
 use super::report::FailureReport;
-use super::run_findings::{RunFinding, run_findings};
+use super::run_findings::{RunFinding, RunFindingKind, run_findings};
 use super::state::State;
 use super::steps::Steps;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
+use crate::dynamics::model::hulls::{ALLOWED, Inside};
+use crate::dynamics::model::strangers::{Names, Strangers};
 
 /// A running simulation.
 pub struct Simulation {
     steps: Box<dyn Steps>,
+    strangers: Strangers,
 }
 
 impl Simulation {
@@ -29,7 +32,7 @@ impl Simulation {
             3 => Box::new(Engine::<3>::new(model, options)?),
             _ => Box::new(Engine::<2>::new(model, options)?),
         };
-        Ok(Simulation { steps })
+        Ok(Simulation { steps, strangers: Strangers::of(model) })
     }
 
     /// Space dimension.
@@ -160,7 +163,31 @@ impl Simulation {
 
     /// What is remarkable about a run of this simulation with these rows of its ledger.
     pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
-        run_findings(rows, &self.steps.measures())
+        let mut found = run_findings(rows, &self.steps.measures());
+        found.extend(self.passed_through());
+        found
+    }
+
+    /// Bodies that are inside each other now, with nothing defined between them.
+    fn passed_through(&self) -> Option<RunFinding> {
+        let inside = self.strangers.inside(&self.steps.state().positions);
+        let depth = |(_, inside): &(Names, Inside)| inside.depth / inside.size;
+        let worst = inside.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
+        let ([first, second], Inside { at, .. }) = worst;
+        let (row, facets) = (self.row(), depth(worst));
+        let explanation = format!(
+            "\"{first}\" and \"{second}\" overlap by {facets:.2} facets at ({:.3}, {:.3}), and no contact is defined between them",
+            at[0], at[1]
+        );
+        let (kind, step, time) = (RunFindingKind::PassedThrough, row.step, row.time);
+        Some(RunFinding { kind, contact: None, value: facets, limit: ALLOWED, step, time, explanation })
+    }
+
+    /// Whether a run with these rows kept what it should keep of its energy: no energy but by loads, and none lost but by contact.
+    pub fn is_conserving(&self, rows: &[LedgerRow]) -> bool {
+        let is_broken =
+            |kind| matches!(kind, RunFindingKind::NotConserved | RunFindingKind::EnergyDefect | RunFindingKind::PositiveContactWork);
+        !run_findings(rows, &self.steps.measures()).iter().any(|finding| is_broken(finding.kind))
     }
 
     /// What the velocities say of the steps to come: contacts whose sides slide so fast that steps would be halved.

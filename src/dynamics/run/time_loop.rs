@@ -120,6 +120,7 @@ where
         Measures {
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
             stiffness: system.nodes.modulus * system.nodes.extent.powi(D as i32),
+            integrator: self.options.integrator.name,
             defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
             halvings: self.halvings.all(),
             refused: self.halvings.refused(),

@@ -11,10 +11,11 @@ use rhai::{Dynamic, Engine, Scope};
 use super::compile::{compile, constants};
 use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
+use crate::output::COMPLETED;
 use crate::script::api::models::change::warn_of_unseen_changes;
 use crate::script::api::parameters::{Overrides, check_overrides};
 use crate::script::api::simulations::ending;
-use crate::script::api::simulations::handle::Simulations;
+use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::explain::{explain, explain_failure};
 use crate::script::language::failure::Class;
@@ -35,6 +36,10 @@ pub struct Report {
     pub findings: Vec<String>,
     /// Number of checks that held.
     pub checks: usize,
+    /// Where energy came from and went to, a line for each simulation where it did.
+    pub energy: Vec<String>,
+    /// Whether all simulations kept their energy but for what loads and contact did.
+    pub is_conserving: bool,
 }
 
 /// What a text consists of.
@@ -181,13 +186,16 @@ impl Session {
         }
         let refused = ending::last_frames(host).err().map(|failure| explain_failure(&failure));
         let error = error.or(refused);
+        let simulations = Simulations::of(host).0.borrow().clone();
+        let is_conserving = simulations.iter().all(SimulationHandle::is_conserving);
+        let energy = simulations.iter().filter_map(|simulation| simulation.energy_line(host)).collect();
         let outcome = match &error {
-            None => "completed".to_string(),
+            None => COMPLETED.to_string(),
             Some(error) if error.class == Class::Interrupted => "interrupted".into(),
             Some(error) => error.title.clone(),
         };
         let written = ending::finish(host, self.begun, &outcome).err().map(|failure| explain_failure(&failure));
-        Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks() }
+        Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks(), energy, is_conserving }
     }
 
     /// Notes where `conserva check` stopped.

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use super::artifacts::output_failure;
 use super::handle::{SimulationHandle, Simulations};
-use crate::dynamics::PhaseTimes;
-use crate::output::{Inertia, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes};
+use crate::dynamics::{EnergyAccount, PhaseTimes};
+use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes};
 use crate::script::api::parameters::Overrides;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
@@ -67,6 +67,10 @@ fn finish_simulation(
         peak_memory_bytes: peak_memory_bytes(),
         ..common(host, outcome)
     };
+    if summary.outcome == COMPLETED && !simulation.is_conserving(&history) {
+        summary.outcome = NOT_CONSERVING.into();
+    }
+    summary.book(&EnergyAccount::of(&history));
     summary.count(&simulation.statistics());
     summary.tell(&simulation.findings(&history), simulation.halvings());
     summary.judge(&drifts(&history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));

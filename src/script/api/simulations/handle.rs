@@ -10,11 +10,11 @@ use std::time::Duration;
 
 use super::artifacts::Artifacts;
 use super::columns::Probe;
-use crate::dynamics::{LedgerRow, Overlap, RunFinding, Simulation, State};
+use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
 use crate::script::api::models::data::ModelData;
 use crate::script::api::motion::Motion;
 use crate::script::language::callback::Callback;
-use crate::script::language::digits::{brief, brief_vector, number_text, significant};
+use crate::script::language::digits::{brief, brief_vector, number_text};
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::Call;
 use crate::script::language::handle::Handle;
@@ -116,7 +116,7 @@ impl Handle for SimulationHandle {
         if !data.model.model.contact_names().is_empty() {
             lines.push(format!("  contact: {} active nodes, largest penetration {}", row.active, number(row.max_penetration)));
         }
-        lines.extend(data.found(&simulation));
+        lines.extend(data.remarks(&simulation));
         lines.join("\n")
     }
 }
@@ -137,11 +137,13 @@ impl SimulationData {
         self.motion.map_or(time, |motion| time * motion.units.time)
     }
 
-    /// One line with what is remarkable about the run so far, if anything is.
-    pub fn found(&self, simulation: &Simulation) -> Option<String> {
-        let short = |finding: &RunFinding| format!("{finding} ({} against {})", significant(finding.value, 2), number_text(finding.limit));
-        let found: Vec<String> = simulation.findings(&self.history.borrow()).iter().map(short).collect();
-        (!found.is_empty()).then(|| format!("  found: {}", found.join("; ")))
+    /// Where energy came from and went to so far, and what else is remarkable about the run, a line each.
+    pub fn remarks(&self, simulation: &Simulation) -> Vec<String> {
+        let history = self.history.borrow();
+        let account = EnergyAccount::of(&history).to_string();
+        let energy = (!account.is_empty()).then(|| format!("  energy since the start: {account}"));
+        let found = simulation.findings(&history);
+        energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", finding.explanation))).collect()
     }
 
     /// A row of the kernels with the times of the script.

@@ -42,7 +42,7 @@ impl SimulationHandle {
         if !contacts.is_empty() {
             parts.push(table(&["contact", "active", "nodes", "largest pressure", "force"], &contacts));
         }
-        parts.extend(data.found(&simulation));
+        parts.extend(data.remarks(&simulation));
         parts.join("\n")
     }
 }

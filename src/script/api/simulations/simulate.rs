@@ -141,6 +141,11 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
     }
+    for [moving, other] in model.model.meetings() {
+        let title = format!("body \"{moving}\" moves towards \"{other}\", and no contact is defined between them");
+        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        call.host.warn(warning.cause("they will pass through each other").hint("define one with `model.add_contact(…)` if they meet"));
+    }
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = vec![simulation.row().clone()];
     let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };

@@ -1,7 +1,8 @@
 //! Warnings of what a run did or never did.
 
 use super::handle::{SimulationHandle, Simulations};
-use crate::dynamics::{RunFinding, RunFindingKind};
+use crate::dynamics::{EnergyAccount, RunFinding, RunFindingKind};
+use crate::math::tolerances::LOST;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
 use crate::script::language::host::Host;
@@ -31,17 +32,34 @@ impl SimulationHandle {
         }
     }
 
-    /// Warns of what is remarkable about the run so far.
+    /// Warns of what is remarkable about the run so far. What an integrator loses that promises nothing is a warning where it shows.
     pub fn warn_of_findings(&self, host: &Host) {
         let found = self.0.simulation.try_borrow().map(|simulation| simulation.findings(&self.0.history.borrow()));
-        found.iter().flatten().for_each(|finding| self.warn_of(host, finding));
+        let shows = |finding: &&RunFinding| finding.kind != RunFindingKind::NotConserved || finding.value > LOST;
+        found.iter().flatten().filter(shows).for_each(|finding| self.warn_of(host, finding));
+    }
+
+    /// Where energy came from and went to in the run so far, in one line; `None` where none did beyond round-off.
+    pub fn energy_line(&self, host: &Host) -> Option<String> {
+        let account = EnergyAccount::of(&self.0.history.borrow()).to_string();
+        (!account.is_empty()).then(|| format!("energy: {}{account}", self.prefix(host)))
+    }
+
+    /// Whether the run so far kept its energy.
+    pub fn is_conserving(&self) -> bool {
+        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_conserving(&self.0.history.borrow()))
+    }
+
+    /// `simulation "drop", ` where a script has several.
+    fn prefix(&self, host: &Host) -> String {
+        if Simulations::of(host).0.borrow().len() > 1 { format!("simulation \"{}\", ", self.0.name) } else { String::new() }
     }
 
     /// Warns of one finding, at the contact pair it speaks of or where the simulation was made.
     pub(super) fn warn_of(&self, host: &Host, finding: &RunFinding) {
         let RunFinding { contact, explanation, step, time, .. } = finding;
         let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
-        let which = if Simulations::of(host).0.borrow().len() > 1 { format!("simulation \"{}\", ", self.0.name) } else { String::new() };
+        let which = self.prefix(host);
         let cause = format!("{explanation} ({which}t = {}, step {step})", brief(*time));
         host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.cure()));
     }

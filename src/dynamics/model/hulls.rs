@@ -1,0 +1,156 @@
+//! Hulls of bodies in the plane, and where two of them are inside each other.
+//!
+//! Two cases count: a node of one hull inside the other, and facets that cross far from all their nodes. Hulls are polygons, so a node of
+//! one curved side may lie behind the chord of the other by its rise (sagitta): that much, and a hundredth of a facet, is allowed.
+
+use std::collections::HashMap;
+
+use crate::mesh::Mesh;
+
+/// Part of a facet that may overlap besides the rise of curved sides.
+pub const ALLOWED: f64 = 0.01;
+
+/// Turn between neighboring facets, in degrees, beyond which a hull has a corner there and is not a curve.
+const CORNER: f64 = 45.0;
+
+/// The hull of a body in the plane, the body on the left of its facets.
+pub struct Hull {
+    /// Index of the body.
+    pub body: usize,
+    /// Ends of its facets.
+    pub facets: Vec<[[f64; 2]; 2]>,
+    /// How far the curve that each facet stands for may rise above it, and besides a part of the facet.
+    allowed: Vec<f64>,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+/// Two hulls that are inside each other.
+pub struct Inside {
+    /// How deep `[length]`.
+    pub depth: f64,
+    /// Length of the facet there `[length]`.
+    pub size: f64,
+    /// Where.
+    pub at: [f64; 2],
+}
+
+/// The end nodes of the facets of a mesh's hull.
+pub fn hull_ends(mesh: &Mesh) -> Vec<[u32; 2]> {
+    let ends = |facet| {
+        let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+        [nodes[0], nodes[1]]
+    };
+    mesh.hull().into_iter().map(ends).collect()
+}
+
+impl Hull {
+    /// The hull of a body with these facets, its nodes at these points.
+    pub fn new(body: usize, ends: &[[u32; 2]], point: &dyn Fn(u32) -> [f64; 2]) -> Hull {
+        let before: HashMap<u32, usize> = ends.iter().enumerate().map(|(facet, [_, end])| (*end, facet)).collect();
+        let facets: Vec<[[f64; 2]; 2]> = ends.iter().map(|ends| ends.map(point)).collect();
+        let direction = |facet: usize| {
+            let [a, b] = facets[facet];
+            f64::atan2(b[1] - a[1], b[0] - a[0])
+        };
+        // The turn at the first node of each facet, and at the last one: that of the facet behind it.
+        let turn = |facet: usize| {
+            let behind = *before.get(&ends[facet][0])?;
+            let turn = (direction(facet) - direction(behind)).rem_euclid(std::f64::consts::TAU);
+            let turn = turn.min(std::f64::consts::TAU - turn);
+            (turn < CORNER.to_radians()).then_some((behind, turn))
+        };
+        let mut largest = vec![0.0f64; facets.len()];
+        for facet in 0..facets.len() {
+            if let Some((behind, turn)) = turn(facet) {
+                largest[facet] = largest[facet].max(turn);
+                largest[behind] = largest[behind].max(turn);
+            }
+        }
+        let allowed = facets.iter().zip(&largest).map(|(facet, turn)| length(*facet) * (ALLOWED + turn / 8.0)).collect();
+        let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1].map(|i| facets.iter().flatten().fold(start, |best, x| pick(best, x[i])));
+        let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+        Hull { body, facets, allowed, low, high }
+    }
+
+    /// The deepest place where the two are inside each other, if they are.
+    pub fn inside(&self, other: &Hull) -> Option<Inside> {
+        if !self.meets(other) {
+            return None;
+        }
+        let places = [deepest(self, other), deepest(other, self), crossing(self, other)];
+        let (depth, size, at) = places.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Inside { depth, size, at })
+    }
+
+    /// Whether the boxes around two hulls overlap.
+    fn meets(&self, other: &Hull) -> bool {
+        (0..2).all(|i| self.low[i] < other.high[i] && other.low[i] < self.high[i])
+    }
+
+    /// The part of `ray` from `x` on after which the hull is reached, if it is.
+    pub fn reached(&self, x: [f64; 2], ray: [f64; 2]) -> Option<f64> {
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let part = |[a, b]: &[[f64; 2]; 2]| {
+            let (along, to) = ([b[0] - a[0], b[1] - a[1]], [a[0] - x[0], a[1] - x[1]]);
+            let turn = cross(ray, along);
+            let (part, share) = (cross(to, along) / turn, cross(to, ray) / turn);
+            // From outside only: the body is on the left of its facets.
+            (turn > 0.0 && part >= 0.0 && (0.0..=1.0).contains(&share)).then_some(part)
+        };
+        self.facets.iter().filter_map(part).min_by(f64::total_cmp)
+    }
+
+    fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        let crosses = |[[ax, ay], [bx, by]]: &[[f64; 2]; 2]| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax);
+        self.facets.iter().filter(|facet| crosses(facet)).count() % 2 == 1
+    }
+}
+
+/// The deepest node of one hull inside another: depth, size of the facet there, place.
+fn deepest(of: &Hull, inside: &Hull) -> Option<(f64, f64, [f64; 2])> {
+    let in_box = |x: &[f64; 2]| (0..2).all(|i| inside.low[i] < x[i] && x[i] < inside.high[i]);
+    let depth = |(index, [x, _]): (usize, &[[f64; 2]; 2])| {
+        let distances = inside.facets.iter().map(|facet| distance(*x, *facet)).enumerate();
+        let (nearest, depth) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let allowed = inside.allowed[nearest] + of.allowed[index];
+        (depth > allowed && inside.contains(*x)).then(|| (depth, length(inside.facets[nearest]).min(length(of.facets[index])), *x))
+    };
+    let found = of.facets.iter().enumerate().filter(|(_, [x, _])| in_box(x)).filter_map(depth);
+    found.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The crossing of two hulls' facets that is farthest from all their nodes: bodies that pass through each other without a node inside.
+fn crossing(first: &Hull, second: &Hull) -> Option<(f64, f64, [f64; 2])> {
+    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+    let mut farthest: Option<(f64, f64, [f64; 2])> = None;
+    for (k, a) in first.facets.iter().enumerate() {
+        let along = minus(a[1], a[0]);
+        for (l, b) in second.facets.iter().enumerate() {
+            let other = minus(b[1], b[0]);
+            // Signed distances of each facet's ends from the line of the other one.
+            let of_b = [0, 1].map(|end| cross(along, minus(b[end], a[0])) / length(*a));
+            let of_a = [0, 1].map(|end| cross(other, minus(a[end], b[0])) / length(*b));
+            if of_b[0] * of_b[1] >= 0.0 || of_a[0] * of_a[1] >= 0.0 {
+                continue;
+            }
+            let depth = of_a.iter().chain(&of_b).fold(f64::INFINITY, |least, x| least.min(x.abs()));
+            if depth > first.allowed[k] + second.allowed[l] && farthest.is_none_or(|(most, ..)| depth > most) {
+                let share = of_a[0] / (of_a[0] - of_a[1]);
+                farthest = Some((depth, length(*a).min(length(*b)), [0, 1].map(|i| a[0][i] + share * along[i])));
+            }
+        }
+    }
+    farthest
+}
+
+fn length([a, b]: [[f64; 2]; 2]) -> f64 {
+    (b[0] - a[0]).hypot(b[1] - a[1])
+}
+
+fn distance(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+    let (along, to) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+    let share = ((along[0] * to[0] + along[1] * to[1]) / (along[0] * along[0] + along[1] * along[1])).clamp(0.0, 1.0);
+    (to[0] - share * along[0]).hypot(to[1] - share * along[1])
+}

@@ -1,0 +1,90 @@
+//! Where the energy of a run came from and went to: the ledger's rows summed by cause.
+
+use std::fmt;
+
+use super::ledger::LedgerRow;
+use crate::math::tolerances::CONSERVED;
+
+/// Sums over the rows of a run `[energy]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyAccount {
+    /// Total energy at the start.
+    pub start: f64,
+    /// Total energy at the end.
+    pub end: f64,
+    /// Work of loads and of supports that move.
+    pub loads: f64,
+    /// Work of contact, which update rules take on purpose and never give.
+    pub contact: f64,
+    /// What the time integrator added: the sum of the energy defects.
+    pub integrator: f64,
+    /// What came otherwise: by `settle`, or by going back to another state.
+    pub otherwise: f64,
+    /// The largest `kinetic + strain + |potential|` of the run.
+    pub scale: f64,
+}
+
+impl EnergyAccount {
+    /// That of a run with these rows.
+    pub fn of(rows: &[LedgerRow]) -> Self {
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return EnergyAccount::default() };
+        let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
+        let (loads, contact) = (sum(|row| row.load_work), sum(|row| row.contact_work));
+        let integrator = sum(|row| row.energy_defect);
+        let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let otherwise = last.total() - first.total() - loads - contact - integrator;
+        EnergyAccount { start: first.total(), end: last.total(), loads, contact, integrator, otherwise, scale }
+    }
+
+    /// What changed the energy beyond round-off, each with its amount.
+    pub fn changes(&self) -> Vec<(&'static str, f64)> {
+        let all = [("loads", self.loads), ("contact", self.contact), ("the integrator", self.integrator), ("settling", self.otherwise)];
+        all.into_iter().filter(|(_, amount)| amount.abs() > CONSERVED * self.scale).collect()
+    }
+}
+
+impl fmt::Display for EnergyAccount {
+    /// `contact took 0.0129 (2.45 %), loads gave 0.3 (57 %)`; nothing where no energy came or went.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let changes = self.changes();
+        let parts = changes.iter().map(|(cause, amount)| {
+            let verb = if *amount > 0.0 { "gave" } else { "took" };
+            format!("{cause} {verb} {} ({})", three_digits(amount.abs()), percent(amount.abs() / self.scale))
+        });
+        write!(out, "{}", parts.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// A positive number with three digits.
+pub fn three_digits(value: f64) -> String {
+    let digits = format!("{value:.2e}");
+    match digits.parse::<f64>() {
+        Ok(rounded) if (0.0001..100_000.0).contains(&rounded) => rounded.to_string(),
+        _ => digits,
+    }
+}
+
+/// A share in percent, with the digits that show it.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent >= 0.01 { format!("{percent:.2} %") } else { format!("{percent:.0e} %") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_came_and_went_is_told_by_cause() {
+        let row = |step: usize, kinetic: f64| LedgerRow { step, time: 0.1 * step as f64, kinetic, ..LedgerRow::default() };
+        let mut rows = vec![row(0, 2.0), row(1, 3.0), row(2, 2.5), row(3, 2.5 + 1e-14)];
+        assert_eq!(EnergyAccount::of(&[]), EnergyAccount::default());
+        assert_eq!(EnergyAccount::of(&rows[2..]).to_string(), "", "round-off is not told");
+        (rows[1].load_work, rows[2].contact_work) = (1.0, -0.5);
+        assert_eq!(EnergyAccount::of(&rows).to_string(), "loads gave 1 (33.33 %), contact took 0.5 (16.67 %)");
+        (rows[1].load_work, rows[1].energy_defect) = (1.0 - 3e-5, 3e-5);
+        assert!(EnergyAccount::of(&rows).to_string().ends_with(", the integrator gave 3.00e-5 (1e-3 %)"));
+        rows.push(row(3, 2.0));
+        assert!(EnergyAccount::of(&rows).to_string().ends_with(", settling took 0.5 (16.67 %)"));
+    }
+}
