@@ -80,8 +80,25 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Smallest determinant of the deformation gradient, and its cell.
     fn smallest_determinant(&self, q: &[f64]) -> Inverted;
 
-    /// Adds `weight * stress` and `weight` at the nodes, for a lumped projection of the Cauchy stress (xx yy zz xy yz xz).
-    fn project_stress(&self, q: &[f64], stress: &mut [[f64; 6]], weight: &mut [f64]);
+    /// Adds to the sums of a lumped projection of stress and strain to the nodes.
+    fn project(&self, q: &[f64], sums: &mut Projected);
+}
+
+/// Values at quadrature points as they are summed up at the nodes, components xx, yy, zz, xy, yz, xz.
+pub struct Projected {
+    /// Cauchy stress times weight, for each node.
+    pub stress: Vec<[f64; 6]>,
+    /// Green-Lagrange strain times weight.
+    pub strain: Vec<[f64; 6]>,
+    /// Volume that each node stands for.
+    pub weight: Vec<f64>,
+}
+
+impl Projected {
+    /// Nothing at so many nodes yet.
+    pub fn new(nodes: usize) -> Self {
+        Projected { stress: vec![[0.0; 6]; nodes], strain: vec![[0.0; 6]; nodes], weight: vec![0.0; nodes] }
+    }
 }
 
 /// Where the blocks of a cell stand in the array of values.
@@ -436,7 +453,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
         least
     }
 
-    fn project_stress(&self, q: &[f64], stress: &mut [[f64; 6]], weight: &mut [f64]) {
+    fn project(&self, q: &[f64], sums: &mut Projected) {
         let shapes = &self.table.shapes;
         for (index, batch) in self.batches.iter().enumerate() {
             let deformation = self.deform(batch, Some(q));
@@ -458,12 +475,16 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
                     let s = nalgebra::Matrix3::from_fn(|i, j| second_piola[0][mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
                     let cauchy = f * s * f.transpose() / f.determinant();
                     let cauchy = [cauchy.m11, cauchy.m22, cauchy.m33, cauchy.m12, cauchy.m23, cauchy.m13];
+                    let green = |i: usize, j: usize| strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
+                    let green = [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)];
                     for (a, &node) in self.nodes(index, lane).iter().enumerate() {
                         let share = deformation.volumes[point].0[lane] * shapes[point][a];
-                        weight[node as usize] += share;
-                        for (sum, value) in stress[node as usize].iter_mut().zip(cauchy) {
-                            *sum += share * value;
-                        }
+                        sums.weight[node as usize] += share;
+                        let add = |sum: &mut [f64; 6], values: [f64; 6]| {
+                            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value)
+                        };
+                        add(&mut sums.stress[node as usize], cauchy);
+                        add(&mut sums.strain[node as usize], green);
                     }
                 }
             }

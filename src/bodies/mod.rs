@@ -9,5 +9,5 @@ mod rounds;
 mod surface_loads;
 mod workspace;
 
-pub use element_loop::{ElementLoop, Elements, Inverted, Space, Step};
+pub use element_loop::{ElementLoop, Elements, Inverted, Projected, Space, Step};
 pub use surface_loads::{nodal_areas, torque_forces};

@@ -87,9 +87,9 @@ where
         };
         row.contacts = self.contact_totals(&at.q_1, &at.pairs, &pressing, &active);
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
-        let middle: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(a, b)| 0.5 * (a + b)).collect();
+        let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
-        row.reactions = self.reactions(&middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
+        row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
         row.probes = self.probe_values(&at.q_1, &v_1);
         let acted = obstacle_work != 0.0 || outside.load.iter().any(|f| *f != 0.0);
         let state = State {

@@ -17,6 +17,8 @@ pub struct BodyFields {
     pub velocity: Vec<[f64; 3]>,
     /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, averaged at the nodes (lumped projection of the values at the quadrature points).
     pub stress: Vec<[f64; 6]>,
+    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, averaged likewise.
+    pub strain: Vec<[f64; 6]>,
     /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
@@ -34,12 +36,37 @@ impl BodyFields {
         [x[0] + u[0], x[1] + u[1], x[2] + u[2]]
     }
 
+    /// Pressure at a node, a third of the negative trace of the stress `[stress]`.
+    pub fn pressure(&self, node: usize) -> f64 {
+        let [xx, yy, zz, ..] = self.stress[node];
+        -(xx + yy + zz) / 3.0
+    }
+
     /// Von Mises stress at a node `[stress]`.
     pub fn von_mises(&self, node: usize) -> f64 {
         let [xx, yy, zz, xy, yz, xz] = self.stress[node];
         let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
         (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
     }
+}
+
+/// One body as a whole at one time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyTotals {
+    /// Mass `[mass]`.
+    pub mass: f64,
+    /// Kinetic energy `[energy]`.
+    pub kinetic: f64,
+    /// Strain energy `[energy]`.
+    pub strain: f64,
+    /// Potential energy of gravity, zero at the origin `[energy]`.
+    pub potential: f64,
+    /// Linear momentum `[mass * length/time]`.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin; in the plane only the third component.
+    pub angular_momentum: [f64; 3],
+    /// Center of mass `[length]`.
+    pub center: [f64; 3],
 }
 
 /// Quantities of a contact pair at one time; every vector has one entry per secondary node.

@@ -2,12 +2,13 @@
 
 use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
 use super::engine::Engine;
-use super::fields::{BodyFields, ContactFields};
+use super::fields::{BodyFields, BodyTotals, ContactFields};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
-use crate::bodies::{Elements, Space};
+use crate::bodies::{Elements, Projected, Space};
 use crate::contact::Evaluation;
+use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
-use crate::dynamics::parts::nodal::{add_force, add_moment};
+use crate::dynamics::parts::nodal::{add_force, add_moment, half_product, moment, resultant};
 use crate::dynamics::step::system::System;
 
 impl<const D: usize> Engine<D>
@@ -17,10 +18,9 @@ where
     pub fn fields_at(&self, q: &[f64]) -> Vec<BodyFields> {
         let v = &self.state.velocities;
         let nodes = self.system.nodes.count();
-        let mut stress = vec![[0.0; 6]; nodes];
-        let mut weight = vec![0.0; nodes];
+        let mut sums = Projected::new(nodes);
         for body in &self.system.bodies {
-            body.elements.project_stress(q, &mut stress, &mut weight);
+            body.elements.project(q, &mut sums);
         }
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
@@ -57,13 +57,38 @@ where
                 mesh: definition.mesh.clone(),
                 displacement: body.nodes.clone().map(|node| vector(&displacement, node)).collect(),
                 velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
-                stress: body.nodes.clone().map(|node| stress[node].map(|s| s / weight[node])).collect(),
+                stress: body.nodes.clone().map(|node| sums.stress[node].map(|s| s / sums.weight[node])).collect(),
+                strain: body.nodes.clone().map(|node| sums.strain[node].map(|s| s / sums.weight[node])).collect(),
                 contact_pressure: pressure[body.nodes.clone()].to_vec(),
                 contact_gap: gap[body.nodes.clone()].to_vec(),
                 contact_force: contact_force[body.nodes.clone()].to_vec(),
                 contact_active: contact_active[body.nodes.clone()].to_vec(),
             })
             .collect()
+    }
+
+    /// One body as a whole.
+    pub fn body_totals(&self, body: usize) -> BodyTotals {
+        let (system, state) = (&self.system, &self.state);
+        let Body { nodes, elements, .. } = &system.bodies[body];
+        let range = nodes.start * D..nodes.end * D;
+        let (q, v) = (&state.positions[range.clone()], &state.velocities[range.clone()]);
+        let momenta = &system.nodes.momenta_of(&state.velocities)[range.clone()];
+        let masses = &system.nodes.nodal_mass[nodes.clone()];
+        let mass = masses.iter().sum();
+        let mut center = [0.0; 3];
+        for (x, m) in q.chunks_exact(D).zip(masses) {
+            (0..D).for_each(|i| center[i] += m * x[i] / mass);
+        }
+        BodyTotals {
+            mass,
+            kinetic: half_product(v, momenta),
+            strain: elements.strain_energy(&state.positions),
+            potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
+            momentum: resultant::<D>(momenta),
+            angular_momentum: moment::<D>(q, momenta),
+            center,
+        }
     }
 
     pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {
@@ -88,14 +113,14 @@ where
     }
 
     /// What the supports of each boundary exert, `reaction` the force on a component that is held and `q` where moments are taken.
-    pub fn reactions(&self, q: &[f64], reaction: impl Fn(usize) -> f64) -> Vec<Reaction> {
+    pub fn reactions(&self, q: impl Fn(usize) -> f64, reaction: impl Fn(usize) -> f64) -> Vec<Reaction> {
         let of = |held: &Vec<usize>| {
             let mut sum = Reaction::default();
             for &k in held {
                 let mut force = [0.0; D];
                 force[k % D] = reaction(k);
                 add_force(&mut sum.force, &force);
-                add_moment(&mut sum.moment, &q[k / D * D..][..D], &force);
+                add_moment(&mut sum.moment, &std::array::from_fn::<f64, D, _>(|i| q(k / D * D + i)), &force);
             }
             sum
         };

@@ -140,7 +140,7 @@ where
         let contacts = self.contact_totals(&self.state.positions, &at.pairs, &self.state.lambda, &self.state.active);
         let forces = &at.forces;
         let reaction = |k: usize| (forces.without_contact[k] - forces.contact[k]) / REST_WEIGHT;
-        let reactions = self.reactions(&self.state.positions, reaction);
+        let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
         let probes = self.probe_values(&self.state.positions, &self.state.velocities);
         let State { positions: q, velocities: v, row, active, felt, reserve, .. } = Arc::make_mut(&mut self.state);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::fields::{BodyFields, ContactFields};
+use super::fields::{BodyFields, BodyTotals, ContactFields};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -129,6 +129,14 @@ impl Simulation {
     /// Nodal fields of every body.
     pub fn fields(&self) -> Vec<BodyFields> {
         self.steps.fields()
+    }
+
+    /// One body of the model as a whole.
+    ///
+    /// # Panics
+    /// The model has no body of that index.
+    pub fn body(&self, body: usize) -> BodyTotals {
+        self.steps.body(body)
     }
 
     /// Quantities of the contact pair of that name; `None` when there is none.

@@ -17,6 +17,7 @@ use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::models::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::script::api::simulations::contact_state::ContactHandle;
+use crate::script::api::simulations::fields::BodyStateHandle;
 use crate::script::api::simulations::forensics::FailedStepHandle;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::simulations::history::HistoryHandle;
@@ -116,6 +117,7 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<ProbeHandle>(engine);
     types.add::<ContactHandle>(engine);
     types.add::<ReactionHandle>(engine);
+    types.add::<BodyStateHandle>(engine);
     types.add::<TimeFunctionHandle>(engine);
     types.add::<IntegratorHandle>(engine);
     types.add::<SimulationHandle>(engine);

@@ -12,7 +12,9 @@ use super::artifacts::Artifacts;
 use super::columns::Probe;
 use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
 use crate::script::api::models::data::ModelData;
+use crate::script::api::models::handle::BodyHandle;
 use crate::script::api::motion::Motion;
+use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::{brief, brief_vector, number_text};
 use crate::script::language::failure::{Class, Failure};
@@ -164,6 +166,17 @@ impl SimulationHandle {
     /// Step and time reached.
     pub fn position(&self) -> (usize, f64) {
         self.0.simulation.try_borrow().map_or((0, f64::NAN), |simulation| (simulation.row().step, simulation.time()))
+    }
+
+    /// Index of the body that the argument `body` means.
+    ///
+    /// # Errors
+    /// The simulation has no body of that name.
+    pub fn body_index(&self, call: &Call) -> Result<usize, Failure> {
+        let body = call.handle::<BodyHandle>("body")?.definition().name;
+        let names: Vec<&str> = self.0.model.model.bodies.iter().map(|body| body.name.as_str()).collect();
+        let unknown = || call.argument("body").unknown_name(format!("the simulation has no body \"{body}\""), &body, &names);
+        names.iter().position(|known| *known == body).ok_or_else(unknown)
     }
 
     /// Refuses a use of results in `conserva check`, which has none.

@@ -6,6 +6,7 @@ pub mod artifacts;
 pub mod columns;
 pub mod contact_state;
 pub mod ending;
+pub mod fields;
 pub mod forensics;
 pub mod handle;
 pub mod history;
@@ -32,5 +33,6 @@ pub fn functions() -> Vec<Function> {
     all.extend(history::functions());
     all.extend(contact_state::functions());
     all.extend(reactions::functions());
+    all.extend(fields::functions());
     all
 }

@@ -125,12 +125,8 @@ fn probe() -> Function {
         see_also: &["history", "contact"],
         body: body(|call| {
             let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
-            let (name, body) = (argument.text()?, call.handle::<BodyHandle>("body")?.definition().name);
+            let (name, index) = (argument.text()?, handle.body_index(call)?);
             let model = &handle.0.model.model;
-            let names: Vec<&str> = model.bodies.iter().map(|body| body.name.as_str()).collect();
-            let Some(index) = names.iter().position(|known| *known == body) else {
-                return Err(call.argument("body").unknown_name(format!("the simulation has no body \"{body}\""), &body, &names).into());
-            };
             let taken = handle.0.probes.borrow().iter().any(|probe| probe.name == name) || model.contact_names().contains(&name.as_str());
             if taken {
                 let failure = argument.fail(format!("there is a probe or contact \"{name}\" already"));

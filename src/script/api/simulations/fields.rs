@@ -1,0 +1,243 @@
+//! Fields of a body as arrays, with their extremes, and bodies as a whole.
+
+use std::sync::LazyLock;
+
+use rhai::{Array, Dynamic, Map};
+
+use super::handle::SimulationHandle;
+use crate::dynamics::{BodyFields, BodyTotals};
+use crate::script::api::examples::flight_example;
+use crate::script::api::models::handle::BodyHandle;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, brief_vector};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// What a field has at a node.
+#[derive(Clone, Copy)]
+enum Value {
+    Number(fn(&BodyFields, usize) -> f64),
+    Vector(fn(&BodyFields, usize) -> [f64; 3]),
+    /// A component of the stress.
+    Stress(usize),
+    /// A component of the strain.
+    Strain(usize),
+}
+
+/// All fields by their names.
+static FIELDS: &[(&str, Value)] = &[
+    ("position", Value::Vector(BodyFields::position)),
+    ("displacement", Value::Vector(|body, node| body.displacement[node])),
+    ("velocity", Value::Vector(|body, node| body.velocity[node])),
+    ("contact_force", Value::Vector(|body, node| body.contact_force[node])),
+    ("contact_pressure", Value::Number(|body, node| body.contact_pressure[node])),
+    ("contact_gap", Value::Number(|body, node| body.contact_gap[node])),
+    ("von_mises", Value::Number(BodyFields::von_mises)),
+    ("pressure", Value::Number(BodyFields::pressure)),
+    ("stress_xx", Value::Stress(0)),
+    ("stress_yy", Value::Stress(1)),
+    ("stress_zz", Value::Stress(2)),
+    ("stress_xy", Value::Stress(3)),
+    ("stress_yz", Value::Stress(4)),
+    ("stress_xz", Value::Stress(5)),
+    ("strain_xx", Value::Strain(0)),
+    ("strain_yy", Value::Strain(1)),
+    ("strain_zz", Value::Strain(2)),
+    ("strain_xy", Value::Strain(3)),
+    ("strain_yz", Value::Strain(4)),
+    ("strain_xz", Value::Strain(5)),
+];
+
+impl Value {
+    /// Its value at a node: a number, or so many components.
+    fn at(self, body: &BodyFields, node: usize, dimension: usize) -> Dynamic {
+        match self {
+            Value::Vector(read) => vector(&read(body, node), dimension),
+            _ => self.size(body, node).into(),
+        }
+    }
+
+    /// The number, or the length of the vector.
+    fn size(self, body: &BodyFields, node: usize) -> f64 {
+        match self {
+            Value::Number(read) => read(body, node),
+            Value::Stress(component) => body.stress[node][component],
+            Value::Strain(component) => body.strain[node][component],
+            Value::Vector(read) => {
+                let [x, y, z] = read(body, node);
+                x.hypot(y).hypot(z)
+            }
+        }
+    }
+}
+
+fn vector(values: &[f64; 3], dimension: usize) -> Dynamic {
+    values[..dimension].iter().map(|&value| value.into()).collect::<Array>().into()
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    let mut all = vec![field(), extremes(), body_state()];
+    let number = |name, summary, read: fn(&BodyTotals) -> f64| property(name, "", summary, move |state| read(&state.totals).into());
+    all.extend([
+        number("kinetic", "the kinetic energy of the body", |totals| totals.kinetic),
+        number("strain", "the strain energy of the body", |totals| totals.strain),
+        number("potential", "the potential energy of the body in gravity, zero at the origin", |totals| totals.potential),
+        property("momentum", "Array", "the linear momentum of the body", |state| vector(&state.totals.momentum, state.dimension)),
+        property("angular_momentum", "", "its angular momentum about the origin: a number in the plane, an array in space", |state| {
+            match state.dimension {
+                2 => state.totals.angular_momentum[2].into(),
+                _ => vector(&state.totals.angular_momentum, 3),
+            }
+        }),
+        property("center", "Array", "its center of mass", |state| vector(&state.totals.center, state.dimension)),
+        property("velocity", "Array", "the velocity of its center of mass", |state| {
+            vector(&state.totals.momentum.map(|momentum| momentum / state.totals.mass), state.dimension)
+        }),
+    ]);
+    all
+}
+
+fn field() -> Function {
+    Function {
+        name: "field",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "a field of a body now: an array with a number or a vector for each node, in the order of `position`; stress is Cauchy's, \
+                  strain Green and Lagrange's, both averaged at the nodes",
+        parameters: parameters(),
+        returns: "Array",
+        example: flight_example("sim.run_to(0.05);\nlet stress = sim.field(\"von_mises\", plate);\nprint(stress.len());"),
+        see_also: &["extremes", "body", "picture", "write_fields"],
+        body: body(|call| {
+            let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
+            let (fields, value) = chosen(call)?;
+            let values: Array = (0..fields.displacement.len()).map(|node| value.at(&fields, node, dimension)).collect();
+            Ok(values.into())
+        }),
+    }
+}
+
+fn extremes() -> Function {
+    Function {
+        name: "extremes",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the smallest and the largest value of a field of a body now, of a vector its length, with the positions: an object with \
+                  `min`, `min_at`, `max`, `max_at`",
+        parameters: parameters(),
+        returns: "Map",
+        example: flight_example(
+            "sim.run_to(0.05);\nlet worst = sim.extremes(\"von_mises\", plate);\nprint(`${worst.max} at ${worst.max_at}`);",
+        ),
+        see_also: &["field", "picture"],
+        body: body(|call| {
+            let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
+            let (fields, value) = chosen(call)?;
+            // A gap is not a number where nothing lies opposite.
+            let sizes = || (0..fields.displacement.len()).map(|node| (node, value.size(&fields, node))).filter(|(_, size)| !size.is_nan());
+            let ends = sizes().min_by(|a, b| a.1.total_cmp(&b.1)).zip(sizes().max_by(|a, b| a.1.total_cmp(&b.1)));
+            let mut found = Map::new();
+            let mut put = |size: &str, at: &str, (node, value): (usize, f64)| {
+                found.insert(size.into(), value.into());
+                found.insert(at.into(), vector(&fields.position(node), dimension));
+            };
+            let Some((least, most)) = ends else {
+                let failure = call.fail(format!("\"{}\" has no value at any node of this body", call.text("name")?));
+                return Err(failure.hint("contact gaps are known at the nodes of secondary sides alone").into());
+            };
+            put("min", "min_at", least);
+            put("max", "max_at", most);
+            Ok(found.into())
+        }),
+    }
+}
+
+fn parameters() -> Vec<Parameter> {
+    static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| FIELDS.iter().map(|row| row.0).collect());
+    vec![Parameter::new("name", Kind::Choice(&NAMES), "which field"), Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body")]
+}
+
+/// The fields of the body that a call names, and how to read the one that it names.
+fn chosen(call: &Call) -> Result<(BodyFields, Value), Failure> {
+    let (handle, name) = (call.receiver::<SimulationHandle>(), call.text("name")?);
+    let index = handle.body_index(call)?;
+    let mut fields = handle.with(call, |simulation| simulation.fields())?;
+    let value = FIELDS.iter().find(|row| row.0 == name).map_or(FIELDS[0].1, |row| row.1);
+    Ok((fields.swap_remove(index), value))
+}
+
+/// A body as a whole at the time when it was asked for.
+#[derive(Clone)]
+pub struct BodyStateHandle {
+    name: String,
+    time: f64,
+    dimension: usize,
+    totals: BodyTotals,
+}
+
+impl Handle for BodyStateHandle {
+    const NAME: &'static str = "BodyState";
+    const MAKER: &'static str = "take one of a simulation: `sim.body(body)`";
+
+    fn describe(&self) -> String {
+        let BodyStateHandle { name, time, dimension, totals } = self;
+        let turning = match dimension {
+            2 => brief(totals.angular_momentum[2]),
+            _ => brief_vector(&totals.angular_momentum),
+        };
+        let [kinetic, strain, potential] = [totals.kinetic, totals.strain, totals.potential].map(brief);
+        let [center, momentum] = [&totals.center, &totals.momentum].map(|values| brief_vector(&values[..*dimension]));
+        format!(
+            "body \"{name}\" at t = {}: center {center}\n  energy: kinetic {kinetic}, strain {strain}, potential {potential}\n  \
+             momentum {momentum}, angular momentum {turning}",
+            brief(*time)
+        )
+    }
+}
+
+fn body_state() -> Function {
+    Function {
+        name: "body",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "a body as a whole now: its energies, momenta and center of mass",
+        parameters: vec![Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body")],
+        returns: BodyStateHandle::NAME,
+        example: flight_example("sim.run_to(0.05);\nprint(sim.body(plate));"),
+        see_also: &["field", "history", "reaction"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            let index = handle.body_index(call)?;
+            let name = handle.0.model.model.bodies[index].name.clone();
+            let state = handle.with(call, |simulation| BodyStateHandle {
+                name,
+                time: simulation.time(),
+                dimension: simulation.dimension(),
+                totals: simulation.body(index),
+            })?;
+            Ok(Dynamic::from(state))
+        }),
+    }
+}
+
+fn property(
+    name: &'static str,
+    returns: &'static str,
+    summary: &'static str,
+    read: impl Fn(&BodyStateHandle) -> Dynamic + 'static,
+) -> Function {
+    Function {
+        name,
+        form: Form::Property(BodyStateHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: flight_example(&format!("sim.run_to(0.05);\nprint(sim.body(plate).{name});")),
+        see_also: &["body"],
+        body: body(move |call| Ok(read(&call.receiver::<BodyStateHandle>()))),
+    }
+}
