@@ -4,8 +4,11 @@ use crate::mesh::{Boundary, Mesh};
 
 /// Nodes of a boundary and the share of its measure `[length]` (3D: area) that belongs to each: the integral of its shape function.
 ///
-/// Exact for the two-node facet; for the four-node facet by 2 x 2 Gauss points.
+/// Single points without facets have equal shares. Exact for the two-node facet; for the four-node facet by 2 x 2 Gauss points.
 pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary) -> Vec<(u32, f64)> {
+    if boundary.facets.is_empty() {
+        return boundary.nodes.iter().map(|&node| (node, 1.0)).collect();
+    }
     let mut areas = std::collections::BTreeMap::new();
     for &facet in &boundary.facets {
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();

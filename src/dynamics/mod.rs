@@ -6,7 +6,7 @@ mod run;
 mod step;
 
 pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
-pub use model::definitions::{BodyDefinition, InitialVelocity, Load, LoadKind, Model, Prescription, Support};
+pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Prescription, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 pub use model::overlaps::{Overlap, OverlapKind};

@@ -161,6 +161,9 @@ pub const LINEAR_UNSOLVED: f64 = 1e-3;
 /// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).
 pub const DEGENERATE_CELL: f64 = 1e-12;
 
+/// Distance of two nodes of meshes to be joined, relative to the largest coordinate, up to which they are at the same place.
+pub const SAME_PLACE: f64 = 1e-9;
+
 /// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh
 /// generator leave.
 pub const PLANE: f64 = 1e-12;

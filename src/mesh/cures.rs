@@ -11,6 +11,11 @@ impl MeshError {
             NotPositive { what, .. } => format!("choose {what} greater than 0"),
             NotFinite { what, .. } => format!("give {what} as a finite number"),
             FewCorners { .. } => "name the corners in their order around the polygon, the first one once".into(),
+            HoleOutside { .. } => "move it inside, so that its sides meet neither the outline nor another hole".into(),
+            JoinedKinds { .. } => "join meshes of the same cells".into(),
+            NothingShared => {
+                "give both the same nodes along the common side; meshes that do not match are held together by `model.tie`".into()
+            }
             CrossingSides { .. } => "name the corners in their order around the polygon, so that its sides meet at corners only".into(),
             EmptySide { .. } => "leave out one of the two corners".into(),
             NoTriangulation => "check that no two of its sides nearly coincide, or choose smaller cells".into(),

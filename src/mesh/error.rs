@@ -32,6 +32,23 @@ pub enum MeshError {
         /// How many it has.
         count: usize,
     },
+    /// A hole that is not wholly inside its polygon, or meets another hole.
+    #[error("hole {hole} is not inside the polygon and apart from the other holes")]
+    HoleOutside {
+        /// Its number, from 1.
+        hole: usize,
+    },
+    /// Meshes of different cells cannot be one.
+    #[error("a mesh of {first} and one of {second} cannot be joined")]
+    JoinedKinds {
+        /// Cells of one mesh.
+        first: &'static str,
+        /// Cells of the other mesh.
+        second: &'static str,
+    },
+    /// Meshes to be joined have no node in common.
+    #[error("the two meshes have no node at the same place")]
+    NothingShared,
     /// Two corners of a polygon that follow each other coincide.
     #[error("side {side} of the polygon has no length")]
     EmptySide {
@@ -428,6 +445,9 @@ impl MeshError {
             | TooFewCells { .. }
             | NotMultiple { .. }
             | FewCorners { .. }
+            | HoleOutside { .. }
+            | JoinedKinds { .. }
+            | NothingShared
             | CrossingSides { .. }
             | EmptySide { .. }
             | NoTriangulation

@@ -273,7 +273,7 @@ fn grid(count: usize) -> impl Iterator<Item = f64> {
 }
 
 fn boundary(name: &str, facets: impl Iterator<Item = Facet>) -> Boundary {
-    Boundary { name: name.into(), facets: facets.collect() }
+    Boundary::of_facets(name, facets.collect())
 }
 
 fn positive(what: &'static str, value: f64) -> Result<(), MeshError> {

@@ -8,6 +8,7 @@ mod cures;
 mod error;
 mod generators;
 mod gmsh;
+mod join;
 mod polygon;
 mod selection;
 mod topology;
@@ -41,6 +42,31 @@ pub struct Boundary {
     pub name: String,
     /// Facets in ascending order of traversal or as found.
     pub facets: Vec<Facet>,
+    /// Nodes that belong to it besides those of its facets: single points to be held, moved or loaded.
+    pub nodes: Vec<u32>,
+}
+
+impl Boundary {
+    /// A boundary of facets.
+    pub fn of_facets(name: &str, facets: Vec<Facet>) -> Self {
+        Boundary { name: name.into(), facets, nodes: Vec::new() }
+    }
+
+    /// A single node.
+    pub fn of_node(node: u32) -> Self {
+        Boundary { name: format!("node {node}"), facets: Vec::new(), nodes: vec![node] }
+    }
+
+    /// Several boundaries of a mesh as one, facets and nodes that are in more than one of them once.
+    pub fn union(boundaries: &[Boundary]) -> Self {
+        let names: Vec<&str> = boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
+        let mut joined = Boundary::of_facets(&names.join("+"), Vec::new());
+        for boundary in boundaries {
+            joined.facets.extend(boundary.facets.iter().filter(|facet| !joined.facets.contains(facet)).copied().collect::<Vec<_>>());
+            joined.nodes.extend(boundary.nodes.iter().filter(|node| !joined.nodes.contains(node)).copied().collect::<Vec<_>>());
+        }
+        joined
+    }
 }
 
 /// Nodes, cells of one kind, named boundaries and named parts.
@@ -97,6 +123,7 @@ impl Mesh {
     /// Node numbers of a boundary, each once, in ascending order.
     pub fn boundary_nodes(&self, boundary: &Boundary) -> Vec<u32> {
         let mut nodes: Vec<u32> = boundary.facets.iter().flat_map(|&facet| self.facet_nodes(facet)).collect();
+        nodes.extend(&boundary.nodes);
         nodes.sort_unstable();
         nodes.dedup();
         nodes

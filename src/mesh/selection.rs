@@ -54,7 +54,7 @@ impl Mesh {
             return Err(SelectionError::Mesh(MeshError::BoundaryExists { name: name.into(), available }));
         }
         let facets = self.facets_where(condition).map_err(SelectionError::Condition)?;
-        self.boundaries.push(Boundary { name: name.into(), facets });
+        self.boundaries.push(Boundary::of_facets(name, facets));
         Ok(self)
     }
 
@@ -97,8 +97,12 @@ impl Mesh {
         let boundaries = self
             .boundaries
             .iter()
-            .map(|b| Boundary { name: b.name.clone(), facets: b.facets.iter().filter_map(inside).collect() })
-            .filter(|b| !b.facets.is_empty())
+            .map(|b| Boundary {
+                name: b.name.clone(),
+                facets: b.facets.iter().filter_map(inside).collect(),
+                nodes: b.nodes.iter().filter_map(|&node| new_node[node as usize]).collect(),
+            })
+            .filter(|b| !b.facets.is_empty() || !b.nodes.is_empty())
             .collect();
         let parts = self
             .parts

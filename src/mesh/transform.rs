@@ -118,8 +118,9 @@ impl Mesh {
             let corners = self.kind.facets()[local as usize];
             corners.iter().map(move |&a| Facet { cell: cell * children as u32 + a as u32, local })
         };
-        let boundaries =
-            self.boundaries.iter().map(|b| Boundary { name: b.name.clone(), facets: b.facets.iter().flat_map(pieces).collect() }).collect();
+        // Nodes keep their numbers.
+        let finer = |b: &Boundary| Boundary { facets: b.facets.iter().flat_map(pieces).collect(), ..b.clone() };
+        let boundaries = self.boundaries.iter().map(finer).collect();
         let offspring = |&cell: &u32| (0..children as u32).map(move |child| cell * children as u32 + child);
         let parts = self.parts.iter().map(|(name, cells)| (name.clone(), cells.iter().flat_map(offspring).collect())).collect();
         Ok(Mesh { kind: self.kind, points, connectivity, boundaries, parts })

@@ -10,6 +10,7 @@ mod bouncing_ring;
 mod colliding_rings;
 mod contact_patch;
 mod crushed_hose;
+mod beginnings;
 mod fields;
 mod free_fall;
 mod node_to_segment;

@@ -76,6 +76,15 @@ pub struct InitialVelocity {
     pub angular: [f64; 3],
 }
 
+/// Where the nodes of a body are at the start: strained against its mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InitialDisplacement {
+    /// Index of the body in the model.
+    pub body: usize,
+    /// Displacement of each node of its mesh `[length]`.
+    pub displacement: Vec<[f64; 3]>,
+}
+
 /// A problem: what there is, how it is held and loaded, what touches what.
 #[derive(Clone, Default)]
 pub struct Model {
@@ -89,12 +98,16 @@ pub struct Model {
     pub prescriptions: Vec<Prescription>,
     /// Acceleration of gravity `[length/time^2]`.
     pub gravity: [f64; 3],
+    /// Its size over time, as a factor; `None`: constant. What varies has no potential, and its work is that of a load.
+    pub gravity_amplitude: Option<Amplitude>,
     /// Loads.
     pub loads: Vec<Load>,
     /// What touches or is tied to what, in the order in which a simulation counts contacts.
     pub interactions: Vec<Interaction>,
     /// What pushes on nodes besides, such as springs.
     pub parts: Vec<Arc<dyn PartDefinition>>,
+    /// Displacements of the nodes of bodies at the start `[length]`; a later one of the same body replaces an earlier one.
+    pub initial_displacements: Vec<InitialDisplacement>,
     /// Initial velocities; a later one of the same body replaces an earlier one.
     pub initial_velocities: Vec<InitialVelocity>,
 }
@@ -147,6 +160,15 @@ impl Model {
         self.bodies.iter().enumerate().filter(falls).map(|(_, body)| body).collect()
     }
 
+    /// Positions of a body's nodes at the start `[length]`.
+    pub fn start(&self, body: usize) -> Vec<[f64; 3]> {
+        let mut points = self.bodies[body].mesh.points.clone();
+        if let Some(initial) = self.initial_displacements.iter().rfind(|initial| initial.body == body) {
+            points.iter_mut().zip(&initial.displacement).for_each(|(x, u)| (0..3).for_each(|i| x[i] += u[i]));
+        }
+        points
+    }
+
     /// Checks everything that can be said without computing: names, dimensions, empty boundaries, a surface in contact with itself.
     ///
     /// # Errors
@@ -166,14 +188,23 @@ impl Model {
                 });
             }
         }
+        let held = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|prescription| &prescription.on));
+        let forced = self.loads.iter().filter(|load| matches!(load.kind, LoadKind::Force(_))).map(|load| &load.on);
+        for on in held.chain(forced) {
+            if on.boundary.facets.is_empty() && on.boundary.nodes.is_empty() {
+                return Err(ModelError::EmptyBoundary { boundary: self.boundary_name(on) });
+            }
+        }
         let surfaces =
             self.interactions.iter().flat_map(|interaction| std::iter::once(&interaction.secondary).chain(interaction.primary()));
-        let prescribed = self.prescriptions.iter().map(|prescription| &prescription.on);
-        for on in
-            self.supports.iter().map(|support| &support.on).chain(prescribed).chain(self.loads.iter().map(|load| &load.on)).chain(surfaces)
-        {
+        let spread = self.loads.iter().filter(|load| !matches!(load.kind, LoadKind::Force(_))).map(|load| &load.on);
+        for on in spread.chain(surfaces) {
+            let boundary = self.boundary_name(on);
+            if !on.boundary.nodes.is_empty() {
+                return Err(ModelError::PointBoundary { boundary });
+            }
             if on.boundary.facets.is_empty() {
-                return Err(ModelError::EmptyBoundary { boundary: self.boundary_name(on) });
+                return Err(ModelError::EmptyBoundary { boundary });
             }
         }
         if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Pressure(_)) && self.dimension() != 2) {

@@ -48,6 +48,24 @@ pub enum ModelError {
         /// `body.boundary`.
         boundary: String,
     },
+    /// Single points where facets are needed.
+    #[error("\"{boundary}\" has single points, which have no area")]
+    PointBoundary {
+        /// `body.boundary`.
+        boundary: String,
+    },
+    /// Initial displacements that turn a cell inside out.
+    #[error(
+        "the initial displacement turns cell {cell} of body \"{body}\" inside out: the determinant of its deformation is {determinant:.2e}"
+    )]
+    InvertedAtStart {
+        /// Name of the body.
+        body: String,
+        /// The cell.
+        cell: usize,
+        /// Smallest determinant of the deformation gradient.
+        determinant: f64,
+    },
     /// A contact pair in a dimension without a contact method.
     #[error("contact \"{contact}\" joins {dimension}-dimensional bodies")]
     ContactDimension {
@@ -109,6 +127,10 @@ impl ModelError {
             ModelError::MixedDimensions { .. } => "use meshes of one dimension in a model".into(),
             ModelError::UnknownBoundary { .. } => "use one of its boundaries, or select one with `Mesh::boundary_where`".into(),
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
+            ModelError::PointBoundary { .. } => {
+                "points can be held (`fix`), moved (`prescribe`) and loaded with a `force`; other loads and contacts need facets".into()
+            }
+            ModelError::InvertedAtStart { .. } => "displace neighboring nodes by less than their distance".into(),
             ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
             ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => {

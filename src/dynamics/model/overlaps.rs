@@ -85,10 +85,10 @@ impl Model {
         found
     }
 
-    /// The undeformed hull of a body.
+    /// The hull of a body at the start.
     pub fn hull(&self, body: usize) -> Hull {
-        let mesh = &self.bodies[body].mesh;
-        Hull::new(body, &hull_ends(mesh), &|node| [mesh.points[node as usize][0], mesh.points[node as usize][1]])
+        let points = self.start(body);
+        Hull::new(body, &hull_ends(&self.bodies[body].mesh), &|node| [points[node as usize][0], points[node as usize][1]])
     }
 
     /// The interaction between two bodies.
@@ -104,8 +104,7 @@ impl Model {
     fn obstacle_overlaps(&self) -> Vec<Overlap> {
         let overlap = |interaction: &Interaction| {
             let Partner::Obstacle { shape, motion } = &interaction.partner else { return None };
-            let mesh = &self.bodies[interaction.secondary.body].mesh;
-            let reference: Vec<f64> = mesh.points.iter().flat_map(|point| [point[0], point[1]]).collect();
+            let reference: Vec<f64> = self.start(interaction.secondary.body).iter().flat_map(|point| [point[0], point[1]]).collect();
             let facets = boundary_facets(self, &interaction.secondary, 0);
             let mut kernel = RigidContact::new(&facets, shape, &reference);
             // A time function that fails does so again, with its error, in the first step.

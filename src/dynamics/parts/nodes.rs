@@ -48,11 +48,12 @@ impl<const D: usize> Nodes<D> {
             body.elements.add_mass(&mut mass);
         }
         let nodal_mass = mass.row_sums();
+        let is_constant = model.gravity_amplitude.is_none();
         Nodes {
             mass,
             largest_nodal_mass: largest_size(&nodal_mass),
             total_mass: nodal_mass.iter().sum(),
-            weight: (0..reference.len()).map(|k| nodal_mass[k / D] * model.gravity[k % D]).collect(),
+            weight: (0..reference.len()).map(|k| if is_constant { nodal_mass[k / D] * model.gravity[k % D] } else { 0.0 }).collect(),
             nodal_mass,
             modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
             extent: (0..D).map(along).fold(0.0, f64::max),

@@ -10,7 +10,7 @@ use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
 use super::report::{FailureReport, TryReport};
 use super::state::{Clock, State};
-use crate::bodies::{Elements, Space};
+use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::parts::contact_pair::RowState;
@@ -53,16 +53,18 @@ where
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let mut system = System::<D>::new(model, options.threads)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
-        let velocities = initial_velocities(&system, model);
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);
-        let positions = system.nodes.reference.clone();
+        let positions: Vec<f64> = (0..model.bodies.len()).flat_map(|body| model.start(body)).flat_map(|x| x[..D].to_vec()).collect();
+        inverted_at_start(&system, model, &positions)?;
+        let velocities = initial_velocities(&system, model, &positions);
         if D == 2 {
             system.survey(&positions);
         }
         let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
         let row = LedgerRow {
             kinetic: system.nodes.kinetic_energy(&velocities),
+            strain: if model.initial_displacements.is_empty() { 0.0 } else { system.strain_energy(&positions) },
             potential: system.nodes.potential_energy(&positions) + system.stored_energy(&positions),
             momentum,
             angular_momentum,
@@ -103,8 +105,20 @@ where
     }
 }
 
+/// Refuses initial displacements that turn a cell inside out.
+fn inverted_at_start<const D: usize>(system: &System<D>, model: &Model, positions: &[f64]) -> Result<(), ModelError> {
+    for initial in &model.initial_displacements {
+        let body = &system.bodies[initial.body];
+        let Inverted { cell, determinant } = body.elements.smallest_determinant(positions);
+        if determinant <= 0.0 {
+            return Err(ModelError::InvertedAtStart { body: body.name.clone(), cell, determinant });
+        }
+    }
+    Ok(())
+}
+
 /// Velocities at the start: those of the bodies, of supports, of prescribed motions.
-fn initial_velocities<const D: usize>(system: &System<D>, model: &Model) -> Vec<f64> {
+fn initial_velocities<const D: usize>(system: &System<D>, model: &Model, positions: &[f64]) -> Vec<f64> {
     let mut velocities = vec![0.0; system.nodes.reference.len()];
     for initial in &model.initial_velocities {
         let nodes = system.bodies[initial.body].nodes.clone();
@@ -112,7 +126,7 @@ fn initial_velocities<const D: usize>(system: &System<D>, model: &Model) -> Vec<
         let mut mass = 0.0;
         let position = |node: usize| {
             let mut x = nalgebra::Vector3::zeros();
-            x.as_mut_slice()[..D].copy_from_slice(&system.nodes.reference[node * D..(node + 1) * D]);
+            x.as_mut_slice()[..D].copy_from_slice(&positions[node * D..(node + 1) * D]);
             x
         };
         for node in nodes.clone() {

@@ -81,7 +81,7 @@ where
         let (bodies, reference) = bodies_of(model)?;
         let first = |body: usize| bodies[body].nodes.start;
         let supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
-        let loads = loads_of(model, &bodies);
+        let mut loads = loads_of(model, &bodies);
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
         let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
@@ -89,6 +89,7 @@ where
         let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
         let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
         let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern);
+        loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
         let matrix = Matrix::new(pattern, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
         let mut system = System {
@@ -134,6 +135,17 @@ where
         bodies.push(Body { name: body.name.clone(), number, nodes: first..reference.len() / D, elements });
     }
     Ok((bodies, reference))
+}
+
+/// Gravity that follows a time function, a load on all nodes.
+fn varying_gravity<const D: usize>(model: &Model, masses: &[f64]) -> Option<NodalLoad<D>> {
+    Some(NodalLoad {
+        kind: LoadKind::Traction(model.gravity),
+        weights: (0..).zip(masses.iter().copied()).collect(),
+        facets: Vec::new(),
+        amplitude: model.gravity_amplitude.clone()?,
+        name: "gravity".into(),
+    })
 }
 
 /// The loads of a model.

@@ -25,6 +25,7 @@ pub(super) fn assemble(tables: Tables) -> Result<Mesh, MeshError> {
         attach_boundaries(&mut mesh, &tables, &tables.quads, &numbering)?;
     }
     let used = take_used_nodes(&mut mesh, &tables);
+    attach_points(&mut mesh, &tables, &numbering, &used)?;
     if mesh.dimension() == 2 {
         flatten(&mut mesh, &tables, &used)?;
     }
@@ -186,7 +187,31 @@ fn attach_boundaries<const N: usize>(
             }
         }
     }
-    mesh.boundaries = boundaries.into_iter().map(|(group, (facets, _))| Boundary { name: name(tables, below, group), facets }).collect();
+    mesh.boundaries = boundaries.into_iter().map(|(group, (facets, _))| Boundary::of_facets(&name(tables, below, group), facets)).collect();
+    Ok(())
+}
+
+/// Boundaries of single points from groups of points, in the order of the file. Points that no cell uses, such as centers of arcs, are left
+/// out. A name that a boundary of facets has already gets ` points` behind it.
+fn attach_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering, used: &[u32]) -> Result<(), MeshError> {
+    let mut boundaries: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
+    for element in &tables.single_points {
+        let [index] = numbering.indices(element)?;
+        let Ok(node) = used.binary_search(&index) else { continue };
+        for &group in &tables.groups[element.groups as usize] {
+            let nodes = boundaries.entry(group).or_default();
+            if !nodes.contains(&(node as u32)) {
+                nodes.push(node as u32);
+            }
+        }
+    }
+    for (group, nodes) in boundaries {
+        let mut name = name(tables, 0, group);
+        if mesh.boundary(&name).is_some() {
+            name += " points";
+        }
+        mesh.boundaries.push(Boundary { name, facets: Vec::new(), nodes });
+    }
     Ok(())
 }
 

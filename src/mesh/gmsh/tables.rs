@@ -23,6 +23,7 @@ pub(super) struct Tables {
     pub node_numbers: Vec<u64>,
     pub node_lines: Vec<u32>,
     pub points: Vec<[f64; 3]>,
+    pub single_points: Vec<Element<1>>,
     pub lines: Vec<Element<2>>,
     pub quads: Vec<Element<4>>,
     pub hexes: Vec<Element<8>>,
@@ -62,7 +63,10 @@ impl Tables {
     pub fn add_element(&mut self, gmsh_type: u64, number: u64, groups: u32, fields: &mut Fields, at: usize) -> Result<(), MeshError> {
         let line = at as u32;
         match gmsh_type {
-            POINT => Ok(()),
+            POINT => {
+                self.single_points.push(Element { number, line, groups, nodes: fields.numbers(ELEMENT)? });
+                fields.end(ELEMENT)
+            }
             LINE => {
                 self.lines.push(Element { number, line, groups, nodes: fields.numbers(ELEMENT)? });
                 fields.end(ELEMENT)

@@ -151,12 +151,27 @@ fn both_versions_give_the_same_mesh() {
         assert_eq!(
             mesh.boundaries,
             [
-                Boundary { name: "low".into(), facets: vec![facet(0, 0), facet(1, 0)] },
+                Boundary::of_facets("low", vec![facet(0, 0), facet(1, 0)]),
                 // between the two cells: both sides
-                Boundary { name: "8".into(), facets: vec![facet(0, 1), facet(1, 3)] },
+                Boundary::of_facets("8", vec![facet(0, 1), facet(1, 3)]),
             ]
         );
         assert!((mesh.measure() - 2.0).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn groups_of_points_are_boundaries_of_nodes() {
+    let version_2 = SQUARES_2.replace("1 15 2 9 1 99", "1 15 2 9 1 16");
+    let version_4 = SQUARES_4.replace("0 1 15 1\n1 99", "0 1 15 1\n1 16");
+    for text in [version_2, version_4] {
+        let mesh = read_gmsh(&text).unwrap();
+        let corner = mesh.boundary("a point").unwrap();
+        assert_eq!((&corner.nodes[..], mesh.boundary_nodes(corner)), (&[5][..], vec![5]));
+        assert!(corner.facets.is_empty());
+        let fine = mesh.refine().unwrap();
+        assert_eq!(fine.points[fine.boundary("a point").unwrap().nodes[0] as usize], [2.0, 1.0, 0.0]);
+        assert_eq!(mesh.part("2").unwrap().boundary("a point").unwrap().nodes, [3]);
     }
 }
 

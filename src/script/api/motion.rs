@@ -120,6 +120,10 @@ impl Motion {
             body.material = self.material(&body.material)?;
         }
         moved.gravity = self.vector(model.gravity, speed / units.time);
+        moved.gravity_amplitude = model.gravity_amplitude.as_ref().map(|amplitude| self.amplitude(amplitude, 1.0));
+        for initial in &mut moved.initial_displacements {
+            initial.displacement.iter_mut().for_each(|u| *u = self.vector(*u, units.length));
+        }
         for velocity in &mut moved.initial_velocities {
             velocity.linear = self.vector(velocity.linear, speed);
             velocity.angular = self.vector(velocity.angular, 1.0 / units.time);

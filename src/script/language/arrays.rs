@@ -58,11 +58,27 @@ impl Argument<'_> {
     /// # Errors
     /// Not an array, or not of pairs of finite numbers.
     pub fn points(&self) -> Result<Vec<[f64; 2]>, Failure> {
+        self.points_in(&self.array()?)
+    }
+
+    /// An array of arrays of points `[x, y]`.
+    ///
+    /// # Errors
+    /// Anything else.
+    pub fn lists_of_points(&self) -> Result<Vec<Vec<[f64; 2]>>, Failure> {
+        let list = |entry: &Dynamic| {
+            let points = entry.read_lock::<Array>().map(|points| self.points_in(&points));
+            let hint = "write `[[[0.2, 0.2], [0.4, 0.2], [0.3, 0.4]]]`: an array for each";
+            points.unwrap_or_else(|| Err(self.fail(format!("every entry of {} must be an array of points", self.title())).hint(hint)))
+        };
+        self.array()?.iter().map(list).collect()
+    }
+
+    fn points_in(&self, entries: &[Dynamic]) -> Result<Vec<[f64; 2]>, Failure> {
         let point = |entry: &Dynamic| -> Option<[f64; 2]> {
             let numbers: Vec<f64> = entry.read_lock::<Array>()?.iter().map(as_number).collect::<Option<_>>()?;
             <[f64; 2]>::try_from(numbers).ok().filter(|point| point.iter().all(|x| x.is_finite()))
         };
-        let entries = self.array()?;
         let points: Option<Vec<[f64; 2]>> = entries.iter().map(point).collect();
         points.ok_or_else(|| {
             let wrong = entries.iter().find(|entry| point(entry).is_none());

@@ -112,7 +112,7 @@ impl Body {
             Shape::Rectangle { size, cells } => rectangle(*size, *cells, [-0.5 * size[0], -0.5 * size[1]])?,
             Shape::Disk { radius, cells } => disk(*radius, *cells, [0.0; 2])?,
             Shape::Ring { radii, cells } => ring(radii[0], radii[1], *cells, [0.0; 2], 0.0)?,
-            Shape::Polygon { corners, size } => polygon(corners, *size, &vec!["side".to_string(); corners.len()])?,
+            Shape::Polygon { corners, size } => polygon(corners, &[], *size, &vec!["side".to_string(); corners.len()])?,
         };
         if self.mirrored {
             mesh.points.iter_mut().for_each(|point| point[0] = -point[0]);
@@ -286,7 +286,7 @@ impl Scene {
         let mut hulls = Vec::new();
         for (k, body) in self.bodies.iter().enumerate() {
             let mut mesh = body.mesh()?;
-            let boundary = Boundary { name: "hull".into(), facets: mesh.hull() };
+            let boundary = Boundary::of_facets("hull", mesh.hull());
             mesh.boundaries.push(boundary.clone());
             hulls.push(BodyBoundary { body: k, boundary });
             let material = material(body.law, body.constants);

@@ -7,8 +7,9 @@ use rhai::{Array, Dynamic};
 
 use super::methods::{method_of, method_parameter, rule_parameters, rules_of};
 use super::obstacles::ObstacleHandle;
-use crate::dynamics::{Interaction, Partner};
+use crate::dynamics::{BodyBoundary, Interaction, Partner};
 use crate::math::catalogue::Interval;
+use crate::mesh::Boundary;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::models::arguments::{body_boundary, boundary_of};
 use crate::script::api::models::change::change;
@@ -39,8 +40,8 @@ fn add_contact() -> Function {
                 Kind::Options(vec![
                     Parameter::new(
                         "secondary",
-                        Kind::Handle(BoundaryHandle::NAME),
-                        "the side that carries the contact pressure (slave, nonmortar)",
+                        Kind::Either("a Boundary or an array of them"),
+                        "the side that carries the contact pressure (slave, nonmortar): one boundary, or several of one body",
                     ),
                     Parameter::new(
                         "primary",
@@ -70,7 +71,7 @@ fn add_contact() -> Function {
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.text("name")?, call.options("options")?);
-            let secondary = boundary_of(&options.argument("secondary"), &model)?;
+            let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
             let method = method_of(&options)?;
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
@@ -180,6 +181,27 @@ fn partner_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<P
     if let Some(boundary) = value.clone().try_cast::<BoundaryHandle>() {
         return Ok(Partner::Surfaces(vec![body_boundary(argument, boundary, model)?]));
     }
+    Ok(Partner::Surfaces(boundaries_of(call, argument, model)?))
+}
+
+/// The side of a contact that has one body's boundaries.
+fn secondary_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
+    if let Some(boundary) = argument.value().try_cast::<BoundaryHandle>() {
+        return body_boundary(argument, boundary, model);
+    }
+    let sides = boundaries_of(call, argument, model)?;
+    let body = sides[0].body;
+    if sides.iter().any(|side| side.body != body) {
+        let failure = argument.fail(format!("{} has boundaries of several bodies", argument.title()));
+        return Err(failure.hint("define a contact for each body; several bodies may be the `primary` side of each"));
+    }
+    let boundaries: Vec<Boundary> = sides.into_iter().map(|side| side.boundary).collect();
+    Ok(BodyBoundary { body, boundary: Boundary::union(&boundaries) })
+}
+
+/// The boundaries in an array, at least one.
+fn boundaries_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<Vec<BodyBoundary>, Failure> {
+    let value = argument.value();
     let Some(entries) = value.read_lock::<Array>() else { return Err(argument.wrong_type()) };
     let mut surfaces = Vec::new();
     for entry in entries.iter() {
@@ -194,5 +216,5 @@ fn partner_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<P
         let failure = argument.fail(format!("{} is empty", argument.title()));
         return Err(failure.hint("name at least one boundary of a body"));
     }
-    Ok(Partner::Surfaces(surfaces))
+    Ok(surfaces)
 }

@@ -1,10 +1,10 @@
 //! Boundaries of meshes by name, and new ones from a condition.
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::{Array, Dynamic, EvalAltResult};
 
 use super::handle::{MeshHandle, mesh_failure};
 use crate::mesh::{Boundary, Mesh, SelectionError};
-use crate::script::language::arguments::Arguments;
+use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -13,13 +13,30 @@ use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::scan::Target;
 use crate::script::language::values::describe;
 
-/// The boundary of that name in a mesh.
+/// The boundary of that name in a mesh, or the union of several.
 ///
 /// # Errors
 /// There is none of that name; the message lists those that there are.
 pub fn named_boundary(call: &Call, mesh: &Mesh) -> Result<Boundary, Failure> {
     let argument = call.argument("name");
-    let name = argument.text()?;
+    let value = argument.value();
+    let Some(entries) = value.read_lock::<Array>() else { return one_boundary(&argument, argument.text()?, mesh) };
+    let mut boundaries = Vec::new();
+    for entry in entries.iter() {
+        let Ok(name) = entry.clone().into_string() else {
+            let failure = argument.fail(format!("every entry of {} must be a name", argument.title()));
+            return Err(failure.label(format!("this contains {}", describe(call.engine(), entry))).hint("write `[\"left\", \"top\"]`"));
+        };
+        boundaries.push(one_boundary(&argument, name, mesh)?);
+    }
+    match &boundaries[..] {
+        [] => Err(argument.fail(format!("{} is empty", argument.title())).hint("name at least one boundary")),
+        [one] => Ok(one.clone()),
+        several => Ok(Boundary::union(several)),
+    }
+}
+
+fn one_boundary(argument: &Argument, name: String, mesh: &Mesh) -> Result<Boundary, Failure> {
     let names: Vec<&str> = mesh.boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
     mesh.boundary(&name).cloned().ok_or_else(|| {
         let mut failure = argument.unknown_name(format!("there is no boundary \"{name}\""), &name, &names);

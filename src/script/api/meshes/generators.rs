@@ -155,6 +155,9 @@ fn polygon() -> Function {
                 Parameter::number("size", "length", Interval::Positive, "the length of a cell's edges, about"),
                 Parameter::new("names", Kind::Array, "a name for each side, from the first corner to the second and so on")
                     .or(Absent::Means("`side 1`, `side 2`, …")),
+                Parameter::new("holes", Kind::Array, "holes, each an array of its corners; their boundaries are `hole 1`, `hole 2`, …")
+                    .of("length")
+                    .or(Absent::Means("none")),
                 element(&["quad4"]),
             ]),
             "shape and cells",
@@ -180,7 +183,9 @@ fn polygon() -> Function {
             } else {
                 (1..=corners.len()).map(|side| format!("side {side}")).collect()
             };
-            mesh_value(call, mesh::polygon(&corners, options.number("size")?, &names))
+            let holes = options.argument("holes");
+            let holes = if holes.is_given() { holes.lists_of_points()? } else { Vec::new() };
+            mesh_value(call, mesh::polygon(&corners, &holes, options.number("size")?, &names))
         }),
     }
 }

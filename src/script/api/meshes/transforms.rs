@@ -6,14 +6,15 @@ use super::handle::{MeshHandle, mesh_failure, mesh_value, vector_or_zero};
 use crate::math::catalogue::Interval;
 use crate::mesh::SelectionError;
 use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::callback::Callback;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![translate(), rotate(), scale(), map_function(), refine(), part()]
+    vec![translate(), rotate(), scale(), map_function(), refine(), part(), join()]
 }
 
 fn translate() -> Function {
@@ -95,22 +96,7 @@ fn map_function() -> Function {
         body: body(|call| {
             let (mesh, place) = (call.receiver::<MeshHandle>().mesh(), call.callback("place")?);
             let dimension = mesh.dimension();
-            let moved = (*mesh).clone().mapped(|point| {
-                let value = place.call(point[..dimension].iter().map(|&coordinate| Dynamic::from(coordinate)))?;
-                let numbers: Option<Vec<f64>> = value.read_lock::<Array>().and_then(|array| array.iter().map(as_number).collect());
-                match numbers {
-                    Some(numbers) if numbers.len() == dimension => {
-                        let mut moved = [0.0; 3];
-                        moved[..dimension].copy_from_slice(&numbers);
-                        Ok(moved)
-                    }
-                    _ => {
-                        let failure = call.argument("place").fail("the closure must give the new place as an array of coordinates");
-                        let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
-                        Err(Box::<EvalAltResult>::from(failure.hint("write `|x, y| [2.0 * x, y]`")))
-                    }
-                }
-            });
+            let moved = (*mesh).clone().mapped(|point| vector_from(call, &place, "place", &point[..dimension]));
             match moved {
                 Ok(mesh) => mesh_value(call, Ok(mesh)),
                 Err(SelectionError::Condition(error)) => Err(error),
@@ -120,6 +106,51 @@ fn map_function() -> Function {
                 }
             }
         }),
+    }
+}
+
+fn join() -> Function {
+    Function {
+        name: "join",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "this mesh and another one that shares a side with it as one mesh: nodes at the same place become one, boundaries of the same \
+                  name are joined, and the common side is a boundary no longer",
+        parameters: vec![Parameter::new(
+            "other",
+            Kind::Handle(MeshHandle::NAME),
+            "the other mesh, its nodes on the common side at the same places",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let base = rectangle(#{ size: [4.0, 1.0], cells: [8, 2] });\n\
+                  let tooth = rectangle(#{ size: [1.0, 1.0], cells: [2, 2], origin: [1.5, 1.0] });\nprint(base.join(tooth));"
+            .into(),
+        see_also: &["part", "polygon", "tie"],
+        body: body(|call| {
+            let (mesh, other) = (call.receiver::<MeshHandle>().mesh(), call.handle::<MeshHandle>("other")?.mesh());
+            mesh_value(call, mesh.joined(&other))
+        }),
+    }
+}
+
+/// What a closure gives for a point: a vector of as many components.
+///
+/// # Errors
+/// The closure fails, or gives something else.
+pub fn vector_from(call: &Call, closure: &Callback, parameter: &str, point: &[f64]) -> Result<[f64; 3], Box<EvalAltResult>> {
+    let value = closure.call(point.iter().map(|&coordinate| Dynamic::from(coordinate)))?;
+    let numbers: Option<Vec<f64>> = value.read_lock::<Array>().and_then(|array| array.iter().map(as_number).collect());
+    match numbers {
+        Some(numbers) if numbers.len() == point.len() => {
+            let mut vector = [0.0; 3];
+            vector[..point.len()].copy_from_slice(&numbers);
+            Ok(vector)
+        }
+        _ => {
+            let failure = call.argument(parameter).fail(format!("the closure must give the {parameter} as an array of {}", point.len()));
+            let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
+            Err(failure.hint("write `|x, y| [2.0 * x, y]`").into())
+        }
     }
 }
 

@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use rhai::Dynamic;
 
+use super::arguments::node_at;
 use super::handle::{BodyHandle, BoundaryHandle};
 use super::properties::member;
+use crate::mesh::Boundary;
 use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::boundaries::{condition_parameters, named_boundary, with_boundary_where};
 use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::language::arguments::Arguments;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -18,6 +21,7 @@ use crate::script::language::parameter::{Kind, Parameter};
 pub fn functions() -> Vec<Function> {
     vec![
         boundary_of_body(),
+        node(),
         boundary_of_mesh(),
         boundary_where(),
         member(BodyHandle::receiver(), "name", "the name of the body", "String", |call| {
@@ -54,15 +58,38 @@ fn boundary_of_body() -> Function {
         name: "boundary",
         form: Form::Method(BodyHandle::receiver()),
         topic: Topic::Model,
-        summary: "a boundary of the body, for supports, loads and contact",
-        parameters: vec![name_parameter()],
+        summary: "a boundary of the body, or several as one, for supports, loads and contact",
+        parameters: vec![Parameter::new(
+            "name",
+            Kind::Either("a String or an array of them"),
+            "the name of the boundary, or several names",
+        )],
         returns: BoundaryHandle::NAME,
-        example: plate_example("print(plate.boundary(\"left\"));"),
-        see_also: &["boundary_where", "fix"],
+        example: plate_example("print(plate.boundary(\"left\"));\nprint(plate.boundary([\"left\", \"top\"]));"),
+        see_also: &["boundary_where", "node", "fix"],
         body: body(|call| {
             let body = call.receiver::<BodyHandle>();
             let mesh = body.definition().mesh;
             let boundary = named_boundary(call, &mesh)?;
+            Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
+        }),
+    }
+}
+
+fn node() -> Function {
+    Function {
+        name: "node",
+        form: Form::Method(BodyHandle::receiver()),
+        topic: Topic::Model,
+        summary: "the node of the body nearest to a point, as a boundary that can be held, moved or loaded with a force",
+        parameters: vec![Parameter::new("point", Kind::Vector, "the point in the undeformed body").of("length")],
+        returns: BoundaryHandle::NAME,
+        example: plate_example("press.fix(plate.node([0.0, 0.0]));\npress.force(plate.node([2.0, 1.0]), [0.0, -5.0]);"),
+        see_also: &["boundary", "fix", "force"],
+        body: body(|call| {
+            let body = call.receiver::<BodyHandle>();
+            let boundary = Boundary::of_node(node_at(&call.argument("point"), &body)?);
+            let mesh = body.definition().mesh;
             Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
         }),
     }

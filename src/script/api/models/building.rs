@@ -10,10 +10,12 @@ use super::change::{change, change_without_bodies};
 use super::data::ModelData;
 use super::handle::{BodyHandle, ModelHandle};
 use crate::contact::Finding;
-use crate::dynamics::{BodyDefinition, InitialVelocity, Model};
+use crate::dynamics::{BodyDefinition, InitialDisplacement, InitialVelocity, Model};
 use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::api::meshes::transforms::vector_from;
+use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -74,10 +76,13 @@ pub fn gravity() -> Function {
         name: "gravity",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "sets the acceleration of gravity of all bodies",
-        parameters: vec![Parameter::new("acceleration", Kind::Vector, "the acceleration").of("length/time^2")],
+        summary: "sets the acceleration of gravity of all bodies; one that varies has no potential, and its work is booked as that of a load",
+        parameters: vec![
+            Parameter::new("acceleration", Kind::Vector, "the acceleration").of("length/time^2"),
+            Parameter::new("amplitude", Kind::Amplitude, "its size over time, as a factor").or(Absent::Means("constant")),
+        ],
         returns: "",
-        example: plate_example("press.gravity([0.0, -9.81]);"),
+        example: plate_example("press.gravity([0.0, -9.81]);\npress.gravity([0.0, -9.81], ramp(0.0, 0.1, 1.0));"),
         see_also: &["traction", "force"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
@@ -86,7 +91,12 @@ pub fn gravity() -> Function {
                 model.0.borrow().model.bodies.is_empty() && argument.value().read_lock::<Array>().is_some_and(|array| array.len() == 3);
             let dimension = if undecided { 3 } else { model.0.borrow().model.dimension() };
             let gravity = argument.vector(dimension)?;
-            change_without_bodies(call, &model, |data| data.model.gravity = gravity)?;
+            let amplitude = call.argument("amplitude");
+            let amplitude = if amplitude.is_given() { Some(amplitude_of(&amplitude)?) } else { None };
+            change_without_bodies(call, &model, |data| {
+                data.model.gravity = gravity;
+                data.model.gravity_amplitude = amplitude;
+            })?;
             Ok(Dynamic::UNIT)
         }),
     }
@@ -126,6 +136,34 @@ pub fn initial_velocity() -> Function {
             let linear = if linear.is_given() { linear.vector(dimension)? } else { [0.0; 3] };
             let angular = angular(&options, dimension)?;
             change(call, &model, |data| data.model.initial_velocities.push(InitialVelocity { body: body.index, linear, angular }))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `initial_displacement`: where a body starts.
+pub fn initial_displacement() -> Function {
+    Function {
+        name: "initial_displacement",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "lets the nodes of a body start displaced from its mesh, which stays without stress: the body is strained from the start",
+        parameters: vec![
+            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+            Parameter::new("displacement", Kind::Closure("|x, y|"), "the displacement of a point as an array, with z in space")
+                .of("length"),
+        ],
+        returns: "",
+        example: plate_example("press.initial_displacement(plate, |x, y| [0.1 * x, 0.0]);"),
+        see_also: &["initial_velocity", "map"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (body, closure) = (body_of(&call.argument("body"), &model)?, call.callback("displacement")?);
+            let mesh = body.definition().mesh;
+            let displacement = mesh.points.iter().map(|point| vector_from(call, &closure, "displacement", &point[..mesh.dimension()]));
+            let displacement = displacement.collect::<Result<_, _>>()?;
+            let initial = InitialDisplacement { body: body.index, displacement };
+            change(call, &model, |data| data.model.initial_displacements.push(initial))?;
             Ok(Dynamic::UNIT)
         }),
     }

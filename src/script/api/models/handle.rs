@@ -10,7 +10,7 @@ use crate::dynamics::BodyDefinition;
 use crate::mesh::{Boundary, Mesh};
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::describe_mesh;
-use crate::script::language::digits::number_text;
+use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::handle::Handle;
 
 /// A model in a script.
@@ -67,7 +67,18 @@ impl Handle for BoundaryHandle {
     fn describe(&self) -> String {
         let measure = self.mesh.boundary_measure(&self.boundary);
         let (word, facets) = (if self.mesh.dimension() == 2 { "length" } else { "area" }, self.boundary.facets.len());
+        if facets == 0 && !self.boundary.nodes.is_empty() {
+            let places: Vec<String> = self.boundary.nodes.iter().take(3).map(|&node| self.place(node)).collect();
+            let more = if self.boundary.nodes.len() > 3 { ", …" } else { "" };
+            return format!("boundary \"{}\" of single points at {}{more}", self.title(), places.join(", "));
+        }
         format!("boundary \"{}\" of {facets} facets and {word} {}", self.title(), number_text(measure))
+    }
+}
+
+impl BoundaryHandle {
+    fn place(&self, node: u32) -> String {
+        vector_text(&self.mesh.points[node as usize][..self.mesh.dimension()])
     }
 }
 

@@ -23,6 +23,7 @@ pub fn functions() -> Vec<Function> {
         supports::prescribe(),
         building::gravity(),
         building::initial_velocity(),
+        building::initial_displacement(),
         building::check(),
     ];
     all.extend(properties::functions());

@@ -1,0 +1,97 @@
+//! Two meshes that share a side as one mesh.
+
+use std::collections::HashSet;
+
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::topology::{FacetKey, facet_key};
+use super::{Boundary, Facet, Mesh, MeshError};
+use crate::math::tolerances::SAME_PLACE;
+
+impl Mesh {
+    /// This mesh and another one as one: nodes of the two at the same place (but for round-off) become one node, boundaries and parts of the
+    /// same name are joined, and facets that are now inside belong to no boundary. Numbers of this mesh stay.
+    ///
+    /// # Errors
+    /// Cells of different kinds, no node in common, cells that overlap.
+    pub fn joined(&self, other: &Mesh) -> Result<Mesh, MeshError> {
+        if self.kind != other.kind {
+            return Err(MeshError::JoinedKinds { first: self.kind.name(), second: other.kind.name() });
+        }
+        let points = || self.points.iter().chain(&other.points);
+        let extent = points().flatten().fold(0.0, |most, x| f64::max(most, x.abs()));
+        let near = (SAME_PLACE * extent).powi(2);
+        let tree = RTree::bulk_load(self.points.iter().zip(0u32..).map(|(point, node)| GeomWithData::new(*point, node)).collect());
+        let mut joined = self.clone();
+        let mut common = 0;
+        let mut number = |point: &[f64; 3]| match tree.nearest_neighbor(*point) {
+            Some(found) if (0..3).map(|i| (found.geom()[i] - point[i]).powi(2)).sum::<f64>() <= near => {
+                common += 1;
+                found.data
+            }
+            _ => {
+                joined.points.push(*point);
+                joined.points.len() as u32 - 1
+            }
+        };
+        let numbers: Vec<u32> = other.points.iter().map(&mut number).collect();
+        if common == 0 {
+            return Err(MeshError::NothingShared);
+        }
+        let shift = self.cell_count() as u32;
+        joined.connectivity.extend(other.connectivity.iter().map(|&node| numbers[node as usize]));
+        for boundary in &other.boundaries {
+            let moved = Boundary {
+                name: boundary.name.clone(),
+                facets: boundary.facets.iter().map(|facet| Facet { cell: facet.cell + shift, ..*facet }).collect(),
+                nodes: boundary.nodes.iter().map(|&node| numbers[node as usize]).collect(),
+            };
+            match joined.boundaries.iter_mut().find(|known| known.name == boundary.name) {
+                Some(known) => *known = Boundary { name: boundary.name.clone(), ..Boundary::union(&[known.clone(), moved]) },
+                None => joined.boundaries.push(moved),
+            }
+        }
+        for (name, cells) in &other.parts {
+            let cells = cells.iter().map(|cell| cell + shift);
+            match joined.parts.iter_mut().find(|(known, _)| known == name) {
+                Some((_, known)) => known.extend(cells),
+                None => joined.parts.push((name.clone(), cells.collect())),
+            }
+        }
+        let outside: HashSet<FacetKey> = joined.hull().into_iter().map(|facet| facet_key(joined.facet_nodes(facet))).collect();
+        let mut boundaries = std::mem::take(&mut joined.boundaries);
+        for boundary in &mut boundaries {
+            boundary.facets.retain(|&facet| outside.contains(&facet_key(joined.facet_nodes(facet))));
+        }
+        boundaries.retain(|boundary| !boundary.facets.is_empty() || !boundary.nodes.is_empty());
+        joined.boundaries = boundaries;
+        joined.checked()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{block, rectangle};
+
+    #[test]
+    fn a_common_side_becomes_inner_and_boundaries_of_one_name_are_one() {
+        let base = rectangle([4.0, 1.0], [8, 2], [0.0; 2]).unwrap();
+        let tooth = rectangle([1.0, 1.0], [2, 3], [1.5, 1.0]).unwrap();
+        let joined = base.joined(&tooth).unwrap();
+        assert_eq!(joined.points.len(), base.points.len() + tooth.points.len() - 3);
+        assert!((joined.measure() - 5.0).abs() < 1e-14);
+        let length = |name: &str| joined.boundary_measure(joined.boundary(name).unwrap());
+        assert!((length("top") - 4.0).abs() < 1e-14 && (length("left") - 2.0).abs() < 1e-14 && (length("bottom") - 4.0).abs() < 1e-14);
+        assert_eq!(joined.hull().len(), 2 * (8 + 2) + 2 * 3);
+    }
+
+    #[test]
+    fn what_cannot_be_joined_is_refused() {
+        let base = rectangle([4.0, 1.0], [8, 2], [0.0; 2]).unwrap();
+        assert!(matches!(base.joined(&rectangle([1.0, 1.0], [2, 2], [9.0, 0.0]).unwrap()), Err(MeshError::NothingShared)));
+        assert!(matches!(base.joined(&block([1.0; 3], [1, 1, 1], [0.0; 3]).unwrap()), Err(MeshError::JoinedKinds { .. })));
+        assert!(base.joined(&base).is_err(), "every facet would have two cells on one side");
+    }
+}
