@@ -29,7 +29,10 @@ const CALLS: &[(&[&str], &str)] = &[
         &["expect_equal", "assert_eq", "assert_equal", "assert", "check"],
         "write `expect(a == b)` or `expect_close(a, b, #{ relative: 1e-9 })`",
     ),
-    (&["arange", "linspace"], "write a loop over whole numbers: `for i in 0..10 { let t = 0.1 * i; }`"),
+    (&["arange"], "write `linspace(0.0, 1.0, 11)`, or a loop over whole numbers: `for i in 0..10 { let t = 0.1 * i; }`"),
+    (&["average", "avg"], "write `mean(array)`"),
+    (&["maximum", "amax"], "write `max(array)`"),
+    (&["minimum", "amin"], "write `min(array)`"),
 ];
 
 fn found(word: &str, among: &'static [(&[&str], &str)]) -> Option<&'static str> {

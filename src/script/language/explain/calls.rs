@@ -166,7 +166,8 @@ impl Explainer<'_> {
             return diagnostic.hint(hint);
         }
         if given.iter().any(|name| name == "array") {
-            return diagnostic.hint("compute with the entries, such as `[a[0] + b[0], a[1] + b[1]]`");
+            return diagnostic
+                .hint("arrays of numbers take `+ - * / % **`, with arrays of the same length and with numbers, entry by entry");
         }
         if given.iter().any(|name| name == "()") {
             return diagnostic.hint("one of the two has no value: a function without a result, or a variable that was never set");
