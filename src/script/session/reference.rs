@@ -66,7 +66,7 @@ pub struct Reference {
 
 /// What each column of the history is.
 const COLUMNS: &[(&str, &str)] = &[
-    ("step", "the number of the accepted step, 0 for the beginning"),
+    ("step", "the number of the accepted step, 0 for the beginning; a step that is halved counts as two"),
     ("time", "the time at the end of the step [time]"),
     ("dt", "the size of the step [time]"),
     ("kinetic", "the kinetic energy [energy]"),
