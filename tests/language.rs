@@ -332,3 +332,22 @@ fn the_shipped_scenarios_hold_their_checks() {
     }
     assert!(checks >= 15);
 }
+
+#[test]
+fn a_loop_of_pushes_takes_time_as_it_has_pushes_and_keeps_the_limits() {
+    let begun = std::time::Instant::now();
+    run(
+        "pushes",
+        "fn filled() { let l = []; for i in 0..400000 { l.push(`entry`); } l } let l = filled(); for i in 0..400000 { l.push(i); }",
+    );
+    // Measured again after every push, this takes minutes.
+    assert!(begun.elapsed().as_secs() < 10, "{:?}", begun.elapsed());
+    for bomb in [
+        "let big = []; big.pad(100000, 1); let l = []; loop { l.push(big); }",
+        "let a = []; let b = []; let big = []; big.pad(100000, 1); loop { a.push(1); b.push(big); a.push(2); }",
+        "let m = #{ l: [] }; let text = \"conserva\"; for i in 0..15 { text += text; } loop { m.l.push(text); }",
+    ] {
+        let (_, _, report) = run_in(&folder("push-bombs"), bomb, Settings::default());
+        assert!(report.error.is_some_and(|error| error.title.contains("too large")), "{bomb}");
+    }
+}

@@ -66,7 +66,9 @@ fn every_registered_name_is_in_the_reference() {
     let mut count = 0;
     for name in names.filter_map(|line| line.split('(').next()) {
         let known = session.registry().named(name).next().is_some();
-        assert!(known || matches!(name, "to_string" | "to_debug" | "index$get$"), "{name} is registered without a description");
+        let stands_for_the_engines = matches!(name, "push" | "sort" | "sort_desc" | "sorted" | "sorted_desc");
+        let of_every_object = matches!(name, "to_string" | "to_debug" | "index$get$");
+        assert!(known || stands_for_the_engines || of_every_object, "{name} is registered without a description");
         count += 1;
     }
     assert!(count > 80, "the definitions are not read");

@@ -24,6 +24,9 @@ pub struct Arguments {
     /// Run only tests whose name (`file::function`) contains this text
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
+    /// Name the tests and run none
+    #[arg(long)]
+    list: bool,
     /// Write the results as JUnit XML, too
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -53,7 +56,7 @@ pub fn test(arguments: Arguments) -> u8 {
             return exit_code(Class::Internal);
         }
     };
-    let Arguments { paths, filter, junit: report, threads, allow_read, max_operations } = arguments;
+    let Arguments { paths, filter, list, junit: report, threads, allow_read, max_operations } = arguments;
     let settings = Settings { allow_read, max_operations, interrupt: interrupt.clone(), ..Settings::default() };
     let console = Console::new(true);
     let (mut cases, broken) = collect(&paths, &settings);
@@ -72,6 +75,10 @@ pub fn test(arguments: Arguments) -> u8 {
                 .render(ink()),
         );
         return exit_code(Class::Script);
+    }
+    if list {
+        cases.iter().for_each(|case| console.say(&case.title()));
+        return if broken.is_empty() { 0 } else { exit_code(Class::Script) };
     }
     let threads = threads.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
     let tested = run_all(cases, threads, &settings, &console);
@@ -123,7 +130,10 @@ fn collect(paths: &[PathBuf], settings: &Settings) -> (Vec<TestCase>, Vec<(Strin
         for file in files {
             let file = file.strip_prefix("./").map(Path::to_path_buf).unwrap_or(file);
             match tests_of(&file, settings) {
-                Ok(found) => cases.extend(found.into_iter().filter(|case| named || case.function.is_some())),
+                Ok(found) => {
+                    found.warnings.iter().for_each(|warning| complain(&warning.render(ink())));
+                    cases.extend(found.cases.into_iter().filter(|case| named || case.function.is_some()));
+                }
                 Err(error) => broken.push((file.display().to_string(), *error)),
             }
         }

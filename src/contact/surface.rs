@@ -126,6 +126,24 @@ impl Surface {
         (0..self.nodes.len()).map(is_bent).collect()
     }
 
+    /// The indices of all nodes in the order in which they follow each other along the facets, chain by chain; a closed chain begins at the
+    /// node with the lowest number.
+    pub fn along(&self) -> Vec<usize> {
+        let facets_of = |node: usize| self.adjacent_facets(node).iter().map(|&facet| &self.local_facets[facet as usize]);
+        let starts = (0..self.nodes.len()).filter(|&node| !facets_of(node).any(|facet| facet[1] as usize == node));
+        let mut order = Vec::with_capacity(self.nodes.len());
+        let mut is_met = vec![false; self.nodes.len()];
+        for start in starts.chain(0..self.nodes.len()) {
+            let mut next = Some(start);
+            while let Some(node) = next.filter(|&node| !is_met[node]) {
+                is_met[node] = true;
+                order.push(node);
+                next = facets_of(node).filter(|facet| facet[0] as usize == node).map(|facet| facet[1] as usize).find(|&node| !is_met[node]);
+            }
+        }
+        order
+    }
+
     /// For each node whether a chain ends there.
     pub fn ends(&self) -> Vec<bool> {
         (0..self.nodes.len()).map(|index| self.adjacent_facets(index).len() != 2).collect()
@@ -177,6 +195,11 @@ mod tests {
             (q[2 * node], q[2 * node + 1]) = (x, y);
         }
         assert_eq!(surface.nodes(), [4, 5, 6, 9]);
+        assert_eq!(surface.along().len(), 4);
+        let chain = Surface::new(&[[9, 2], [2, 7], [4, 9]]);
+        assert_eq!(chain.along().into_iter().map(|index| chain.nodes()[index]).collect::<Vec<_>>(), [4, 9, 2, 7]);
+        let closed = Surface::new(&[[9, 2], [2, 7], [7, 9]]);
+        assert_eq!(closed.along().into_iter().map(|index| closed.nodes()[index]).collect::<Vec<_>>(), [2, 7, 9]);
         assert_eq!(surface.local_facets(), [[3, 0], [0, 2], [2, 1], [1, 3]]);
         assert_eq!(surface.adjacent_facets(0), [0, 1]);
         assert_eq!((surface.index(6), surface.index(7)), (Some(2), None));

@@ -23,4 +23,4 @@ pub use session::completion::Candidate;
 pub use session::interactive::{Answer, Interactive, Style, Variable};
 pub use session::reference::{Entry, Reference, Word};
 pub use session::session::{Outline, Report, Session};
-pub use session::testing::{TestCase, TestOutcome, home, script_files, tests_of};
+pub use session::testing::{TestCase, TestFile, TestOutcome, home, script_files, tests_of};

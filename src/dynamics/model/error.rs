@@ -182,6 +182,14 @@ pub enum StepError {
         /// Time of the last accepted step.
         time: f64,
     },
+    /// There is not enough memory; a smaller step needs no less.
+    #[error("the memory is used up at t = {time}: the factorization of {unknowns} unknowns does not fit")]
+    OutOfMemory {
+        /// Time of the last accepted step.
+        time: f64,
+        /// Number of unknowns.
+        unknowns: usize,
+    },
 }
 
 impl StepError {
@@ -191,6 +199,7 @@ impl StepError {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
             StepError::NotConverged { cure, .. } => cure.clone(),
             StepError::Interrupted { .. } => "everything up to this time is kept".into(),
+            StepError::OutOfMemory { .. } => "use a coarser mesh, end other programs, or run it on a machine with more memory".into(),
         }
     }
 }

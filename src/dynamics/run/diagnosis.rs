@@ -123,11 +123,14 @@ where
             let mut indices: Vec<usize> = pair.rows.clone().filter(|&row| cycling(row)).map(|row| (row - pair.rows.start) / rows).collect();
             indices.dedup();
             let contact = pair.corners.map_or(pair, |corners| &self.system.pairs[corners.pair]);
+            let secondary = contact.kernel.secondary();
+            let along = secondary.along();
+            let place_of = |number: u32| secondary.index(number).and_then(|index| along.iter().position(|&other| other == index));
             // The corners of an obstacle have no name.
             let named = indices.into_iter().filter_map(|index| {
                 let number = *pair.kernel.row_nodes().get(index)?;
                 let (body, node) = self.system.owner(number as usize);
-                Some(CyclingNode { body: body.into(), node, index: contact.kernel.secondary().index(number) })
+                Some(CyclingNode { body: body.into(), node, index: place_of(number) })
             });
             named.collect()
         };

@@ -69,7 +69,7 @@ pub struct BodyTotals {
     pub center: [f64; 3],
 }
 
-/// Quantities of a contact pair at one time; every vector has one entry per secondary node.
+/// Quantities of a contact pair at one time; every vector has one entry per secondary node, in the order of the nodes along the surface.
 #[derive(Clone, Debug)]
 pub struct ContactFields {
     /// Positions of the secondary nodes `[length]`.
@@ -89,4 +89,21 @@ pub struct ContactFields {
     pub normal_force: f64,
     /// Length of the secondary surface in contact `[length]`.
     pub area: f64,
+}
+
+impl ContactFields {
+    /// The same with the nodes in another order.
+    pub(super) fn in_order(self, order: &[usize]) -> Self {
+        fn sorted<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
+            order.iter().map(|&index| values[index]).collect()
+        }
+        ContactFields {
+            positions: sorted(&self.positions, order),
+            pressure: sorted(&self.pressure, order),
+            gap: sorted(&self.gap, order),
+            active: sorted(&self.active, order),
+            forces: sorted(&self.forces, order),
+            ..self
+        }
+    }
 }

@@ -199,7 +199,9 @@ where
                 push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
                 Ok(self.system.is_balanced(&push, &solution.at.q_1).then_some(push))
             }
-            Err(failure @ Failure::Linear(LinearError::Interrupted)) => Err(failure.or_interrupt(self.state.row.time)),
+            Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
+                Err(failure.or_end(self.state.row.time))
+            }
             Err(_) => Ok(None),
         }
     }

@@ -95,7 +95,8 @@ where
         let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
         let evaluations = self.system.evaluations_at(&self.state.positions, &self.state.lambda);
         let (contact, corners) = self.loaded(index, &evaluations);
-        Some(contact_fields::<D>(contact, &corners, &self.state.positions))
+        let order = contact.pair.kernel.secondary().along();
+        Some(contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order))
     }
 
     /// A contact and its corners with evaluations of all pairs, in the present state.

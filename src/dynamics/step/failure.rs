@@ -50,10 +50,11 @@ impl Failure {
         }
     }
 
-    /// The same, or the end of the run where a factorisation was interrupted.
-    pub fn or_interrupt(self, time: f64) -> Self {
+    /// The same, or the end of the run where a factorisation was interrupted or found no memory.
+    pub fn or_end(self, time: f64) -> Self {
         match self {
             Failure::Linear(LinearError::Interrupted) => Failure::Fatal(StepError::Interrupted { time }),
+            Failure::Linear(LinearError::OutOfMemory { unknowns }) => Failure::Fatal(StepError::OutOfMemory { time, unknowns }),
             failure => failure,
         }
     }
@@ -65,5 +66,18 @@ impl From<Refusal> for Failure {
             Refusal::Inverted { body, inverted } => Failure::Inverted { body, inverted },
             Refusal::Load(error) => Failure::Fatal(error),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lack_of_memory_ends_the_run_and_does_not_speak_of_supports() {
+        let failure = Failure::Linear(LinearError::OutOfMemory { unknowns: 900_000 }).or_end(0.5);
+        let Failure::Fatal(error) = failure else { panic!("smaller steps need no less memory") };
+        assert_eq!(error.to_string(), "the memory is used up at t = 0.5: the factorization of 900000 unknowns does not fit");
+        assert!(error.cure().contains("coarser mesh") && !error.cure().contains("fix"), "{}", error.cure());
     }
 }

@@ -127,7 +127,7 @@ where
             trace.earlier.push(std::mem::take(&mut trace.iterations));
         }
         system.set_correction(correction);
-        outcome = attempt(system, task, strategy, trace).map_err(|failure| failure.or_interrupt(task.start.time));
+        outcome = attempt(system, task, strategy, trace).map_err(|failure| failure.or_end(task.start.time));
         system.set_correction(Correction::default());
         // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
         let is_hopeless = number == 0 && matches!(outcome, Err(Failure::Inverted { .. }));

@@ -2,6 +2,7 @@
 
 use crate::script::language::function::Function;
 
+pub mod arrays;
 pub mod asides;
 pub mod checks;
 pub mod contacts;
@@ -33,6 +34,7 @@ pub fn functions() -> Vec<Function> {
         parameters::functions(),
         simulations::stop_after::functions(),
         numbers::functions(),
+        arrays::functions(),
     ]
     .into_iter()
     .flatten()

@@ -68,7 +68,10 @@ pub fn amplitude_of(argument: &Argument) -> Result<Amplitude, Failure> {
         return Ok(handle.0);
     }
     match value.read_lock::<FnPtr>() {
-        Some(function) => Ok(closure(argument.call(), function.clone())),
+        Some(function) => {
+            argument.check_parameters(&function, "|t|")?;
+            Ok(closure(argument.call(), function.clone()))
+        }
         None => Err(argument.wrong_type()),
     }
 }

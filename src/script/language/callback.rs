@@ -9,10 +9,11 @@ use std::rc::Rc;
 
 use rhai::{Dynamic, EvalAltResult, FnPtr, NativeCallContextStore};
 
-use super::arguments::Arguments;
+use super::arguments::{Argument, Arguments};
 use super::failure::{Failure, ScriptError};
 use super::function::Call;
 use super::host::Host;
+use super::parameter::Kind;
 
 /// A closure bound to its context.
 #[derive(Clone)]
@@ -59,9 +60,50 @@ impl<'a> Call<'a> {
     pub fn callback(&self, name: &str) -> Result<Callback, Failure> {
         let argument = self.argument(name);
         match argument.value.as_ref().and_then(|value| value.read_lock::<FnPtr>().map(|function| function.clone())) {
-            Some(function) => Ok(Callback::new(self, function)),
+            Some(function) => {
+                if let Kind::Closure(parameters) = argument.parameter.kind {
+                    argument.check_parameters(&function, parameters)?;
+                }
+                Ok(Callback::new(self, function))
+            }
             None => Err(argument.wrong_type()),
         }
+    }
+
+    /// Number of values that a closure is called with, where its definition is found.
+    fn parameters_of(&self, function: &FnPtr) -> Option<usize> {
+        let name = function.fn_name();
+        let of = |library: &rhai::Module| (0..PARAMETERS).find(|count| library.get_script_fn(name, *count).is_some());
+        let here = self.context.namespaces().first().and_then(|library| of(library));
+        let count = here.or_else(|| self.host.module_context(name)?.global.lib.iter().find_map(|library| of(library)))?;
+        // What a closure captures comes first.
+        count.checked_sub(function.iter_curry().count())
+    }
+}
+
+impl Argument<'_> {
+    /// Refuses a closure that has another number of parameters than `wanted`, which is written as in a script: `|t|`.
+    ///
+    /// # Errors
+    /// It has.
+    pub fn check_parameters(&self, function: &FnPtr, wanted: &str) -> Result<(), Failure> {
+        let names = wanted.split(',').filter(|name| !name.trim_matches(['|', ' ']).is_empty()).count();
+        let Some(count) = self.call.parameters_of(function) else { return Ok(()) };
+        // A point has a third coordinate in space.
+        if count == names || (wanted == "|x, y|" && count == names + 1) {
+            return Ok(());
+        }
+        let failure = self.fail(format!("the closure for {} must have {}", self.title(), parameters(names)));
+        Err(failure.label(format!("this one has {}", parameters(count))).hint(format!("write `{wanted} …`")))
+    }
+}
+
+/// `no parameter`, `1 parameter`, `2 parameters`.
+fn parameters(count: usize) -> String {
+    match count {
+        0 => "no parameter".into(),
+        1 => "1 parameter".into(),
+        count => format!("{count} parameters"),
     }
 }
 

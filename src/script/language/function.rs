@@ -39,6 +39,8 @@ pub enum Topic {
     Parameters,
     /// Numbers and text.
     Numbers,
+    /// Arrays of numbers.
+    Arrays,
 }
 
 /// How a function is called.

@@ -29,7 +29,10 @@ const CALLS: &[(&[&str], &str)] = &[
         &["expect_equal", "assert_eq", "assert_equal", "assert", "check"],
         "write `expect(a == b)` or `expect_close(a, b, #{ relative: 1e-9 })`",
     ),
-    (&["arange", "linspace"], "write a loop over whole numbers: `for i in 0..10 { let t = 0.1 * i; }`"),
+    (&["arange"], "write `linspace(0.0, 1.0, 11)`, or a loop over whole numbers: `for i in 0..10 { let t = 0.1 * i; }`"),
+    (&["average", "avg"], "write `mean(array)`"),
+    (&["maximum", "amax"], "write `max(array)`"),
+    (&["minimum", "amin"], "write `min(array)`"),
 ];
 
 fn found(word: &str, among: &'static [(&[&str], &str)]) -> Option<&'static str> {
@@ -52,11 +55,38 @@ pub fn meant(before: &str, name: &str, rest: &str) -> Option<String> {
     if rest.starts_with("=>") || rest.starts_with("->") {
         return Some(format!("write a closure as `|{name}| …`"));
     }
+    if is_comprehension(before, rest) {
+        return Some(LIST_BY_LOOP.into());
+    }
+    if rest.starts_with('=') && !rest.starts_with("==") && before.ends_with(['(', ',']) {
+        return Some(format!("options are a map: write `(#{{ {name}: … }})`, with `:` between name and value"));
+    }
     let is_entry = rest.starts_with(':') && !rest.starts_with("::");
     if is_entry && before.ends_with(['(', '{', ',']) {
         return Some(format!("options are a map that begins with `#{{`, such as `#{{ {name}: … }}`"));
     }
     None
+}
+
+/// How a list of computed values is made.
+pub const LIST_BY_LOOP: &str = "fill the array in a loop: `let l = []; for i in 0..3 { l.push(2 * i); }`";
+
+/// Whether a name between these texts stands in `[… for … in …]`, as other languages write lists.
+fn is_comprehension(before: &str, rest: &str) -> bool {
+    let inside = rest.split([']', ';', '\n']).next().unwrap_or("");
+    let opened = before.rsplit(['\n', ';']).next().unwrap_or("").contains('[');
+    opened && inside.split_once(" for ").is_some_and(|(_, rest)| rest.contains(" in "))
+}
+
+/// What to say of an option that other programs have and this one does not.
+pub fn option(name: &str) -> Option<&'static str> {
+    match name {
+        "friction" | "mu" | "friction_coefficient" | "coefficient_of_friction" => {
+            Some("contact is frictionless here: leave the option out; nothing takes its place")
+        }
+        "timestep" | "time_step" | "step_size" => Some("write `dt`"),
+        _ => None,
+    }
 }
 
 /// How an operator of another language, or between the wrong values, is written here.
@@ -83,6 +113,9 @@ mod tests {
         assert_eq!(meant("f(", "t", " => 2 * t)").unwrap(), "write a closure as `|t| …`");
         assert!(meant("rectangle({ ", "size", ": [2, 1] })").unwrap().contains("`#{ size: … }`"));
         assert!(meant("rectangle(size: 1, ", "cells", ": 2)").is_some());
+        assert!(meant("rectangle(", "size", "=[4,1])").unwrap().contains("`(#{ size: … })`"));
+        assert_eq!(meant("let l = [", "i", "*2 for i in 0..3];"), Some(LIST_BY_LOOP.into()));
+        assert_eq!(meant("let l = [1]; x = ", "i", "; for i in 0..3 {}"), None);
         assert_eq!(meant("x = ", "rings", "::f()"), None);
         assert_eq!(meant("x = ", "a", " + 1"), None);
         assert_eq!(instead_of("and"), Some("write `&&`"));

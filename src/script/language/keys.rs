@@ -7,6 +7,7 @@ use rhai::{EvalAltResult, Map};
 use super::arguments::Arguments;
 use super::failure::Failure;
 use super::function::Call;
+use super::habits;
 use super::parameter::{Kind, Parameter};
 use super::scan::Target;
 use super::values::describe;
@@ -33,7 +34,10 @@ impl Call<'_> {
         let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
         let Some(unknown) = map.keys().find(|key| !names.contains(&key.as_str())) else { return Ok(()) };
         let free = names.iter().copied().filter(|name| !map.contains_key(*name));
-        let suggestion = did_you_mean(unknown, free).or_else(|| did_you_mean(unknown, names.iter().copied()));
+        let suggestion = habits::option(unknown)
+            .map(String::from)
+            .or_else(|| did_you_mean(unknown, free))
+            .or_else(|| did_you_mean(unknown, names.iter().copied()));
         let failure = self
             .fail(format!("{title} has no option `{unknown}`"))
             .at(Target::Key { argument: index, key: unknown.to_string(), value: false })

@@ -198,6 +198,30 @@ pub fn functions(lexemes: &[Lexeme]) -> Vec<(String, usize)> {
     lexemes.windows(2).filter_map(name).collect()
 }
 
+/// A loop in a function, or in a function that it calls: where a function that does not end may be running.
+pub fn loop_in(lexemes: &[Lexeme], function: &str) -> Option<Range<usize>> {
+    let mut waiting = vec![function.to_string()];
+    let mut seen: Vec<String> = Vec::new();
+    while let Some(name) = waiting.pop() {
+        if seen.contains(&name) {
+            continue;
+        }
+        let is_it = |pair: &[Lexeme]| matches!((&pair[0].token, &pair[1].token), (Token::Fn, Token::Identifier(found)) if **found == *name);
+        let Some(start) = lexemes.windows(2).position(is_it) else { continue };
+        let body = &lexemes[start + 2..];
+        let end = body.iter().position(|lexeme| matches!(lexeme.token, Token::Fn)).unwrap_or(body.len());
+        if let Some(found) = body[..end].iter().find(|lexeme| matches!(lexeme.token, Token::Loop | Token::While | Token::Do)) {
+            return Some(found.range.clone());
+        }
+        waiting.extend(body[..end].iter().filter_map(|lexeme| match &lexeme.token {
+            Token::Identifier(called) => Some(called.to_string()),
+            _ => None,
+        }));
+        seen.push(name);
+    }
+    None
+}
+
 /// Names that a text declares: variables, functions, parameters, imports.
 pub fn declared(lexemes: &[Lexeme]) -> Vec<String> {
     let mut names = Vec::new();

@@ -27,8 +27,10 @@ use crate::script::api::simulations::settling::register_settle_to_come;
 use crate::script::api::simulations::simulate::IntegratorHandle;
 use crate::script::api::simulations::states::StateHandle;
 use crate::script::api::time_functions::TimeFunctionHandle;
+use crate::script::language::elementwise;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::Function;
+use crate::script::language::growth;
 use crate::script::language::handle::Types;
 use crate::script::language::host::Host;
 use crate::script::language::limits::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_STRING};
@@ -70,6 +72,8 @@ pub fn engine(host: &Rc<Host>) -> Engine {
     let mut module = Module::new();
     registry.add(&mut module, host, functions());
     keep_context(&mut module, host);
+    elementwise::register(&mut module);
+    growth::register(&mut module);
     engine.register_global_module(module.into());
     host.slots.set(Rc::new(registry));
     engine

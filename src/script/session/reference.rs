@@ -20,7 +20,7 @@ use crate::script::language::registry::Registry;
 use crate::script::language::wording::{did_you_mean, with_article};
 
 /// Topics in the order of the reference, with their titles.
-pub const TOPICS: [(Topic, &str); 10] = [
+pub const TOPICS: [(Topic, &str); 11] = [
     (Topic::Meshes, "Meshes"),
     (Topic::Materials, "Materials"),
     (Topic::Model, "Model"),
@@ -31,6 +31,7 @@ pub const TOPICS: [(Topic, &str); 10] = [
     (Topic::Checks, "Checks"),
     (Topic::Parameters, "Parameters"),
     (Topic::Numbers, "Numbers and text"),
+    (Topic::Arrays, "Arrays"),
 ];
 
 /// A word of the language that is no function: the value of an option, or the name of a column.
@@ -65,7 +66,7 @@ pub struct Reference {
 
 /// What each column of the history is.
 const COLUMNS: &[(&str, &str)] = &[
-    ("step", "the number of the accepted step, 0 for the beginning"),
+    ("step", "the number of the accepted step, 0 for the beginning; a step that is halved counts as two"),
     ("time", "the time at the end of the step [time]"),
     ("dt", "the size of the step [time]"),
     ("kinetic", "the kinetic energy [energy]"),

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-use rhai::{Dynamic, Engine, Scope};
+use rhai::{Dynamic, Engine, Position, Scope};
 
 use super::compile::{compile, constants};
 use super::engine::engine;
@@ -166,6 +166,14 @@ impl Session {
         lint(&self.host, &engine, name);
         let outcome =
             compile(&engine, &self.scope, name, text).and_then(|tree| engine.call_fn::<Dynamic>(&mut self.scope, &tree, function, ()));
+        let outcome = outcome.map_err(|mut error| {
+            // What ends a run at once comes without a place: the function is known at least.
+            let defined = scan::functions(&scan::lexemes(&engine, text)).into_iter().find(|(name, _)| name == function);
+            if let (true, Some((_, start))) = (error.position().is_none(), defined) {
+                error.set_position(position_of_name(text, start));
+            }
+            error
+        });
         outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
     }
 
@@ -212,6 +220,15 @@ impl Drop for Session {
         // Simulations hold closures, which hold the host, which holds the simulations.
         self.host.release();
     }
+}
+
+/// The position of the name of a function that is defined from a byte of the text on.
+fn position_of_name(text: &str, start: usize) -> Position {
+    let start = start + text[start..].strip_prefix("fn").map_or(0, |rest| 2 + rest.len() - rest.trim_start().len());
+    let before = &text[..start];
+    let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+    let (line, column) = (u16::try_from(before.matches('\n').count() + 1), u16::try_from(column));
+    line.and_then(|line| Ok(Position::new(line, column?))).unwrap_or(Position::NONE)
 }
 
 /// The message of a panic, which is a defect of the program.

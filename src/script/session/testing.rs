@@ -1,6 +1,6 @@
 //! Script tests: what is a test in a file, and one test run in an engine of its own.
 //!
-//! Every function `test_…` without parameters is a test. A file without such functions but with statements is one test as a whole, so
+//! Every function `test_…` without parameters is a test; one with parameters is warned of, because nobody calls it. A file without such functions but with statements is one test as a whole, so
 //! scenarios and tutorials are tests of their own checks. A file with neither (a module) has no tests.
 //!
 //! What a test should say can stand beside the line that says it: `//~ error: text` (the test ends there with an error that contains the
@@ -152,20 +152,33 @@ pub fn home(script: &Path) -> &Path {
     script.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The tests of a file, in the order in which they are written.
+/// What a file has to test.
+#[derive(Clone, Debug, Default)]
+pub struct TestFile {
+    /// Its tests, in the order in which they are written.
+    pub cases: Vec<TestCase>,
+    /// What looks like a test and is none.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// The tests of a file.
 ///
 /// # Errors
 /// A file that cannot be read or does not parse, or a mark that belongs to no test.
-pub fn tests_of(file: &Path, settings: &Settings) -> Result<Vec<TestCase>, Box<Diagnostic>> {
+pub fn tests_of(file: &Path, settings: &Settings) -> Result<TestFile, Box<Diagnostic>> {
     let text: Arc<str> = read_script(file)?.into();
     let source = file.display().to_string();
     let session = Session::new(settings.clone(), home(file), Rc::new(Capture::default()))?;
     let outline = session.outline(&source, &text)?;
     let marks = marks(&text);
     let case = |function: Option<String>, marks: Vec<Mark>| TestCase { file: file.into(), function, text: text.clone(), marks };
+    let is_called = |name: &str| text.matches(&format!("{name}(")).count() > 1;
+    let odd = outline.functions.iter().filter(|(name, parameters, _)| name.starts_with("test_") && *parameters > 0 && !is_called(name));
+    let warnings: Vec<Diagnostic> = odd.map(|(name, parameters, start)| not_a_test(&source, &text, name, *parameters, *start)).collect();
     let is_test = |(name, parameters, _): &&(String, usize, usize)| name.starts_with("test_") && *parameters == 0;
     if !outline.functions.iter().any(|function| is_test(&function)) {
-        return Ok(if outline.has_statements { vec![case(None, marks)] } else { Vec::new() });
+        let cases = if outline.has_statements { vec![case(None, marks)] } else { Vec::new() };
+        return Ok(TestFile { cases, warnings });
     }
     let mut cases = Vec::new();
     let mut placed = 0;
@@ -180,7 +193,17 @@ pub fn tests_of(file: &Path, settings: &Settings) -> Result<Vec<TestCase>, Box<D
         let error = case(None, Vec::new()).missed(free.unwrap_or(&marks[0]), "the expectation belongs to no test", None);
         return Err(Box::new(error.hint("write it inside a function `test_…`")));
     }
-    Ok(cases)
+    Ok(TestFile { cases, warnings })
+}
+
+/// The warning of a function that is named like a test and has parameters.
+fn not_a_test(source: &str, text: &Arc<str>, name: &str, parameters: usize, start: usize) -> Diagnostic {
+    let end = text[start..].find(')').map_or(text.len(), |end| start + end + 1);
+    let place = Place { source: source.into(), text: text.clone(), range: start..end };
+    let count = if parameters == 1 { "a parameter".to_string() } else { format!("{parameters} parameters") };
+    let warning = Diagnostic::warning(format!("`{name}` is not run: a test has no parameters"), Some(place));
+    let warning = warning.label(format!("it has {count}"));
+    warning.hint(format!("set the values inside of it, or call it from a test: `fn {name}_with_one() {{ {name}(…) }}`"))
 }
 
 /// All `.rhai` files below a folder, in the order of their names; hidden folders are left out.
@@ -268,7 +291,7 @@ mod tests {
     }
 
     fn cases(name: &str, text: &str) -> Vec<TestCase> {
-        tests_of(&file(name, text), &Settings::default()).unwrap()
+        tests_of(&file(name, text), &Settings::default()).unwrap().cases
     }
 
     fn failure(case: &TestCase) -> String {
@@ -284,6 +307,13 @@ mod tests {
         assert_eq!(failure(&found[0]), "passed");
         let outcome = found[1].run(&Settings::default());
         assert_eq!(outcome.error.unwrap().place.unwrap().line_column(), (5, 22));
+        let warnings = tests_of(&file("functions.rhai", text), &Settings::default()).unwrap().warnings;
+        assert_eq!(warnings.len(), 1);
+        assert_eq!(warnings[0].title, "`test_of` is not run: a test has no parameters");
+        assert_eq!(warnings[0].place.as_ref().unwrap().line_column(), (4, 1));
+        let endless = cases("endless.rhai", "fn turns() {\n  while true { }\n}\nfn test_x() { let x = 0; turns(); }\n");
+        let error = endless[0].run(&Settings { max_operations: 1000, ..Settings::default() }).error.unwrap();
+        assert_eq!(error.place.unwrap().line_column(), (2, 3));
         assert_eq!(cases("statements.rhai", "print(1);").len(), 1);
         assert!(cases("module.rhai", "fn double(x) { x * 2 }").is_empty());
         assert!(tests_of(&file("broken.rhai", "let x = ;"), &Settings::default()).is_err());

@@ -54,16 +54,16 @@ pub fn functions() -> Vec<Function> {
             fields.normal_force
         }),
         number("area", "the length of the secondary surface that is in contact, to about half a facet at each end", |fields| fields.area),
-        array("pressure", "the contact pressure at each secondary node", |contact| {
+        array("pressure", "the contact pressure at each secondary node, in their order along the surface", |contact| {
             contact.fields.pressure.iter().map(|&value| value.into()).collect()
         }),
-        array("gap", "the gap at each secondary node, NaN where nothing lies opposite", |contact| {
+        array("gap", "the gap at each secondary node, in their order along the surface, NaN where nothing lies opposite", |contact| {
             contact.fields.gap.iter().map(|&value| value.into()).collect()
         }),
-        array("active", "whether each secondary node is in contact", |contact| {
+        array("active", "whether each secondary node is in contact, in their order along the surface", |contact| {
             contact.fields.active.iter().map(|&value| value.into()).collect()
         }),
-        array("forces", "the contact force on each secondary node, an array of vectors", |contact| {
+        array("forces", "the contact force on each secondary node, in their order along the surface, an array of vectors", |contact| {
             let vector = |force: &[f64; 3]| Dynamic::from(force[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
             contact.fields.forces.iter().map(vector).collect()
         }),
@@ -72,7 +72,7 @@ pub fn functions() -> Vec<Function> {
             "the resultant of the contact forces on the secondary side (of a surface with itself: on one side of its folds)",
             |contact| contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect(),
         ),
-        array("positions", "the current position of each secondary node", |contact| {
+        array("positions", "the current position of each secondary node, in their order along the surface", |contact| {
             let point =
                 |position: &[f64; 3]| Dynamic::from(position[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
             contact.fields.positions.iter().map(point).collect()

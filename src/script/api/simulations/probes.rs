@@ -6,15 +6,17 @@ use rhai::{Array, Dynamic};
 
 use super::columns::Probe;
 use super::handle::{SimulationHandle, busy};
-use crate::dynamics::ProbeValues;
+use crate::dynamics::{BodyDefinition, ProbeValues};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::scan::Target;
 
 /// A probe of a simulation.
 #[derive(Clone)]
@@ -136,9 +138,25 @@ fn probe() -> Function {
             let distance = |at: &[f64; 3]| (0..3).map(|i| (at[i] - point[i]).powi(2)).sum::<f64>();
             let points = model.bodies[index].mesh.points.iter().map(distance).enumerate();
             let node = points.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(node, _)| node);
+            warn_of_distance(call, &model.bodies[index], node, point);
             handle.add_probe(call, Probe { name, body: index, node })?;
             let index = handle.0.probes.borrow().len() - 1;
             Ok(Dynamic::from(ProbeHandle { simulation: handle, index }))
         }),
+    }
+}
+
+/// Warns of a point that is farther from its node than the cells around that are large.
+fn warn_of_distance(call: &Call, body: &BodyDefinition, node: usize, point: [f64; 3]) {
+    let mesh = &body.mesh;
+    let distance = |other: &[f64; 3]| (0..3).map(|i| (mesh.points[node][i] - other[i]).powi(2)).sum::<f64>().sqrt();
+    let around = mesh.cells().filter(|cell| cell.contains(&(node as u32))).flatten();
+    let size = around.map(|&other| distance(&mesh.points[other as usize])).fold(0.0, f64::max);
+    if distance(&point) > size {
+        let (at, here) = (vector_text(&mesh.points[node][..mesh.dimension()]), brief(distance(&point)));
+        let title = format!("the point of the probe lies outside of body \"{}\"", body.name);
+        let warning = Diagnostic::warning(title, call.place(&Target::Argument(2)))
+            .cause(format!("its nearest node {at} is {here} away, and is followed"));
+        call.host.warn(warning.hint("give a point of the undeformed body"));
     }
 }

@@ -69,7 +69,8 @@ fn simulate() -> Function {
         name: "simulate",
         form: Form::Function,
         topic: Topic::Simulation,
-        summary: "a simulation of the model as it is now, at time 0",
+        summary: "a simulation of the model as it is now, at time 0; the first one of a script writes its files into the folder of the run, \
+                  each further one into a folder in it that has its name (the model's, with a number from the second on)",
         parameters: vec![
             Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"),
             Parameter::new(
@@ -131,6 +132,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let begun = Instant::now();
     let motion = current_motion(call.host);
     kernel.dt *= motion.map_or(1.0, |motion| motion.units.time);
+    let kernel_dt = kernel.dt;
     let simulation = kernels(call, &model.model, motion, kernel)?;
     for (contact, finding) in model.model.findings() {
         let warning = Diagnostic::warning(format!("contact \"{contact}\": {finding}"), model.place_of_contact(&contact));
@@ -146,6 +148,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         call.host.warn(warning.cause("they will pass through each other").hint("define one with `model.add_contact(…)` if they meet"));
     }
+    warn_of_units(call, &model.model, kernel_dt);
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = vec![simulation.row().clone()];
     let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
@@ -154,6 +157,29 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     handle.note_contact();
     keep_model(call.host, &original);
     Ok(handle)
+}
+
+/// How often sound may cross a body in a step at most, before its density counts as a mistake of units.
+const CROSSINGS: f64 = 1e9;
+
+/// Warns of bodies so light that no choice of `dt` explains it.
+fn warn_of_units(call: &Call, model: &Model, dt: f64) {
+    for body in &model.bodies {
+        let (density, modulus) = (body.material.density(), body.material.youngs_modulus());
+        let extent = |i: usize| {
+            let ends =
+                body.mesh.points.iter().map(|point| point[i]).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            ends.1 - ends.0
+        };
+        let (size, speed) = ((0..3).map(extent).fold(0.0, f64::max), (modulus / density).sqrt());
+        if speed * dt > CROSSINGS * size {
+            let title = format!("the density {} of body \"{}\" can only be a mistake of units", number_text(density), body.name);
+            let cause = format!("sound would cross the body {:.0e} times in one step of dt = {}", speed * dt / size, number_text(dt));
+            let warning = Diagnostic::warning(title, call.place(&Target::Call)).cause(cause);
+            let hint = "use one set of units for all: N, m, kg and s with stresses in N/m^2, or N, mm, t and s with stresses in N/mm^2";
+            call.host.warn(warning.hint(hint));
+        }
+    }
 }
 
 /// The kernels of a model, which is moved before if a motion is given.

@@ -13,6 +13,7 @@ impl SimulationHandle {
         let (title, cure) = (error.to_string(), error.cure());
         match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(cure),
+            StepError::OutOfMemory { .. } => Failure::new(Class::Numerics, title).hint(cure),
             StepError::Amplitude { source, .. } => match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
                 Some(inner) => call.fail(title).caused_by(inner),
                 None => call.fail(title).cause(source.to_string()).hint(cure),

@@ -27,7 +27,7 @@ pub fn step() -> Function {
         name: "step",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Simulation,
-        summary: "takes one step, or so many",
+        summary: "takes one step of `dt`, or so many; where a step must be halved, each piece is a row of the history and counts in `steps`",
         parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
         returns: "",
         example: flight_example("sim.step();"),

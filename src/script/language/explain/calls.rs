@@ -9,6 +9,7 @@ use crate::script::language::failure::Class;
 use crate::script::language::function::{Form, Function};
 use crate::script::language::habits;
 use crate::script::language::handle::Types;
+use crate::script::language::parameter::Kind;
 use crate::script::language::registry::Registry;
 use crate::script::language::sources::Place;
 use crate::script::language::wording::{did_you_mean, joined, listed, with_article};
@@ -112,9 +113,14 @@ impl Explainer<'_> {
         } else {
             format!("{least} to {}", count_of(most, "argument", "arguments"))
         };
-        script(format!("`{name}` takes {wanted}, not {counted}"))
-            .cause(format!("`{name}`: {}", function.summary))
-            .hint(format!("write `{}`", function.signature()))
+        let error = script(format!("`{name}` takes {wanted}, not {counted}")).cause(format!("`{name}`: {}", function.summary));
+        match function.parameters.as_slice() {
+            [only] if only.kind == Kind::Vector && (2..=3).contains(&counted) => {
+                let vector = if counted == 2 { "[x, y]" } else { "[x, y, z]" };
+                error.hint(format!("a vector stands in brackets: `{name}({vector})`"))
+            }
+            _ => error.hint(format!("write `{}`", function.signature())),
+        }
     }
 
     /// A call of a function of the engine with values that it does not take.
@@ -124,6 +130,11 @@ impl Explainer<'_> {
             0 => format!("`{name}` needs arguments"),
             _ => format!("`{name}` does not work on {}", joined(&given_words, "and")),
         };
+        if name == "range" {
+            let error =
+                Diagnostic::error(Class::Script, title).cause("it takes the first number and the one after the last, and maybe a step");
+            return error.hint("write `0..3`, as in `for i in 0..3`; `linspace(0.0, 1.0, 11)` gives fractions");
+        }
         let mut ways: Vec<String> = known
             .iter()
             .map(|(_, types)| {
@@ -166,7 +177,8 @@ impl Explainer<'_> {
             return diagnostic.hint(hint);
         }
         if given.iter().any(|name| name == "array") {
-            return diagnostic.hint("compute with the entries, such as `[a[0] + b[0], a[1] + b[1]]`");
+            return diagnostic
+                .hint("arrays of numbers take `+ - * / % **`, with arrays of the same length and with numbers, entry by entry");
         }
         if given.iter().any(|name| name == "()") {
             return diagnostic.hint("one of the two has no value: a function without a result, or a variable that was never set");

@@ -73,8 +73,10 @@ impl Explainer<'_> {
             other => {
                 let place = self.place(source, other.position());
                 let diagnostic = self.reword(other, source, place.as_ref());
-                let place = self.better_place(other, source, place.as_ref()).or(place);
-                Diagnostic { place, ..diagnostic }
+                let better = self.better_place(other, source, place.as_ref());
+                let is_loop = better.is_some() && matches!(other, EvalAltResult::ErrorTooManyOperations(_));
+                let label = if is_loop { "a loop that runs here" } else { "" };
+                Diagnostic { place: better.or(place), ..diagnostic }.label(label)
             }
         }
     }
@@ -89,6 +91,14 @@ impl Explainer<'_> {
             EvalAltResult::ErrorParsing(ParseErrorType::MissingToken(token, _), _) if token == ";" => {
                 scan::end_before(&lexemes, place?.range.start)?
             }
+            // `,` after which nothing of the list comes, that is, a bracket that is not closed.
+            EvalAltResult::ErrorParsing(ParseErrorType::MissingToken(token, _), _)
+                if token == "," && place?.text[place?.range.clone()] == *";" =>
+            {
+                scan::end_before(&lexemes, place?.range.start)?
+            }
+            // The engine tells the call that did not return; the loop is in the function.
+            EvalAltResult::ErrorTooManyOperations(_) => scan::loop_in(&lexemes, &text[place?.range.clone()])?,
             EvalAltResult::ErrorDataRace(what, position) if position.is_none() => scan::self_use(&lexemes, what.split('\'').nth(1)?)?,
             _ => return None,
         };

@@ -44,6 +44,10 @@ impl Explainer<'_> {
                 let error = script(format!("there is no operator `{text}`"));
                 error.hint(habits::operator(text).unwrap_or("the operators are `+ - * / % **`, comparisons, `&&`, `||` and `!`"))
             }
+            ParseErrorType::MissingToken(token, purpose) if token == "," && word == "for" && purpose.contains("array") => {
+                script("an array is written with its values".into()).hint(habits::LIST_BY_LOOP)
+            }
+            ParseErrorType::MissingToken(token, purpose) if token == "," && ends_a_statement(word) => open_bracket(purpose),
             ParseErrorType::MissingToken(token, purpose) => {
                 let hint = habits::instead_of(word).map(String::from).unwrap_or_else(|| missing_hint(token));
                 script(format!("`{token}` is missing {}", lower(purpose))).hint(hint)
@@ -85,4 +89,21 @@ impl Explainer<'_> {
             other => script(lower(&other.to_string())),
         }
     }
+}
+
+/// Whether a word can only come after a statement, or begin the next one.
+fn ends_a_statement(word: &str) -> bool {
+    matches!(word, ";" | "let" | "const" | "fn" | "for" | "while" | "loop" | "return" | "import" | "")
+}
+
+/// A list that goes on where its bracket should be closed.
+fn open_bracket(purpose: &str) -> Diagnostic {
+    let (bracket, what) = match purpose.split('\'').nth(1) {
+        Some(function) => (")", format!("the call of `{function}`")),
+        None if purpose.contains("map") => ("}", "the map".to_string()),
+        None if purpose.contains("array") => ("]", "the array".to_string()),
+        None => (")", "the list".to_string()),
+    };
+    let error = Diagnostic::error(Class::Script, format!("`{bracket}` is missing")).cause(format!("{what} is still open here"));
+    error.hint(format!("close the bracket with `{bracket}`"))
 }

@@ -1,0 +1,108 @@
+//! Arrays of numbers: their largest and least entry, sum and mean, and numbers at equal distances.
+//!
+//! Arithmetic entry by entry is not here: its operators belong to the language (`language/elementwise.rs`).
+
+use rhai::{Array, Dynamic, EvalAltResult};
+
+use crate::math::catalogue::Interval;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::limits::MAX_ARRAY;
+use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::values::{as_number, describe};
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    vec![
+        of_numbers("max", "the largest entry of an array of numbers, also `values.max()`; `max(a, b)` is the larger of two", |values| {
+            furthest(values, |entry, best| entry > best)
+        }),
+        of_numbers("min", "the least entry of an array of numbers, also `values.min()`; `min(a, b)` is the smaller of two", |values| {
+            furthest(values, |entry, best| entry < best)
+        }),
+        of_numbers("sum", "the sum of an array of numbers, also `values.sum()`", |values| Some(sum(values))),
+        of_numbers("mean", "the mean of an array of numbers, also `values.mean()`", |values| {
+            (!values.is_empty()).then(|| (numbers(values).sum::<f64>() / values.len() as f64).into())
+        }),
+        linspace(),
+    ]
+}
+
+fn numbers(values: &Array) -> impl Iterator<Item = f64> + '_ {
+    values.iter().filter_map(as_number)
+}
+
+/// The entry beyond all others; one that is no number where there is one.
+fn furthest(values: &Array, is_beyond: fn(f64, f64) -> bool) -> Option<Dynamic> {
+    let beyond = |best: (usize, f64), entry: (usize, f64)| {
+        let is_next = !best.1.is_nan() && (entry.1.is_nan() || is_beyond(entry.1, best.1));
+        if is_next { entry } else { best }
+    };
+    numbers(values).enumerate().reduce(beyond).map(|(place, _)| values[place].clone())
+}
+
+/// A whole number where all are whole and the sum fits.
+fn sum(values: &Array) -> Dynamic {
+    let whole = values.iter().try_fold(0_i64, |sum, value| sum.checked_add(value.as_int().ok()?));
+    whole.map_or_else(|| numbers(values).sum::<f64>().into(), Dynamic::from)
+}
+
+fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> Option<Dynamic>) -> Function {
+    Function {
+        name,
+        form: Form::Function,
+        topic: Topic::Arrays,
+        summary,
+        parameters: vec![Parameter::new("values", Kind::Array, "the numbers")],
+        returns: "number",
+        example: format!("print({name}([3, 1.5, 2]));").into(),
+        see_also: &["max", "min", "sum", "mean", "linspace"],
+        body: body(move |call| {
+            let values = numbers_of(call)?;
+            compute(&values).ok_or_else(|| {
+                let failure = call.argument("values").fail(format!("an empty array has no `{name}`"));
+                failure.hint("ask `values.is_empty()` first").into()
+            })
+        }),
+    }
+}
+
+/// The argument `values`, of numbers alone; they may be infinite or not a number, as results can be.
+fn numbers_of(call: &Call) -> Result<Array, Box<EvalAltResult>> {
+    let argument = call.argument("values");
+    let values = argument.array()?;
+    match values.iter().find(|value| as_number(value).is_none()) {
+        None => Ok(values),
+        Some(other) => {
+            let given = describe(call.engine(), other);
+            let failure = argument.fail(format!("{} must be an array of numbers", argument.title()));
+            Err(failure.label(format!("this contains {given}")).hint("`values.map(|v| …)` makes numbers of the entries").into())
+        }
+    }
+}
+
+fn linspace() -> Function {
+    Function {
+        name: "linspace",
+        form: Form::Function,
+        topic: Topic::Arrays,
+        summary: "so many numbers at equal distances, the first and the last one given",
+        parameters: vec![
+            Parameter::number("first", "any", Interval::Finite, "the first number"),
+            Parameter::number("last", "any", Interval::Finite, "the last number"),
+            Parameter::new("count", Kind::Integer, "how many, both ends among them").within(Interval::Closed(2.0, MAX_ARRAY as f64)),
+        ],
+        returns: "Array",
+        example: "for t in linspace(0.0, 1.0, 5) { print(t); }".into(),
+        see_also: &["sum", "mean"],
+        body: body(|call| {
+            let (first, last, count) = (call.number("first")?, call.number("last")?, call.integer("count")?);
+            let number = |place: i64| {
+                let share = place as f64 / (count - 1) as f64;
+                // Exact at both ends.
+                Dynamic::from(first * (1.0 - share) + last * share)
+            };
+            Ok((0..count).map(number).collect::<Array>().into())
+        }),
+    }
+}

@@ -1,0 +1,123 @@
+//! Arithmetic with arrays of numbers, entry by entry: `a + b`, `2.0 * a`, `-a`, for numbers inside arrays of arrays, too.
+//!
+//! Whole numbers stay whole, but for `/`, which gives fractions. `+` of arrays with anything but numbers joins them, as the engine does.
+//! The engine itself decides `a += b`, which appends: its operators on its own types cannot be replaced.
+
+use rhai::{Array, Dynamic, EvalAltResult, FuncRegistration, Module, NativeCallContext};
+
+use super::failure::Failure;
+use super::values::{as_number, describe};
+
+/// Arrays inside arrays at most; deeper ones are no numbers that anybody computes with.
+const MAX_DEPTH: usize = 8;
+
+/// An operator between two numbers.
+#[derive(Clone, Copy)]
+struct Operator {
+    sign: &'static str,
+    /// Of whole numbers, where it gives one; nothing where the result does not fit.
+    whole: Option<fn(i64, i64) -> Option<i64>>,
+    fraction: fn(f64, f64) -> f64,
+}
+
+const OPERATORS: [Operator; 6] = [
+    Operator { sign: "+", whole: Some(i64::checked_add), fraction: |a, b| a + b },
+    Operator { sign: "-", whole: Some(i64::checked_sub), fraction: |a, b| a - b },
+    Operator { sign: "*", whole: Some(i64::checked_mul), fraction: |a, b| a * b },
+    Operator { sign: "/", whole: None, fraction: |a, b| a / b },
+    Operator { sign: "%", whole: Some(i64::checked_rem), fraction: |a, b| a % b },
+    Operator { sign: "**", whole: None, fraction: f64::powf },
+];
+
+type Value = Result<Dynamic, Box<EvalAltResult>>;
+
+impl Operator {
+    fn numbers(self, context: &NativeCallContext, a: &Dynamic, b: &Dynamic) -> Value {
+        if let (Some(whole), Ok(a), Ok(b)) = (self.whole, a.as_int(), b.as_int()) {
+            let result = whole(a, b).map(Dynamic::from);
+            let failure = || Failure::script(format!("`{a} {} {b}` is no whole number that fits", self.sign));
+            return result.ok_or_else(|| failure().hint("use numbers with a decimal point, such as `2.0`").into());
+        }
+        match (as_number(a), as_number(b)) {
+            (Some(a), Some(b)) => Ok((self.fraction)(a, b).into()),
+            (a_number, _) => {
+                let wrong = describe(context.engine(), if a_number.is_none() { a } else { b });
+                let failure = Failure::script(format!("`{}` works on arrays of numbers", self.sign));
+                Err(failure.cause(format!("an entry is {wrong}")).hint("arrays inside arrays must agree in their lengths, too").into())
+            }
+        }
+    }
+
+    /// Between two values of which at least one is an array.
+    fn apply(self, context: &NativeCallContext, a: &Dynamic, b: &Dynamic, depth: usize) -> Value {
+        if depth > MAX_DEPTH {
+            return Err(Failure::script(format!("`{}` works on arrays of numbers, not on arrays nested so deeply", self.sign)).into());
+        }
+        match (a.read_lock::<Array>(), b.read_lock::<Array>()) {
+            (Some(a), Some(b)) => {
+                if a.len() != b.len() {
+                    return Err(self.unequal(a.len(), b.len()).into());
+                }
+                // A point and a number inside two arrays mean nothing.
+                a.iter().zip(b.iter()).map(|(a, b)| self.pair(context, a, b, depth + 1)).collect::<Result<Array, _>>().map(Into::into)
+            }
+            (Some(a), None) => a.iter().map(|a| self.apply(context, a, b, depth + 1)).collect::<Result<Array, _>>().map(Into::into),
+            (None, Some(b)) => b.iter().map(|b| self.apply(context, a, b, depth + 1)).collect::<Result<Array, _>>().map(Into::into),
+            (None, None) => self.numbers(context, a, b),
+        }
+    }
+
+    fn pair(self, context: &NativeCallContext, a: &Dynamic, b: &Dynamic, depth: usize) -> Value {
+        if a.is_array() == b.is_array() { self.apply(context, a, b, depth) } else { self.numbers(context, a, b) }
+    }
+
+    fn unequal(self, a: usize, b: usize) -> Failure {
+        let failure = Failure::script(format!("`{}` works entry by entry, and the arrays have {a} and {b} entries", self.sign));
+        match self.sign {
+            "+" => failure.hint("`a.append(b)` puts the entries of `b` behind those of `a`; `a.push(x)` puts one value there"),
+            _ => failure.hint("`a.len()` tells how many entries an array has; `a.extract(0, n)` gives the first `n`"),
+        }
+    }
+}
+
+/// Whether an array has numbers alone, arrays of numbers among them.
+fn has_numbers(array: &Array, depth: usize) -> bool {
+    let inner = |value: &Dynamic| value.read_lock::<Array>().is_some_and(|array| depth < MAX_DEPTH && has_numbers(&array, depth + 1));
+    array.iter().all(|value| as_number(value).is_some() || inner(value))
+}
+
+/// Adds the operators to a module.
+pub fn register(module: &mut Module) {
+    for operator in OPERATORS {
+        let sign = operator.sign;
+        let add = |a: &str, b: &str| {
+            let described = [format!("a: {a}"), format!("b: {b}"), "Array".to_string()];
+            FuncRegistration::new(sign).in_global_namespace().with_params_info(described)
+        };
+        add("Array", "Array").set_into_module(module, move |context: NativeCallContext, a: Array, b: Array| -> Value {
+            if sign == "+" && !(has_numbers(&a, 0) && has_numbers(&b, 0)) {
+                let mut joined = a;
+                joined.extend(b);
+                return Ok(joined.into());
+            }
+            operator.apply(&context, &a.into(), &b.into(), 0)
+        });
+        add("Array", "float").set_into_module(module, move |context: NativeCallContext, a: Array, b: f64| -> Value {
+            operator.apply(&context, &a.into(), &b.into(), 0)
+        });
+        add("Array", "int").set_into_module(module, move |context: NativeCallContext, a: Array, b: i64| -> Value {
+            operator.apply(&context, &a.into(), &b.into(), 0)
+        });
+        add("float", "Array").set_into_module(module, move |context: NativeCallContext, a: f64, b: Array| -> Value {
+            operator.apply(&context, &a.into(), &b.into(), 0)
+        });
+        add("int", "Array").set_into_module(module, move |context: NativeCallContext, a: i64, b: Array| -> Value {
+            operator.apply(&context, &a.into(), &b.into(), 0)
+        });
+    }
+    let negative = FuncRegistration::new("-").in_global_namespace().with_params_info(["a: Array", "Array"]);
+    // Times -1 rather than from 0, which would make 0.0 of -0.0.
+    negative.set_into_module(module, |context: NativeCallContext, a: Array| -> Value {
+        OPERATORS[2].apply(&context, &a.into(), &(-1_i64).into(), 0)
+    });
+}
