@@ -64,7 +64,8 @@ fn single_points_are_loaded_and_held() {
     free.gravity = [0.0, -10.0, 0.0];
     free.fix(on(node([0.0, 0.0])), [true, true, false]);
     free.fix(on(node([2.0, 0.0])), [false, true, false]);
-    let mut sim = conserva::dynamics::Simulation::new(&free, conserva::dynamics::Options::new(&ENERGY_MOMENTUM, 0.01)).expect("it is sound");
+    let mut sim =
+        conserva::dynamics::Simulation::new(&free, conserva::dynamics::Options::new(&ENERGY_MOMENTUM, 0.01)).expect("it is sound");
     sim.settle().expect("it rests on two points");
     let reactions = &sim.row().reactions;
     assert!(reactions.len() == 2 && reactions.iter().all(|reaction| (reaction.force[1] - 30.0).abs() < 1e-7), "{reactions:?}");

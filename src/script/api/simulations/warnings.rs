@@ -6,6 +6,7 @@ use crate::math::tolerances::LOST;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
 use crate::script::language::host::Host;
+use crate::script::language::wording::joined;
 
 impl SimulationHandle {
     /// Warns of loads that never acted and contact that never closed.
@@ -23,13 +24,18 @@ impl SimulationHandle {
         let closed = self.0.closed_since.borrow();
         let model = &self.0.model.model;
         let is_tie = |name: &str| model.interactions.iter().any(|tie| tie.is_tie() && tie.name == name);
-        for (name, _) in model.contact_names().into_iter().zip(&*closed).filter(|(name, since)| since.is_none() && !is_tie(name)) {
-            let place = self.0.model.place_of_contact(name);
-            let warning = Diagnostic::warning(format!("contact \"{name}\" never closed"), place)
-                .cause("no node of its secondary side was active in any step")
-                .hint("check the positions and velocities of the two bodies, and how far the simulation runs");
-            host.warn(warning);
-        }
+        let open = model.contact_names().into_iter().zip(&*closed).filter(|(name, since)| since.is_none() && !is_tie(name));
+        let open: Vec<&str> = open.map(|(name, _)| name).collect();
+        let (title, cause) = match open[..] {
+            [] => return,
+            [name] => (format!("contact \"{name}\" never closed"), "no node of its secondary side was active in any step"),
+            _ => {
+                let names: Vec<String> = open.iter().map(|name| format!("\"{name}\"")).collect();
+                (format!("contacts {} never closed", joined(&names, "and")), "no node of their secondary sides was active in any step")
+            }
+        };
+        let hint = "check the positions and velocities of the bodies, and how far the simulation runs";
+        host.warn(Diagnostic::warning(title, self.0.model.place_of_contact(open[0])).cause(cause).hint(hint));
     }
 
     /// Warns of what is remarkable about the run so far. What an integrator loses that promises nothing is a warning where it shows.
