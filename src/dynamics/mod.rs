@@ -13,7 +13,7 @@ pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Refusal, Sums};
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY};
 pub use parts::spring::SpringDefinition;
-pub use run::fields::{BodyFields, ContactFields};
+pub use run::fields::{BodyFields, ContactFields, PlacedObstacle};
 pub use run::halvings::Halving;
 pub use run::ledger::{ContactTotals, LedgerRow, ProbeValues, Reaction};
 pub use run::options::{Options, SettleReport, Statistics};

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::contact::Obstacle;
 use crate::mesh::Mesh;
 
 /// Nodal fields of one body; every vector has one entry per node of its mesh.
@@ -40,6 +41,17 @@ impl BodyFields {
         let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
         (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
     }
+}
+
+/// A rigid obstacle where it is at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedObstacle {
+    /// Name of its contact; of several contacts with the same obstacle, those of all.
+    pub name: String,
+    /// Its shape at its undisplaced place.
+    pub shape: Obstacle,
+    /// Its translation `[length]`.
+    pub translation: [f64; 2],
 }
 
 /// Quantities of a contact pair at one time; every vector has one entry per secondary node.

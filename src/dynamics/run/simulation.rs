@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::fields::{BodyFields, ContactFields};
+use super::fields::{BodyFields, ContactFields, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -126,6 +126,11 @@ impl Simulation {
     /// Nodal fields of every body.
     pub fn fields(&self) -> Vec<BodyFields> {
         self.steps.fields()
+    }
+
+    /// Every rigid obstacle where it is now.
+    pub fn obstacles(&self) -> Vec<PlacedObstacle> {
+        self.steps.obstacles()
     }
 
     /// Quantities of the contact pair of that name; `None` when there is none.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fields::{BodyFields, ContactFields};
+use super::fields::{BodyFields, ContactFields, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -24,6 +24,7 @@ pub trait Steps: Send {
     fn watch(&mut self, node: usize);
     fn watched(&self) -> &[usize];
     fn fields(&self) -> Vec<BodyFields>;
+    fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
     fn closed_nodes(&self) -> Vec<usize>;
     fn failure(&self) -> Option<&FailureReport>;

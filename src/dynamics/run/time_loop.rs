@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::engine::Engine;
 use super::failed::tried;
-use super::fields::{BodyFields, ContactFields};
+use super::fields::{BodyFields, ContactFields, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -100,6 +100,10 @@ where
 
     fn failed_fields(&self) -> Option<Vec<BodyFields>> {
         self.failure.as_ref().map(|(_, q)| self.fields_at(q))
+    }
+
+    fn obstacles(&self) -> Vec<PlacedObstacle> {
+        self.placed_obstacles()
     }
 
     fn contact(&self, name: &str) -> Option<ContactFields> {
