@@ -130,7 +130,9 @@ impl Plot {
         let [width, height] = self.size;
         let mut out = Drawing::new(self.size);
         let (count_x, count_y) = ((width / 80.0) as usize, (height / 65.0) as usize);
-        let x = self.x.over(self.curves.iter().flat_map(|curve| &curve.x), count_x.max(2), 0.0);
+        // Markers at the ends are to be whole.
+        let aside = if self.curves.iter().any(|curve| curve.style == CurveStyle::Points) { FREE } else { 0.0 };
+        let x = self.x.over(self.curves.iter().flat_map(|curve| &curve.x), count_x.max(2), aside);
         let y = self.y.over(self.curves.iter().flat_map(|curve| &curve.y), count_y.max(2), FREE);
         let widest = |axis: &Axis| axis.ticks.iter().map(|&tick| text_width(&axis.label(tick), TEXT)).fold(0.0, f64::max);
         let label_height = |axis: &PlotAxis, size: f64| if axis.label.is_empty() { 0.0 } else { size };

@@ -254,6 +254,7 @@ mod tests {
 
     use super::super::samples::{block, ring};
     use super::*;
+    use crate::contact::Obstacle;
 
     /// The bytes of a named array, found by its offset in the text and inflated block by block.
     fn array(file: &[u8], name: &str) -> (usize, Vec<u8>) {

@@ -11,12 +11,12 @@ use crate::output::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke, e
 
 /// Red: no color of the bodies is like it.
 const COLOR: Color = [214, 39, 40];
-/// Length of the longest arrow over the width of the picture.
+/// Length of the longest arrow over the extent of the bodies.
 const LONGEST: f64 = 0.12;
 /// Length of the longest arrow in the key, in pixels.
 const KEY: f64 = 36.0;
 /// Between the places of two arrows, in pixels: more would cover each other.
-const APART: f64 = 12.0;
+const APART: f64 = 18.0;
 /// Shorter arrows are not seen, in pixels.
 const SHORTEST: f64 = 1.0;
 /// Length of an arrow's head in pixels, at most this share of the arrow.
@@ -30,25 +30,31 @@ pub(super) fn longest(bodies: &[BodyFields], vectors: Vectors) -> f64 {
     sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
-/// Arrows at the nodes of all bodies, in a picture of that width.
-pub(super) fn arrows_into(out: &mut Drawing, bodies: &[BodyFields], vectors: Vectors, camera: &Camera, width: f64) {
+/// Length of an arrow over the size of its vector, beside bodies of that extent; zero where there is nothing to show.
+pub(super) fn factor(bodies: &[BodyFields], vectors: Vectors, extent: f64) -> f64 {
     let longest = longest(bodies, vectors);
-    if longest <= 0.0 {
-        return;
-    }
-    let factor = LONGEST * width / longest;
+    if longest > 0.0 { LONGEST * extent / longest } else { 0.0 }
+}
+
+/// The far end of a node's arrow.
+pub(super) fn far_end(body: &BodyFields, node: usize, vectors: Vectors, factor: f64) -> [f64; 3] {
+    let way = if vectors.ends_at_node() { -factor } else { factor };
+    let (x, vector) = (body.position(node), vectors.value(body, node));
+    [0, 1, 2].map(|d| x[d] + way * vector[d])
+}
+
+/// Arrows at the nodes of all bodies.
+pub(super) fn arrows_into(out: &mut Drawing, bodies: &[BodyFields], vectors: Vectors, camera: &Camera, factor: f64) {
     let mut taken = HashSet::new();
     let (mut shafts, mut heads) = (Vec::new(), Vec::new());
     for body in bodies {
         let nodes = if body.mesh.dimension() == 2 { (0..body.mesh.points.len()).collect() } else { facing_nodes(body, camera) };
         for node in nodes {
-            let flat = camera.view.flat(vectors.value(body, node));
-            let [dx, dy] = [factor * flat[0], -factor * flat[1]];
-            let place = camera.place(body.position(node));
-            let is_drawable = [dx, dy, place[0], place[1]].iter().all(|x| x.is_finite()) && dx.hypot(dy) >= SHORTEST;
-            if is_drawable && taken.insert(place.map(|x| (x / APART).floor() as i64)) {
-                let (start, end) =
-                    if vectors.ends_at_node() { ([place[0] - dx, place[1] - dy], place) } else { (place, [place[0] + dx, place[1] + dy]) };
+            let (place, far) = (camera.place(body.position(node)), camera.place(far_end(body, node, vectors, factor)));
+            let is_finite = place.iter().chain(&far).all(|x| x.is_finite());
+            let is_seen = is_finite && (far[0] - place[0]).hypot(far[1] - place[1]) >= SHORTEST;
+            if is_seen && taken.insert(place.map(|x| (x / APART).floor() as i64)) {
+                let (start, end) = if vectors.ends_at_node() { (far, place) } else { (place, far) };
                 arrow(&mut shafts, &mut heads, start, end);
             }
         }

@@ -1,6 +1,6 @@
 //! Puts a picture together: what is seen, the panels, their color bars, title and marks.
 
-use super::arrows::{arrows_into, key_into};
+use super::arrows::{arrows_into, factor, far_end, key_into};
 use super::marks::{Axes, TRIAD_ROOM, bar_into, triad_into};
 use super::options::{Measure, Panel, PictureOptions};
 use super::scale::{Scale, TEXT};
@@ -37,6 +37,8 @@ struct Layout<'a> {
     size: Point,
     /// Height of the bodies' room.
     height: f64,
+    /// Length of an arrow over the size of its vector.
+    arrow: f64,
 }
 
 /// The bodies and the obstacles that they touch.
@@ -98,12 +100,18 @@ impl<'a> Layout<'a> {
             let ends = wall.landmarks(low, high).into_iter().filter(|point| !wall.border.contains(point) && is_near(point));
             points.extend(ends);
         }
+        let mut arrow = 0.0;
+        if let Some((vectors, _)) = &options.vectors {
+            arrow = factor(bodies, *vectors, own.size[0].max(own.size[1]));
+            let ends = |body: &'a BodyFields| (0..body.mesh.points.len()).map(move |node| far_end(body, node, *vectors, arrow));
+            points.extend(bodies.iter().flat_map(ends).map(|end| view.flat(end)));
+        }
         let bounds = Bounds::of(points.iter());
         let count = options.panels.len().max(1);
         let fits = ((width / NARROWEST) as usize).max(1);
         let columns = if bounds.size[0] > WIDE * bounds.size[1] { 1 } else { count.min(2).min(fits) };
         let panel = (width / columns as f64).max(NARROWEST);
-        let mut layout = Layout { bodies, walls, options, is_plane, bounds, axes: None, zoom: 1.0, size: [panel, 0.0], height: 0.0 };
+        let mut layout = Layout { bodies, walls, options, is_plane, bounds, axes: None, zoom: 1.0, size: [panel, 0.0], height: 0.0, arrow };
         layout.zoom = layout.fitting(panel - 3.0 * MARGIN - bar, panel);
         if is_plane && options.measure == Measure::Axes {
             let axes = Axes::over(bounds.low, bounds.high(), layout.zoom, &options.length_unit);
@@ -162,7 +170,7 @@ impl<'a> Layout<'a> {
             hull::undeformed_into(out, self.bodies, &camera);
         }
         if let Some((vectors, _)) = &options.vectors {
-            arrows_into(out, self.bodies, *vectors, &camera, right - left);
+            arrows_into(out, self.bodies, *vectors, &camera, self.arrow);
         }
         out.end();
         if let Some(axes) = &self.axes {

@@ -170,7 +170,7 @@ fn what_is_asked_for_is_drawn_and_nothing_else() {
     assert!(with(&|options| options.is_undeformed_shown = true).contains("dasharray"));
     let arrows = with(&|options| options.vectors = Some((Vectors::Velocity, "m/s".into())));
     assert!(arrows.contains(">velocity up to 1.5 m/s<"), "{arrows}");
-    assert!(with(&|options| options.vectors = Some((Vectors::ContactPressure, String::new()))).contains(">contact pressure up to 1.5<"));
+    assert!(with(&|options| options.vectors = Some((Vectors::ContactForce, String::new()))).contains(">contact force up to 1.5<"));
     let bar = with(&|options| (options.measure, options.length_unit) = (Measure::Bar, "mm".into()));
     assert!(bar.contains(">0.5 mm<"), "{bar}");
     let axes = with(&|options| (options.measure, options.length_unit) = (Measure::Axes, "mm".into()));

@@ -43,7 +43,10 @@ pub fn write(
     if !endings.iter().any(|ending| path.ends_with(ending)) {
         let quoted: Vec<String> = endings.iter().map(|ending| format!("`{ending}`")).collect();
         let failure = argument.fail(format!("{} must end with {}", argument.title(), joined(&quoted, "or")));
-        return Err(failure.label("another ending").hint(format!("write \"{path}{}\"", endings[0])));
+        // What looks like another ending gives way.
+        let stem =
+            path.rsplit_once('.').filter(|(stem, ending)| !stem.is_empty() && !ending.contains('/')).map_or(&*path, |(stem, _)| stem);
+        return Err(failure.label("another ending").hint(format!("write \"{stem}{}\"", endings[0])));
     }
     if call.host.is_check() {
         call.host.findings.borrow_mut().push(format!("would write {path}"));
