@@ -77,8 +77,8 @@ fn picture_name(script: &str, shown: &str) -> String {
 /// The gallery's text: each script's first words beside its picture.
 fn page(repository: &Path) -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
-        "# Gallery\n\nEvery scenario and tutorial in `scripts/`, with a picture that it makes. `cargo run --release --example gallery` runs \
-         them all and writes this page.\n",
+        "# Gallery\n\nEvery scenario and tutorial in `scripts/`, with a picture that it makes. `cargo run --release --example gallery` \
+         runs them all and writes this page.\n",
     );
     for (folder, title) in [("scenarios", "Scenarios"), ("tutorials", "Tutorials")] {
         let _ = writeln!(page, "\n## {title}");

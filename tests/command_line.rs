@@ -117,7 +117,8 @@ fn obstacles_and_pictures_are_written() {
          let lift = rigid_plane(#{ point: [0.0, -0.1], normal: [0.0, 1.0], motion: #{ y: ramp(0.0, 0.05, 0.05) } });\n\
          press.add_contact(\"lift\", #{ secondary: block.boundary(\"bottom\"), primary: lift });\n\
          let sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.01 });\n\
-         sim.run_to(0.05); sim.picture(\"block.svg\"); sim.picture(\"block.png\", #{ vectors: \"velocity\" }); sim.write_fields(\"now.vtu\");\n\
+         sim.run_to(0.05); sim.picture(\"block.svg\");\n\
+         sim.picture(\"block.png\", #{ vectors: \"velocity\" }); sim.write_fields(\"now.vtu\");\n\
          plot_curves(\"both.png\", [#{ of: sim, y: \"total\" }, #{ x: [0.0, 1.0], y: [1.0, 2.0] }]);",
     );
     let home = folder("obstacles", &script);

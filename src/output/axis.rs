@@ -61,7 +61,8 @@ impl Axis {
         Axis { low, high, ticks, exponent, decimals: (-power).max(0) as usize, is_logarithmic: false }
     }
 
-    /// A logarithmic axis over the positive ones of `values`, with about `count` ticks. A constant gets its decade; no value at all, 1 to 10.
+    /// A logarithmic axis over the positive ones of `values`, with about `count` ticks. A constant gets a decade around it; no value at
+    /// all, 1 to 10.
     pub fn logarithmic(values: impl IntoIterator<Item = f64>, count: usize) -> Self {
         let positive = values.into_iter().filter(|value| value.is_finite() && *value > 0.0).map(f64::log10);
         let (low, high) = positive.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));

@@ -172,7 +172,7 @@ fn what_is_asked_for_is_drawn_and_nothing_else() {
     assert!(arrows.contains(">velocity up to 1.5 m/s<"), "{arrows}");
     assert!(with(&|options| options.vectors = Some((Vectors::ContactForce, String::new()))).contains(">contact force up to 1.5<"));
     let bar = with(&|options| (options.measure, options.length_unit) = (Measure::Bar, "mm".into()));
-    assert!(bar.contains(">0.5 mm<"), "{bar}");
+    assert!(bar.contains(">1 mm<"), "{bar}");
     let axes = with(&|options| (options.measure, options.length_unit) = (Measure::Axes, "mm".into()));
     assert!(axes.contains(">x [mm]<") && axes.contains(">y [mm]<") && axes.contains(">−1.0<"));
     let unit = with(&|options| options.panels[0].unit = "MPa".into());

@@ -67,8 +67,8 @@ fn keys() -> Vec<Parameter> {
         optional(
             "view",
             Kind::Either("a direction's name or a vector from the bodies to the viewer"),
-            "from where bodies in space are seen: `\"iso\"`, `\"front\"`, `\"back\"`, `\"left\"`, `\"right\"`, `\"top\"`, `\"bottom\"`, or a \
-             vector such as `[1, -2, 1]`",
+            "from where bodies in space are seen: `\"iso\"`, `\"front\"`, `\"back\"`, `\"left\"`, `\"right\"`, `\"top\"`, `\"bottom\"`, or \
+             a vector such as `[1, -2, 1]`",
             "\"iso\"",
         ),
         Parameter::new("up", Kind::Choice(AXES), "the axis that points to the sky in space").or(Absent::Text("z")),

@@ -58,8 +58,8 @@ pub(super) fn plot() -> Function {
         name: "plot",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "plots columns of the history over time, or over another column, as SVG or PNG; a constant potential energy that would hide \
-                  the other energies is taken off, as the legend says",
+        summary: "plots columns of the history over time, or over another column, as SVG or PNG; a constant potential energy that would \
+                  hide the other energies is taken off, as the legend says",
         parameters: vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
             Parameter::new("columns", Kind::Any, "the name of a column, or an array of names"),
@@ -116,9 +116,9 @@ pub(super) fn plot_curves() -> Function {
         name: "plot_curves",
         form: Form::Function,
         topic: Topic::Results,
-        summary: "plots arrays over arrays, and columns of any simulations, in one pair of axes, as SVG or PNG. A curve is a map: `x` and `y` \
-                  are arrays, or names of columns of the simulation `of` (`x` is then `\"time\"` where it is left out); `label` is what the \
-                  legend says; `style` is `\"line\"`, `\"dashed\"` or `\"points\"`",
+        summary: "plots arrays over arrays, and columns of any simulations, in one pair of axes, as SVG or PNG. A curve is a map: `x` and \
+                  `y` are arrays, or names of columns of the simulation `of` (`x` is then `\"time\"` where it is left out); `label` is what \
+                  the legend says; `style` is `\"line\"`, `\"dashed\"` or `\"points\"`",
         parameters: vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
             Parameter::new("curves", Kind::Array, "an array of curves `#{ x, y, label, style }` or `#{ of, x, y, label, style }`"),
