@@ -21,6 +21,8 @@ const SAMPLE: f64 = 26.0;
 /// Radius of a marker in pixels, and the corners that make it look round.
 const MARKER: f64 = 3.5;
 const ROUND: usize = 12;
+/// Least height of the axes in pixels.
+const LEAST: f64 = 100.0;
 /// Share of the values' range that is left free above and below them.
 const FREE: f64 = 0.04;
 
@@ -108,8 +110,9 @@ impl Default for Plot {
     }
 }
 
-/// The box of the axes and what they say.
+/// The box of the axes and what they say, in a picture of that height.
 struct Frame {
+    height: f64,
     low: Point,
     high: Point,
     x: Axis,
@@ -139,8 +142,11 @@ impl Plot {
         let left = MARGIN + label_height(&self.y, TEXT + 10.0) + widest(&y) + 8.0;
         let right = width - MARGIN - (0.5 * widest(&x)).min(30.0);
         let top = self.head_into(&mut out, left, right);
-        let bottom = height - MARGIN - label_height(&self.x, TEXT + 8.0) - TEXT - 4.0;
-        let frame = Frame { low: [left, top], high: [right, bottom.max(top + 40.0)], x, y };
+        // A legend of many rows makes the picture higher, not the axes smaller than anyone can read.
+        let below = MARGIN + label_height(&self.x, TEXT + 8.0) + TEXT + 4.0;
+        let height = height.max(top + LEAST + below);
+        out.set_height(height);
+        let frame = Frame { low: [left, top], high: [right, height - below], height, x, y };
         self.axes_into(&mut out, &frame);
         // Half of a line's width is seen outside.
         out.begin_clipped([frame.low[0] - 2.0, frame.low[1] - 2.0], [frame.high[0] + 2.0, frame.high[1] + 2.0]);
@@ -188,7 +194,7 @@ impl Plot {
     }
 
     fn axes_into(&self, out: &mut Drawing, frame: &Frame) {
-        let (Frame { low, high, x, y }, thin) = (frame, Stroke::new(GRID, 1.0));
+        let (Frame { low, high, x, y, height }, thin) = (frame, Stroke::new(GRID, 1.0));
         let at_x = |tick: f64| low[0] + (tick - x.low) / (x.high - x.low) * (high[0] - low[0]);
         let at_y = |tick: f64| high[1] - (tick - y.low) / (y.high - y.low) * (high[1] - low[1]);
         for &tick in &x.ticks {
@@ -217,10 +223,10 @@ impl Plot {
         let label = elided(&x.name(&self.x.label), TEXT, self.size[0] - 2.0 * MARGIN);
         let half = 0.5 * text_width(&label, TEXT);
         let middle = (0.5 * (low[0] + high[0])).clamp(half + MARGIN, (self.size[0] - half - MARGIN).max(half + MARGIN));
-        out.text([middle, self.size[1] - MARGIN], label, TEXT, Anchor::Middle);
-        let label = elided(&y.name(&self.y.label), TEXT, self.size[1] - 2.0 * MARGIN);
+        out.text([middle, height - MARGIN], label, TEXT, Anchor::Middle);
+        let label = elided(&y.name(&self.y.label), TEXT, height - 2.0 * MARGIN);
         let half = 0.5 * text_width(&label, TEXT);
-        let middle = (0.5 * (low[1] + high[1])).clamp(half + MARGIN, (self.size[1] - half - MARGIN).max(half + MARGIN));
+        let middle = (0.5 * (low[1] + high[1])).clamp(half + MARGIN, (height - half - MARGIN).max(half + MARGIN));
         out.upward_text([MARGIN + TEXT - 2.0, middle], label, TEXT, Anchor::Middle);
     }
 }
@@ -332,6 +338,21 @@ mod tests {
         plot.curves[0].label = "very ".repeat(60);
         let text = svg(&plot.draw());
         assert!(text.contains("…</text>") && !text.contains(&"very ".repeat(30)), "what has no room is cut off");
+    }
+
+    #[test]
+    fn a_legend_of_many_rows_makes_the_picture_higher() {
+        let values = [0.0, 1.0];
+        let text = svg(&plot("", &values, &[("a curve with a name of some length", &values); 60]).draw());
+        well_formed(&text);
+        let height: f64 = text.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+        let axes = text.split("<clipPath").nth(1).unwrap().split(" y=\"").nth(1).unwrap().split('"').next().unwrap();
+        // The lowest row of the legend is above the axes.
+        let lowest = text
+            .split("<text x=")
+            .filter(|part| part.contains(">a curve"))
+            .filter_map(|part| part.split("y=\"").nth(1)?.split('"').next()?.parse().ok());
+        assert!(height > 600.0 && lowest.fold(0.0, f64::max) < axes.parse().unwrap(), "{height} {axes}");
     }
 
     #[test]

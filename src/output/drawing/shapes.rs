@@ -92,6 +92,11 @@ impl Drawing {
         Drawing { size, items: Vec::new() }
     }
 
+    /// Makes it higher or lower.
+    pub(in crate::output) fn set_height(&mut self, height: f64) {
+        self.size[1] = height;
+    }
+
     /// Paints lines; there may be none.
     pub(in crate::output) fn paint(&mut self, lines: Vec<Line>, ink: Ink) {
         if !lines.is_empty() {

@@ -117,8 +117,8 @@ pub(super) fn plot_curves() -> Function {
         form: Form::Function,
         topic: Topic::Results,
         summary: "plots arrays over arrays, and columns of any simulations, in one pair of axes, as SVG or PNG. A curve is a map: `x` and \
-                  `y` are arrays, or names of columns of the simulation `of` (`x` is then `\"time\"` where it is left out); `label` is what \
-                  the legend says; `style` is `\"line\"`, `\"dashed\"` or `\"points\"`",
+                  `y` are arrays, or names of columns of the simulation `of` (`x` is then `\"time\"` where it is left out); `label` is \
+                  what the legend says; `style` is `\"line\"`, `\"dashed\"` or `\"points\"`",
         parameters: vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
             Parameter::new("curves", Kind::Array, "an array of curves `#{ x, y, label, style }` or `#{ of, x, y, label, style }`"),
