@@ -113,7 +113,7 @@ impl Wall {
 /// A circle as a polygon that is not seen to be one; counterclockwise for `turn` 1, clockwise for -1.
 fn circle(center: [f64; 2], radius: f64, turn: f64, extent: f64) -> Vec<[f64; 2]> {
     let corners = std::f64::consts::PI / (2.0 * PICTURE_ROUNDNESS * extent / radius).sqrt();
-    let corners = corners.max(CORNERS[0]).min(CORNERS[1]).ceil();
+    let corners = corners.clamp(CORNERS[0], CORNERS[1]).ceil();
     let corner = |k: usize| {
         let angle = turn * std::f64::consts::TAU * k as f64 / corners;
         [center[0] + radius * angle.cos(), center[1] + radius * angle.sin()]

@@ -342,8 +342,8 @@ mod tests {
 
     #[test]
     fn a_legend_of_many_rows_makes_the_picture_higher() {
-        let values = [0.0, 1.0];
-        let text = svg(&plot("", &values, &[("a curve with a name of some length", &values); 60]).draw());
+        let values: &[f64] = &[0.0, 1.0];
+        let text = svg(&plot("", values, &[("a curve with a name of some length", values); 60]).draw());
         well_formed(&text);
         let height: f64 = text.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
         let axes = text.split("<clipPath").nth(1).unwrap().split(" y=\"").nth(1).unwrap().split('"').next().unwrap();

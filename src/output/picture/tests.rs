@@ -144,7 +144,7 @@ fn obstacles_are_seen_with_their_names() {
     let moved = PlacedObstacle { translation: [0.0, -0.4], ..ground.clone() };
     let wall = |obstacle: PlacedObstacle| svg(&picture(&bodies, &[obstacle], &options("von_mises"))).len();
     assert!(wall(ground.clone()) > drawn(&bodies, &options("von_mises")).len());
-    assert_ne!(picture(&bodies, &[moved], &options("von_mises")), picture(&bodies, &[ground.clone()], &options("von_mises")));
+    assert_ne!(picture(&bodies, &[moved], &options("von_mises")), picture(&bodies, std::slice::from_ref(&ground), &options("von_mises")));
     // Far below it is not what the picture is about: the bodies stay as large as they were.
     let far = PlacedObstacle { translation: [0.0, -1e6], ..ground };
     let size = |text: &str| text.lines().next().unwrap().to_string();
