@@ -108,6 +108,35 @@ fn a_run_writes_its_files_and_says_so() {
     }
 }
 
+/// A plate that falls on a moving plane, drawn in both formats.
+#[test]
+fn obstacles_and_pictures_are_written() {
+    let script = flight(
+        "let press = model(\"press\");\n\
+         let block = press.add_body(\"block\", rectangle(#{ size: [1.0, 1.0], cells: [2, 2] }), rubber);\n\
+         let lift = rigid_plane(#{ point: [0.0, -0.1], normal: [0.0, 1.0], motion: #{ y: ramp(0.0, 0.05, 0.05) } });\n\
+         press.add_contact(\"lift\", #{ secondary: block.boundary(\"bottom\"), primary: lift });\n\
+         let sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.01 });\n\
+         sim.run_to(0.05); sim.picture(\"block.svg\");\n\
+         sim.picture(\"block.png\", #{ vectors: \"velocity\" }); sim.write_fields(\"now.vtu\");\n\
+         plot_curves(\"both.png\", [#{ of: sim, y: \"total\" }, #{ x: [0.0, 1.0], y: [1.0, 2.0] }]);",
+    );
+    let home = folder("obstacles", &script);
+    let output = run(&home, &["run", "main.rhai", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let read = |file: &str| std::fs::read(home.join("out/main").join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+    let text = |file: &str| String::from_utf8_lossy(&read(file)).into_owned();
+    assert!(read("press/block.png").starts_with(b"\x89PNG") && read("both.png").starts_with(b"\x89PNG"));
+    assert!(text("press/block.svg").contains("<title>lift</title>"));
+    assert!(text("press/now_obstacles.vtu").contains("obstacle 0: lift"));
+    // It moves: no two frames are the same.
+    assert_eq!(text("press/obstacles.pvd").matches("<DataSet").count(), 6);
+    let frame = |number: usize| read(&format!("press/obstacles/obstacles_{number:06}.vtu"));
+    assert_ne!(frame(0).split_at(frame(0).len() / 2).1, frame(5).split_at(frame(5).len() / 2).1);
+    // A simulation without obstacles has no such files.
+    assert!(!home.join("out/main/obstacles.pvd").exists());
+}
+
 #[test]
 fn results_go_where_out_says_and_quiet_is_quiet() {
     let home = folder("out", &flight("sim.step(); sim.plot(\"plots/energy.svg\", [\"kinetic\", \"strain\"]); sim.picture(\"plate.svg\");"));

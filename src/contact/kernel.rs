@@ -136,6 +136,11 @@ pub trait ContactKernel: Send + Sync {
     /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}
 
+    /// Where a rigid obstacle is at the end of this step, as its translation `[length]`.
+    fn obstacle_translation(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
     fn begin_step(&mut self, q_0: &[f64]);
 

@@ -270,6 +270,10 @@ impl ContactKernel for RigidContact {
         self.translations = *translations;
     }
 
+    fn obstacle_translation(&self) -> [f64; 2] {
+        self.translations[2]
+    }
+
     fn begin_step(&mut self, q_0: &[f64]) {
         self.start = (0..self.sides.patches.len()).map(|row| self.position(row, q_0, [0.0; 2])).collect();
     }

@@ -181,6 +181,10 @@ pub const PLOT_END: f64 = 1e-9;
 /// Thickness of what a picture shows, relative to its length: a body without any still has a frame.
 pub const PICTURE_THICKNESS: f64 = 1e-3;
 
+/// Distance of a polygon from the circle that it stands for, relative to the extent of the bodies beside it: half a pixel of a
+/// large picture.
+pub const PICTURE_ROUNDNESS: f64 = 5e-4;
+
 /// Step of a difference quotient of a time function, relative to the time: the third root of round-off, where truncation and round-off of a
 /// central difference are equal.
 pub const TIME_DIFFERENCE: f64 = 6e-6;

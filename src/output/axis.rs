@@ -1,6 +1,7 @@
 //! Round numbers along an axis: ticks at 1, 2 or 5 times a power of ten, with one factor for all where numbers are very large or small.
 //!
-//! Everything is scaled by the factor first, so that the spacing is found among numbers of ordinary size.
+//! Everything is scaled by the factor first, so that the spacing is found among numbers of ordinary size. A logarithmic axis is one over
+//! the logarithms to the base 10, with ticks at powers of ten, and at 2 and 5 times these where there are few.
 
 use crate::math::tolerances::{FLAT, NOTHING};
 
@@ -15,7 +16,11 @@ pub(super) struct Axis {
     pub ticks: Vec<f64>,
     exponent: i32,
     decimals: usize,
+    is_logarithmic: bool,
 }
+
+/// Powers of ten from which a label is written as a power.
+const LONG: f64 = 4.0;
 
 impl Axis {
     /// An axis over the finite ones of `values`, with about `count` ticks. A constant gets an interval around it; no value at all, [0, 1].
@@ -53,12 +58,42 @@ impl Axis {
         let last = (high / step + FLAT).floor() as i64;
         // `+ 0.0` turns a negative zero into zero.
         let ticks = (first..=last).map(|multiple| tick(multiple as f64) + 0.0).collect();
-        Axis { low, high, ticks, exponent, decimals: (-power).max(0) as usize }
+        Axis { low, high, ticks, exponent, decimals: (-power).max(0) as usize, is_logarithmic: false }
+    }
+
+    /// A logarithmic axis over the positive ones of `values`, with about `count` ticks. A constant gets a decade around it; no value at
+    /// all, 1 to 10.
+    pub fn logarithmic(values: impl IntoIterator<Item = f64>, count: usize) -> Self {
+        let positive = values.into_iter().filter(|value| value.is_finite() && *value > 0.0).map(f64::log10);
+        let (low, high) = positive.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let (mut low, mut high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+        if high - low < FLAT * low.abs().max(1.0) {
+            (low, high) = (low - 0.5, high + 0.5);
+        }
+        let decades = (low - FLAT).ceil() as i64..=(high + FLAT).floor() as i64;
+        let between: &[f64] = if high - low < 1.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let every = ((high - low) / count as f64).ceil().max(1.0) as i64;
+        let first = decades.start() - i64::from(between.len() > 1);
+        let ticks = (first..=*decades.end()).filter(|decade| decade % every == 0);
+        let ticks = ticks.flat_map(|decade| between.iter().map(move |digit| decade as f64 + digit.log10()));
+        let ticks: Vec<f64> = ticks.filter(|tick| (low - FLAT..=high + FLAT).contains(tick)).collect();
+        // Less than a decade may hold no tick of these.
+        let ticks = if ticks.len() < 2 { vec![low, high] } else { ticks };
+        Axis { low, high, ticks, exponent: 0, decimals: 0, is_logarithmic: true }
+    }
+
+    /// Where a value stands between the ends, 0 to 1; no number for one that a logarithmic axis does not have.
+    pub fn share(&self, value: f64) -> f64 {
+        (self.scaled(value) - self.low) / (self.high - self.low)
     }
 
     /// The interval widened by a margin on both sides, but not across zero.
     pub fn widened(mut self, share: f64) -> Self {
         let margin = share * (self.high - self.low);
+        if self.is_logarithmic {
+            (self.low, self.high) = (self.low - margin, self.high + margin);
+            return self;
+        }
         self.low = if self.low >= 0.0 { (self.low - margin).max(0.0) } else { self.low - margin };
         self.high = if self.high <= 0.0 { (self.high + margin).min(0.0) } else { self.high + margin };
         self
@@ -66,16 +101,23 @@ impl Axis {
 
     /// A value in the axis's scale.
     pub fn scaled(&self, value: f64) -> f64 {
-        value / 10f64.powi(self.exponent)
+        match self.is_logarithmic {
+            true if value > 0.0 => value.log10(),
+            true => f64::NAN,
+            false => value / 10f64.powi(self.exponent),
+        }
     }
 
     /// A value of the axis's scale as it was.
     pub fn unscaled(&self, value: f64) -> f64 {
-        value * 10f64.powi(self.exponent)
+        if self.is_logarithmic { 10f64.powf(value) } else { value * 10f64.powi(self.exponent) }
     }
 
     /// The text of a tick.
     pub fn label(&self, tick: f64) -> String {
+        if self.is_logarithmic {
+            return power_label(tick);
+        }
         format!("{tick:.*}", self.decimals).replace('-', "\u{2212}")
     }
 
@@ -84,9 +126,29 @@ impl Axis {
         if self.exponent == 0 {
             return name.into();
         }
-        let exponent: String = self.exponent.to_string().chars().map(superscript).collect();
-        format!("{name} (×10{exponent})")
+        format!("{name} (×10{})", raised(self.exponent.into())).trim_start().into()
     }
+}
+
+/// The text of a tick of a logarithmic axis, such as `0.02`, `10⁻⁷` or `5·10⁻⁷`.
+fn power_label(tick: f64) -> String {
+    let decade = (tick + FLAT).floor();
+    let digit = 10f64.powf(tick - decade);
+    let is_digit = (digit - digit.round()).abs() < 0.01;
+    if decade.abs() < LONG {
+        let decimals = (-decade).max(0.0) as usize + if is_digit { 0 } else { 2 };
+        return format!("{:.decimals$}", 10f64.powf(tick));
+    }
+    let power = format!("10{}", raised(decade as i64));
+    match is_digit {
+        true if digit.round() == 1.0 => power,
+        true => format!("{}·{power}", digit.round()),
+        false => format!("{digit:.2}·{power}"),
+    }
+}
+
+fn raised(exponent: i64) -> String {
+    exponent.to_string().chars().map(superscript).collect()
 }
 
 fn superscript(letter: char) -> char {
@@ -123,6 +185,26 @@ mod tests {
         assert_eq!(Axis::over([0.0, 3.1e7], 5).name("stress"), "stress (×10⁷)");
         assert_eq!(Axis::over([-2e-15, 1e-16], 5).name("defect"), "defect (×10⁻¹⁵)");
         assert_eq!(Axis::over([0.0, 12345.0], 5).name("stress"), "stress");
+    }
+
+    #[test]
+    fn logarithmic_ticks_are_powers_of_ten() {
+        let labels = |low: f64, high: f64| {
+            let axis = Axis::logarithmic([low, high, -1.0, 0.0, f64::NAN], 6);
+            axis.ticks.iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>()
+        };
+        assert_eq!(labels(0.01, 100.0), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(labels(1e-16, 1e-4), ["10⁻¹⁶", "10⁻¹⁴", "10⁻¹²", "10⁻¹⁰", "10⁻⁸", "10⁻⁶", "10⁻⁴"]);
+        assert_eq!(labels(1.0, 10.0), ["1", "2", "5", "10"]);
+        assert_eq!(labels(1e-7, 1e-6), ["10⁻⁷", "2·10⁻⁷", "5·10⁻⁷", "10⁻⁶"]);
+        assert_eq!(labels(0.3, 30.0), ["1", "10"]);
+        assert_eq!(labels(3.0, 4.0), ["3", "4"]);
+        for range in [[5e-324, f64::MAX], [1.0, 1.0], [f64::MAX, f64::MAX], [5e-324, 5e-324], [-1.0, -1.0]] {
+            let axis = Axis::logarithmic(range, 6);
+            assert!((2..=12).contains(&axis.ticks.len()) && axis.low < axis.high, "{range:?}: {axis:?}");
+        }
+        assert!(Axis::logarithmic([1.0, 100.0], 5).share(0.0).is_nan());
+        assert!((Axis::logarithmic([1.0, 100.0], 5).share(10.0) - 0.5).abs() < 1e-15);
     }
 
     #[test]

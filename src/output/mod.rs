@@ -6,10 +6,13 @@ mod axis;
 mod braille;
 mod colormap;
 mod contours;
+mod drawing;
+mod energies;
 mod files;
 mod history_csv;
-mod history_svg;
+mod obstacles;
 mod picture;
+mod plot;
 mod pvd;
 mod summary;
 mod vtu;
@@ -19,10 +22,13 @@ mod writer;
 mod samples;
 
 pub use braille::braille_plot;
+pub use drawing::{Drawing, png, svg};
+pub use energies::{ENERGIES, above_lowest_potential, energies};
 pub use files::{OutputError, RunFiles, Stream};
 pub use history_csv::HistoryCsv;
-pub use history_svg::{energies, plot};
-pub use picture::{Field, PictureOptions, picture};
+pub use obstacles::Surroundings;
+pub use picture::{Component, Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
+pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use pvd::{FieldSeries, pvd};
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,

@@ -4,6 +4,9 @@
 //! bodies at any magnification. Data stand behind the XML text as raw little-endian bytes in zlib blocks (VTK file formats, "XML file
 //! formats", 2024: appended data with `vtkZLibDataCompressor`). A contact gap that does not exist is NaN. Names of the bodies stand in a
 //! comment, since meshio refuses files with text arrays; the cell field `body` counts them from 0.
+//!
+//! Rigid obstacles are files of their own: bands of quadrilaterals behind their borders, at the places where they are (their points move,
+//! nothing is warped). The cell field `obstacle` counts them from 0.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -12,10 +15,15 @@ use std::sync::{Arc, OnceLock};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use crate::dynamics::BodyFields;
+use super::obstacles::{Surroundings, Wall};
+use crate::dynamics::{BodyFields, PlacedObstacle};
+use crate::elements::CellKind;
 
 /// Bytes that are compressed together. VTK's own default, and a multiple of every scalar's size as meshio needs it.
 const BLOCK: usize = 32768;
+
+/// How far a half plane reaches to either side of the bodies, in their extents: bodies may move along it.
+const REACH: f64 = 10.0;
 
 /// Speed against size: level 6 makes files 8 % smaller in two to four times the time (bearing and a block of 144 000 cells).
 const LEVEL: Compression = Compression::fast();
@@ -56,6 +64,8 @@ impl Array {
 /// What all frames of a simulation have in common: the undeformed bodies. It is compressed once, by the first frame that is encoded.
 #[derive(Debug)]
 pub struct Grid {
+    /// What its parts are: `body` or `obstacle`.
+    kind: &'static str,
     names: Vec<String>,
     points: usize,
     cells: usize,
@@ -81,6 +91,7 @@ impl Grid {
         let points = bodies.iter().map(|body| body.mesh.points.len()).sum();
         let body = bodies.iter().enumerate().flat_map(|(index, body)| std::iter::repeat_n(index as i64, body.mesh.cell_count()));
         Grid {
+            kind: "body",
             names: bodies.iter().map(|body| body.name.clone()).collect(),
             points,
             cells: bodies.iter().map(|body| body.mesh.cell_count()).sum(),
@@ -91,6 +102,30 @@ impl Grid {
                 Array::new("types", "UInt8", 1, types),
             ],
             cellwise: vec![Array::integers("body", body)],
+        }
+    }
+}
+
+impl Grid {
+    /// Rigid obstacles where they are.
+    fn of_walls(walls: &[Wall]) -> Self {
+        let pieces: Vec<(usize, [[f64; 2]; 4])> =
+            walls.iter().enumerate().flat_map(|(index, wall)| wall.pieces().map(move |piece| (index, piece))).collect();
+        let points = pieces.iter().flat_map(|(_, piece)| piece.iter().map(|&[x, y]| [x, y, 0.0]));
+        let corners = 4 * pieces.len();
+        let quad = CellKind::Quad4.row().vtk_type;
+        Grid {
+            kind: "obstacle",
+            names: walls.iter().map(|wall| wall.name.clone()).collect(),
+            points: corners,
+            cells: pieces.len(),
+            position: Array::doubles("Points", corners, points),
+            topology: vec![
+                Array::integers("connectivity", 0..corners as i64),
+                Array::integers("offsets", (1..=pieces.len() as i64).map(|end| 4 * end)),
+                Array::new("types", "UInt8", 1, vec![quad; pieces.len()]),
+            ],
+            cellwise: vec![Array::integers("obstacle", pieces.iter().map(|&(index, _)| index as i64))],
         }
     }
 }
@@ -107,6 +142,12 @@ impl Frame {
     /// Copies what the file needs.
     pub fn new(time: f64, bodies: &[BodyFields]) -> Self {
         Frame::on(Arc::new(Grid::new(bodies)), time, bodies)
+    }
+
+    /// Rigid obstacles where they are at that time, drawn beside bodies that are about as large as `around`.
+    pub fn of_obstacles(time: f64, obstacles: &[PlacedObstacle], around: &Surroundings) -> Self {
+        let walls: Vec<Wall> = obstacles.iter().map(|obstacle| Wall::new(obstacle, around, REACH)).collect();
+        Frame { time, grid: Arc::new(Grid::of_walls(&walls)), nodal: Vec::new() }
     }
 
     /// Copies what the file needs besides the grid of the same bodies.
@@ -159,7 +200,7 @@ impl Frame {
         };
         for (index, name) in self.grid.names.iter().enumerate() {
             // Two hyphens would end the comment.
-            let _ = writeln!(text, "  <!-- body {index}: {} -->", name.replace("--", "\u{2013}").replace(['\n', '\r'], " "));
+            let _ = writeln!(text, "  <!-- {} {index}: {} -->", self.grid.kind, name.replace("--", "\u{2013}").replace(['\n', '\r'], " "));
         }
         let _ = writeln!(text, "  <UnstructuredGrid>");
         let _ = writeln!(text, "    <FieldData>");
@@ -172,7 +213,9 @@ impl Frame {
         let _ = writeln!(text, "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.grid.points, self.grid.cells);
         section(&mut text, "Points", std::slice::from_ref(&self.grid.position));
         section(&mut text, "Cells", &self.grid.topology);
-        section(&mut text, "PointData Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", &self.nodal);
+        if !self.nodal.is_empty() {
+            section(&mut text, "PointData Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", &self.nodal);
+        }
         section(&mut text, "CellData", &self.grid.cellwise);
         let _ = write!(text, "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n   _");
         let mut bytes = text.into_bytes();
@@ -211,6 +254,7 @@ mod tests {
 
     use super::super::samples::{block, ring};
     use super::*;
+    use crate::contact::Obstacle;
 
     /// The bytes of a named array, found by its offset in the text and inflated block by block.
     fn array(file: &[u8], name: &str) -> (usize, Vec<u8>) {
@@ -295,6 +339,23 @@ mod tests {
         assert_eq!(array(&file, "types").1, [12; 24]);
         assert_eq!(integers(&file, "offsets")[..3], [8, 16, 24]);
         assert!(String::from_utf8_lossy(&Frame::new(0.0, &[]).encode()).contains("NumberOfPoints=\"0\" NumberOfCells=\"0\""));
+    }
+
+    #[test]
+    fn obstacles_are_quadrilaterals_that_move() {
+        let shape = Obstacle::Polyline { points: vec![[4.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]] };
+        let stairs = PlacedObstacle { name: "stairs".into(), shape, translation: [0.25, 0.0] };
+        let ground = Obstacle::HalfPlane { point: [0.0, 0.0], normal: [0.0, 1.0] };
+        let ground = PlacedObstacle { name: "ground".into(), shape: ground, translation: [0.0; 2] };
+        let around = Surroundings::of_bodies(&[ring("ring", [1.0, 1.5], [2, 12])]);
+        let file = Frame::of_obstacles(0.5, &[stairs, ground], &around).encode();
+        assert_eq!(array(&file, "types").1, [9; 4]);
+        assert_eq!(integers(&file, "obstacle"), [0, 0, 0, 1]);
+        let bytes = array(&file, "Points").1;
+        let number = |k: usize| f64::from_le_bytes(bytes[8 * k..8 * (k + 1)].try_into().unwrap());
+        assert_eq!([number(0), number(1), number(2), number(3), number(4)], [4.25, 0.0, 0.0, 2.25, 0.0]);
+        let text = String::from_utf8_lossy(&file);
+        assert!(text.contains("<!-- obstacle 0: stairs -->") && text.contains("<!-- obstacle 1: ground -->"));
     }
 
     #[test]

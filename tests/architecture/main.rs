@@ -40,7 +40,6 @@ const OWNERS: &[(&str, &[&str])] = &[
     // its matrices are the vocabulary of the kernels' interfaces
     ("nalgebra", &["math", "elements", "linear", "materials", "integrators", "bodies", "contact", "dynamics"]),
     ("num-dual", &["contact"]),
-    ("plotters", &["output"]),
     ("rayon", &["math"]),
     ("rhai", &["script", "cli"]),
     ("spade", &["mesh"]),
@@ -52,6 +51,8 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("signal-hook", &["cli"]),
     ("strsim", &["mesh", "script", "cli"]),
     ("thiserror", &[]),
+    ("tiny-skia", &["output"]),
+    ("ttf-parser", &["output"]),
 ];
 
 /// Files that may use `unsafe`, each with its reason.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::contact::Obstacle;
 use crate::mesh::Mesh;
 
 /// Nodal fields of one body; every vector has one entry per node of its mesh.
@@ -67,6 +68,17 @@ pub struct BodyTotals {
     pub angular_momentum: [f64; 3],
     /// Center of mass `[length]`.
     pub center: [f64; 3],
+}
+
+/// A rigid obstacle where it is at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedObstacle {
+    /// Name of its contact; of several contacts with the same obstacle, those of all.
+    pub name: String,
+    /// Its shape at its undisplaced place.
+    pub shape: Obstacle,
+    /// Its translation `[length]`.
+    pub translation: [f64; 2],
 }
 
 /// Quantities of a contact pair at one time; every vector has one entry per secondary node, in the order of the nodes along the surface.

@@ -2,10 +2,11 @@
 
 use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, ContactFields};
+use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
 use crate::bodies::{Elements, Projected, Space};
 use crate::contact::Evaluation;
+use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product, moment, resultant};
@@ -89,6 +90,21 @@ where
             angular_momentum: moment::<D>(q, momenta),
             center,
         }
+    }
+
+    /// Every rigid obstacle where it is; one that several contacts have in common is one.
+    pub fn placed_obstacles(&self) -> Vec<PlacedObstacle> {
+        let mut placed: Vec<PlacedObstacle> = Vec::new();
+        for interaction in &self.model.interactions {
+            let Partner::Obstacle { shape, .. } = &interaction.partner else { continue };
+            let pair = self.system.pairs.iter().find(|pair| pair.kind == PairKind::Obstacle && pair.name == interaction.name);
+            let translation = pair.map_or([0.0; 2], |pair| pair.kernel.obstacle_translation());
+            match placed.iter_mut().find(|other| other.shape == *shape && other.translation == translation) {
+                Some(same) => same.name = format!("{}, {}", same.name, interaction.name),
+                None => placed.push(PlacedObstacle { name: interaction.name.clone(), shape: shape.clone(), translation }),
+            }
+        }
+        placed
     }
 
     pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, ContactFields};
+use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -137,6 +137,11 @@ impl Simulation {
     /// The model has no body of that index.
     pub fn body(&self, body: usize) -> BodyTotals {
         self.steps.body(body)
+    }
+
+    /// Every rigid obstacle where it is now.
+    pub fn obstacles(&self) -> Vec<PlacedObstacle> {
+        self.steps.obstacles()
     }
 
     /// Quantities of the contact pair of that name; `None` when there is none.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fields::{BodyFields, BodyTotals, ContactFields};
+use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -25,6 +25,7 @@ pub trait Steps: Send {
     fn watched(&self) -> &[usize];
     fn fields(&self) -> Vec<BodyFields>;
     fn body(&self, body: usize) -> BodyTotals;
+    fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
     fn closed_nodes(&self) -> Vec<usize>;
     fn failure(&self) -> Option<&FailureReport>;

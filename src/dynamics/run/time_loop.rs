@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::engine::Engine;
 use super::failed::tried;
-use super::fields::{BodyFields, BodyTotals, ContactFields};
+use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -104,6 +104,10 @@ where
 
     fn body(&self, body: usize) -> BodyTotals {
         self.body_totals(body)
+    }
+
+    fn obstacles(&self) -> Vec<PlacedObstacle> {
+        self.placed_obstacles()
     }
 
     fn contact(&self, name: &str) -> Option<ContactFields> {

@@ -167,6 +167,11 @@ impl Argument<'_> {
         self.call.fail(title).at(self.target.clone())
     }
 
+    /// Where it stands in the call.
+    pub fn target(&self) -> Target {
+        self.target.clone()
+    }
+
     /// `` `dt` of `simulate` ``.
     pub fn title(&self) -> String {
         format!("`{}` of {}", self.parameter.name, self.call.function.title())

@@ -13,6 +13,7 @@ use super::cursor::{Cursor, Level, PieceKind};
 use super::help::topics;
 use crate::dynamics::LedgerRow;
 use crate::mesh::Mesh;
+use crate::output::{Field, VIEWS};
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::models::handle::{BodyHandle, ModelHandle};
 use crate::script::api::simulations::handle::SimulationHandle;
@@ -301,7 +302,11 @@ impl Words<'_> {
                 };
                 simulations.iter().flat_map(|handle| handle.0.model.model.contact_names().into_iter().map(String::from)).collect()
             }
-            "plot" | "show" if level.commas == function.parameters.len() - 1 => {
+            "picture" if level.commas > 0 => Field::ALL.iter().map(|row| row.0).chain(VIEWS).map(String::from).collect(),
+            // Columns are named by the axes, too.
+            "plot" | "plot_curves" | "show"
+                if level.commas >= function.parameters.iter().take_while(|other| other.name == "path").count() =>
+            {
                 let columns = receiver().try_cast::<SimulationHandle>().map(|simulation| simulation.columns());
                 columns.unwrap_or_else(|| LedgerRow::columns(2).into_iter().map(String::from).collect())
             }

@@ -160,6 +160,7 @@ fn names_members_keys_and_strings_are_completed() {
     assert_eq!(one("press.fix(block.boundary(\"le"), "press.fix(block.boundary(\"left");
     assert_eq!(one("sim.contact(\""), "sim.contact(\"foot");
     assert_eq!(one("sim.plot(\"a.svg\", [\"total\", \"kin"), "sim.plot(\"a.svg\", [\"total\", \"kinetic");
+    assert_eq!(one("sim.picture(\"a.svg\", #{ field: [\"von_"), "sim.picture(\"a.svg\", #{ field: [\"von_mises");
     assert_eq!(one("sim.show(\"kin"), "sim.show(\"kinetic");
     assert_eq!(one("read_mesh(\"p"), "read_mesh(\"part.msh");
     assert_eq!(one("import \"lib/r"), "import \"lib/rings");

@@ -4,12 +4,13 @@
 //! (`bearing-2` for the second one of a model `bearing`). `history.csv` grows with every accepted step; what belongs to the end of a run
 //! is written in `ending.rs`.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::columns::{further_values, model_columns};
-use crate::dynamics::{LedgerRow, Model, Simulation};
+use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
-use crate::output::{FieldSeries, FieldWriter, HistoryCsv, OutputError, RunFiles};
+use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, RunFiles, Surroundings};
 use crate::script::api::asides::is_study;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
@@ -20,6 +21,8 @@ pub struct Artifacts {
     files: RunFiles,
     csv: HistoryCsv,
     series: FieldWriter,
+    /// Where there are rigid obstacles, their frames and the extent of the bodies beside them.
+    obstacles: Option<(FieldSeries, Surroundings)>,
     model: Model,
     every: Option<f64>,
     frames: usize,
@@ -40,8 +43,7 @@ impl Artifacts {
         row: &LedgerRow,
         probes: Vec<String>,
     ) -> Result<Option<Self>, Failure> {
-        let wanted = host.settings.mode == Mode::Run && !is_study(host);
-        let Some(folder) = host.settings.output.as_ref().filter(|_| wanted) else { return Ok(None) };
+        let Some(folder) = output_folder(host) else { return Ok(None) };
         let begun = Instant::now();
         let folder = if is_first { folder.clone() } else { folder.join(file_name(name)) };
         let open = || {
@@ -50,7 +52,8 @@ impl Artifacts {
                 HistoryCsv::create(&files, "history.csv", model.dimension(), model_columns(model).into_iter().chain(probes).collect())?;
             csv.append(row, &further_values(model, row))?;
             let series = FieldWriter::new(FieldSeries::create(&files, "fields.pvd")?);
-            Ok(Artifacts { files, csv, series, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
+            let obstacles = obstacle_series(&files, model)?;
+            Ok(Artifacts { files, csv, series, obstacles, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
@@ -129,6 +132,10 @@ impl Artifacts {
     fn frame(&mut self, simulation: &Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
         self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
+        if let Some((series, around)) = &mut self.obstacles {
+            let frame = Frame::of_obstacles(simulation.time(), &simulation.obstacles(), around);
+            series.append(&frame).map_err(|error| output_failure(&error))?;
+        }
         self.frames += 1;
         self.spent += begun.elapsed();
         Ok(())
@@ -149,6 +156,23 @@ impl Artifacts {
     pub fn spent(&self) -> Duration {
         self.spent
     }
+}
+
+/// The series of a model's rigid obstacles, if it has any; what an older run left is removed.
+fn obstacle_series(files: &RunFiles, model: &Model) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
+    const NAME: &str = "obstacles.pvd";
+    let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
+    if !has_any && !files.place(NAME)?.exists() {
+        return Ok(None);
+    }
+    let points = model.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
+    let series = FieldSeries::create(files, NAME)?;
+    Ok(has_any.then(|| (series, Surroundings::of(points))))
+}
+
+/// The folder of the run, if the session writes files.
+pub fn output_folder(host: &Host) -> Option<&PathBuf> {
+    host.settings.output.as_ref().filter(|_| host.settings.mode == Mode::Run && !is_study(host))
 }
 
 /// A name as a folder: what is no letter, digit, `-`, `_` or `.` becomes `_`.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::artifacts::output_failure;
 use super::handle::{SimulationHandle, Simulations};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
-use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes};
+use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
 use crate::script::api::parameters::Overrides;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
@@ -57,7 +57,7 @@ fn finish_simulation(
     {
         let mut artifacts = data.artifacts.borrow_mut();
         let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
-        let picture = energies(&data.name, &history);
+        let picture = svg(&energies(&data.name, &history).draw());
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))?;
     }
     let mut summary = Summary {

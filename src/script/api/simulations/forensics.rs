@@ -5,7 +5,7 @@ use std::rc::Rc;
 use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
-use super::results::write;
+use super::writing::write;
 use crate::dynamics::{FailureCause, FailureReport, IterationReport, TryReport};
 use crate::output::Frame;
 use crate::script::api::examples::flight_example;
@@ -162,7 +162,7 @@ fn write_failed() -> Function {
                 let failure = call.fail(format!("no step of simulation \"{}\" has failed", handle.0.name));
                 return Err(failure.hint("`sim.write_fields(path)` writes the state as it is").into());
             };
-            Ok(write(call, &handle, ".vtu", || Ok(Frame::new(time, &fields).encode()))?)
+            Ok(write(call, Some(&handle), &[".vtu"], || Ok(Frame::new(time, &fields).encode()))?)
         }),
     }
 }

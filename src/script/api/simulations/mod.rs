@@ -11,6 +11,8 @@ pub mod forensics;
 pub mod handle;
 pub mod history;
 pub mod overview;
+pub mod pictures;
+pub mod plots;
 pub mod probes;
 pub mod properties;
 pub mod reactions;
@@ -22,6 +24,7 @@ pub mod step_failures;
 pub mod stepping;
 pub mod stop_after;
 pub mod warnings;
+pub mod writing;
 
 /// The functions of this topic, in the order of the reference; those of probes and results stand beside them.
 pub fn functions() -> Vec<Function> {

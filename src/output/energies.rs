@@ -1,0 +1,87 @@
+//! The energies of a run over time (Fig. 2 of Hesch & Betsch 2007).
+//!
+//! The zero of a potential energy is arbitrary. Where it would flatten what moves, as gravity does far above its origin, the potential and
+//! the total are drawn less the potential's lowest value, and the legend says so.
+
+use super::plot::{Curve, Plot, PlotAxis};
+use crate::dynamics::LedgerRow;
+
+/// Names of the energies among the columns of a history.
+pub const ENERGIES: [&str; 4] = ["kinetic", "strain", "potential", "total"];
+
+/// Kinetic, strain, potential (where there is any) and total energy over time.
+pub fn energies(title: &str, rows: &[LedgerRow]) -> Plot {
+    let column = |value: fn(&LedgerRow) -> f64| rows.iter().map(value).collect::<Vec<f64>>();
+    let time = column(|row| row.time);
+    let values = [column(|row| row.kinetic), column(|row| row.strain), column(|row| row.potential), column(LedgerRow::total)];
+    let curve = |(name, y): (&str, Vec<f64>)| Curve { label: name.into(), x: time.clone(), y, is_sum: name == "total", ..Curve::default() };
+    let curves = ENERGIES.into_iter().zip(values).filter(|(name, values)| *name != "potential" || values.iter().any(|&value| value != 0.0));
+    let mut curves: Vec<Curve> = curves.map(curve).collect();
+    above_lowest_potential(&mut curves);
+    // Zero belongs to the picture: shares of the total are read off it.
+    let y = PlotAxis { included: Some(0.0), ..PlotAxis::new("energy") };
+    Plot { title: title.into(), x: PlotAxis::new("time"), y, curves, ..Plot::default() }
+}
+
+/// Takes the lowest potential off curves labelled `potential` and `total`, where it would take more than half of the height.
+pub fn above_lowest_potential(curves: &mut [Curve]) {
+    let Some(potential) = curves.iter().find(|curve| curve.label == "potential") else { return };
+    let bounds = |curves: &mut dyn Iterator<Item = f64>| {
+        curves.filter(|value| value.is_finite()).fold([0.0_f64; 2], |[low, high], value| [low.min(value), high.max(value)])
+    };
+    let lowest = potential.y.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
+    let is_shifted = |curve: &Curve| matches!(curve.label.as_str(), "potential" | "total");
+    let height = |offset: f64| {
+        let values = |curve: &Curve| {
+            let offset = if is_shifted(curve) { offset } else { 0.0 };
+            curve.y.iter().map(move |value| value - offset).collect::<Vec<_>>()
+        };
+        let [low, high] = bounds(&mut curves.iter().flat_map(values));
+        high - low
+    };
+    if !lowest.is_finite() || 2.0 * height(lowest) >= height(0.0) {
+        return;
+    }
+    let number = format!("{:.3e}", lowest.abs());
+    let number = if (0.01..1e4).contains(&lowest.abs()) { format!("{}", (lowest.abs() * 100.0).round() / 100.0) } else { number };
+    let sign = if lowest < 0.0 { '+' } else { '\u{2212}' };
+    for curve in curves.iter_mut().filter(|curve| is_shifted(curve)) {
+        curve.y.iter_mut().for_each(|value| *value -= lowest);
+        curve.label = format!("{} {sign} {number}", curve.label);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::drawing::svg;
+    use super::super::samples::{rows, well_formed};
+    use super::*;
+
+    #[test]
+    fn energies_are_named_and_potential_only_where_there_is_some() {
+        let mut rows = rows();
+        let text = svg(&energies("the bearing", &rows).draw());
+        well_formed(&text);
+        for words in ["the bearing", "kinetic", "strain", "total", "time", "energy"] {
+            assert!(text.contains(&format!(">{words}</text>")), "{words} is text");
+        }
+        assert!(!text.contains("potential") && text.contains("width=\"720\" height=\"420\" viewBox=\"0 0 7200 4200\""));
+        assert!(text.contains("stroke=\"#000000\""), "the total is black");
+        rows[7].potential = -0.01;
+        assert!(svg(&energies("the bearing", &rows).draw()).contains(">potential</text>"));
+        well_formed(&svg(&energies("<&>\"", &[]).draw()));
+    }
+
+    #[test]
+    fn a_constant_potential_does_not_hide_the_kinetic_energy() {
+        let mut rows = rows();
+        rows.iter_mut().for_each(|row| row.potential = -98.1);
+        let plot = energies("falling", &rows);
+        let labels: Vec<&str> = plot.curves.iter().map(|curve| curve.label.as_str()).collect();
+        assert_eq!(labels, ["kinetic", "strain", "potential + 98.1", "total + 98.1"]);
+        assert!(plot.curves[3].y.iter().all(|value| value.abs() < 1.0));
+        // One that is exchanged with the kinetic energy stays as it is.
+        rows.iter_mut().for_each(|row| row.potential = 0.05 - row.kinetic);
+        assert_eq!(energies("falling", &rows).curves[2].label, "potential");
+    }
+}

@@ -1,0 +1,90 @@
+//! A nodal field as arrows, the longest of a fixed length, and their key.
+
+use std::collections::HashSet;
+
+use super::field::Vectors;
+use super::hull::facing_nodes;
+use super::scale::TEXT;
+use super::view::Camera;
+use crate::dynamics::BodyFields;
+use crate::output::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke, elided};
+
+/// Red: no color of the bodies is like it.
+const COLOR: Color = [214, 39, 40];
+/// Length of the longest arrow over the extent of the bodies.
+const LONGEST: f64 = 0.12;
+/// Length of the longest arrow in the key, in pixels.
+const KEY: f64 = 36.0;
+/// Between the places of two arrows, in pixels: more would cover each other.
+const APART: f64 = 18.0;
+/// Shorter arrows are not seen, in pixels.
+const SHORTEST: f64 = 1.0;
+/// Length of an arrow's head in pixels, at most this share of the arrow.
+const HEAD: f64 = 8.0;
+const HEAD_SHARE: f64 = 0.5;
+
+/// Size of the longest vector of all bodies.
+pub(super) fn longest(bodies: &[BodyFields], vectors: Vectors) -> f64 {
+    let size = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
+    let sizes = bodies.iter().flat_map(|body| (0..body.mesh.points.len()).map(move |node| size(vectors.value(body, node))));
+    sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
+}
+
+/// Length of an arrow over the size of its vector, beside bodies of that extent; zero where there is nothing to show.
+pub(super) fn factor(bodies: &[BodyFields], vectors: Vectors, extent: f64) -> f64 {
+    let longest = longest(bodies, vectors);
+    if longest > 0.0 { LONGEST * extent / longest } else { 0.0 }
+}
+
+/// The far end of a node's arrow.
+pub(super) fn far_end(body: &BodyFields, node: usize, vectors: Vectors, factor: f64) -> [f64; 3] {
+    let way = if vectors.ends_at_node() { -factor } else { factor };
+    let (x, vector) = (body.position(node), vectors.value(body, node));
+    [0, 1, 2].map(|d| x[d] + way * vector[d])
+}
+
+/// Arrows at the nodes of all bodies.
+pub(super) fn arrows_into(out: &mut Drawing, bodies: &[BodyFields], vectors: Vectors, camera: &Camera, factor: f64) {
+    let mut taken = HashSet::new();
+    let (mut shafts, mut heads) = (Vec::new(), Vec::new());
+    for body in bodies {
+        let nodes = if body.mesh.dimension() == 2 { (0..body.mesh.points.len()).collect() } else { facing_nodes(body, camera) };
+        for node in nodes {
+            let (place, far) = (camera.place(body.position(node)), camera.place(far_end(body, node, vectors, factor)));
+            let is_finite = place.iter().chain(&far).all(|x| x.is_finite());
+            let is_seen = is_finite && (far[0] - place[0]).hypot(far[1] - place[1]) >= SHORTEST;
+            if is_seen && taken.insert(place.map(|x| (x / APART).floor() as i64)) {
+                let (start, end) = if vectors.ends_at_node() { (far, place) } else { (place, far) };
+                arrow(&mut shafts, &mut heads, start, end);
+            }
+        }
+    }
+    out.paint(shafts, Ink::Stroke(Stroke::new(COLOR, 1.4)));
+    out.paint_each(heads, Ink::Fill(COLOR));
+}
+
+/// The longest arrow with its value, to the right of a place.
+pub(super) fn key_into(out: &mut Drawing, bodies: &[BodyFields], vectors: Vectors, unit: &str, [x, y]: Point, width: f64) {
+    let (mut shafts, mut heads) = (Vec::new(), Vec::new());
+    arrow(&mut shafts, &mut heads, [x, y], [x + KEY, y]);
+    out.paint(shafts, Ink::Stroke(Stroke::new(COLOR, 1.4)));
+    out.paint(heads, Ink::Fill(COLOR));
+    let label = format!("{} up to {} {unit}", vectors.words(), number(longest(bodies, vectors)));
+    out.text([x + KEY + 8.0, y + 0.35 * TEXT], elided(label.trim_end(), TEXT, width - KEY - 8.0), TEXT, Anchor::Start);
+}
+
+/// A number with three digits.
+pub(super) fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (0.01..1e5).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
+fn arrow(shafts: &mut Vec<Line>, heads: &mut Vec<Line>, start: Point, end: Point) {
+    let [dx, dy] = [end[0] - start[0], end[1] - start[1]];
+    let length = dx.hypot(dy);
+    let head = HEAD.min(HEAD_SHARE * length);
+    let [along, across] = [[dx / length, dy / length], [-dy / length, dx / length]];
+    let back = |way: f64| [0, 1].map(|d| end[d] - head * along[d] + way * 0.4 * head * across[d]);
+    shafts.push(Line::open([start, back(0.0)]));
+    heads.push(Line::closed([end, back(1.0), back(-1.0)]));
+}

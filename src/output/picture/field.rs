@@ -1,0 +1,126 @@
+//! Nodal fields that a picture can show by colors, and those that it can show by arrows.
+
+use crate::dynamics::BodyFields;
+
+/// A nodal field that a picture can show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Field {
+    /// Von Mises stress.
+    #[default]
+    VonMises,
+    /// Mean pressure.
+    Pressure,
+    /// Pressure between bodies.
+    ContactPressure,
+    /// Length of the displacement.
+    Displacement,
+    /// Length of the velocity.
+    Velocity,
+    /// A component of the Cauchy stress, as an index into [`BodyFields::stress`].
+    Stress(Component),
+}
+
+/// A component of a symmetric stress, in the order of [`BodyFields::stress`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Component {
+    /// xx
+    Xx,
+    /// yy
+    Yy,
+    /// zz
+    Zz,
+    /// xy
+    Xy,
+    /// yz
+    Yz,
+    /// xz
+    Xz,
+}
+
+impl Field {
+    /// All fields with their names in a script and in words.
+    pub const ALL: &'static [(&'static str, &'static str, Field)] = &[
+        ("von_mises", "von Mises stress", Field::VonMises),
+        ("pressure", "pressure (−tr σ / 3)", Field::Pressure),
+        ("contact_pressure", "contact pressure", Field::ContactPressure),
+        ("displacement", "displacement", Field::Displacement),
+        ("velocity", "velocity", Field::Velocity),
+        ("stress_xx", "stress xx", Field::Stress(Component::Xx)),
+        ("stress_yy", "stress yy", Field::Stress(Component::Yy)),
+        ("stress_zz", "stress zz", Field::Stress(Component::Zz)),
+        ("stress_xy", "stress xy", Field::Stress(Component::Xy)),
+        ("stress_yz", "stress yz", Field::Stress(Component::Yz)),
+        ("stress_xz", "stress xz", Field::Stress(Component::Xz)),
+    ];
+
+    /// The field of that name in a script.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Field::ALL.iter().find(|row| row.0 == name).map(|row| row.2)
+    }
+
+    /// Its name in words.
+    pub fn words(self) -> &'static str {
+        Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1)
+    }
+
+    /// Its value at a node.
+    pub fn value(self, body: &BodyFields, node: usize) -> f64 {
+        let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
+        match self {
+            Field::VonMises => body.von_mises(node),
+            Field::Pressure => -(body.stress[node][0] + body.stress[node][1] + body.stress[node][2]) / 3.0,
+            Field::ContactPressure => body.contact_pressure[node],
+            Field::Displacement => length(body.displacement[node]),
+            Field::Velocity => length(body.velocity[node]),
+            Field::Stress(component) => body.stress[node][component as usize],
+        }
+    }
+}
+
+/// A nodal field that a picture can show by arrows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vectors {
+    /// Displacement from the undeformed place.
+    Displacement,
+    /// Velocity.
+    Velocity,
+    /// Force of contact.
+    ContactForce,
+    /// Pressure of contact, against the secondary surface.
+    ContactPressure,
+}
+
+impl Vectors {
+    /// All of them with their names in a script and in words.
+    pub const ALL: &'static [(&'static str, &'static str, Vectors)] = &[
+        ("displacement", "displacement", Vectors::Displacement),
+        ("velocity", "velocity", Vectors::Velocity),
+        ("contact_force", "contact force", Vectors::ContactForce),
+        ("contact_pressure", "contact pressure", Vectors::ContactPressure),
+    ];
+
+    /// Its name in words.
+    pub fn words(self) -> &'static str {
+        Vectors::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1)
+    }
+
+    /// Its value at a node.
+    pub fn value(self, body: &BodyFields, node: usize) -> [f64; 3] {
+        let force = body.contact_force[node];
+        match self {
+            Vectors::Displacement => body.displacement[node],
+            Vectors::Velocity => body.velocity[node],
+            Vectors::ContactForce => force,
+            Vectors::ContactPressure => {
+                let size = force[0].hypot(force[1]).hypot(force[2]);
+                let share = if size > 0.0 { body.contact_pressure[node] / size } else { 0.0 };
+                force.map(|component| share * component)
+            }
+        }
+    }
+
+    /// Whether an arrow ends at its node, as what presses on it does.
+    pub fn ends_at_node(self) -> bool {
+        matches!(self, Vectors::ContactForce | Vectors::ContactPressure)
+    }
+}

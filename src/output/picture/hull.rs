@@ -1,0 +1,130 @@
+//! Bodies in space: the facets of their hull that face the viewer, far ones first (painter's algorithm), lightly shaded. Facets that
+//! pierce each other are not resolved.
+
+use std::collections::HashMap;
+
+use super::plane::{contours_into, has_room_for_edges, undeformed_stroke};
+use super::scale::{INK, Scale};
+use super::view::{Camera, dot};
+use crate::dynamics::BodyFields;
+use crate::output::contours::Patch;
+use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
+
+/// Cosine of the angle between facets from which their common edge is drawn as an edge of the body.
+const SHARP: f64 = 0.8;
+/// Direction to the lamp that shades bodies in space (to the right, up, toward the viewer), and the light on a facet that it does not
+/// reach: weak enough to leave the colors readable.
+const LAMP: [f64; 3] = [-0.21, 0.4, 0.89];
+const AMBIENT: f64 = 0.75;
+
+/// A facet that faces the viewer.
+struct Side {
+    body: usize,
+    nodes: Vec<u32>,
+    normal: [f64; 3],
+    depth: f64,
+}
+
+impl Side {
+    fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.nodes.iter().zip(self.nodes.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])
+    }
+}
+
+/// Normals of the facets at every edge of a body, whose end nodes ascend.
+type EdgeNormals = HashMap<(usize, [u32; 2]), Vec<[f64; 3]>>;
+
+/// The facets that face the viewer, from far to near.
+fn sides(bodies: &[BodyFields], position: impl Fn(&BodyFields, usize) -> [f64; 3], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
+    let (mut sides, mut normals_at) = (Vec::new(), EdgeNormals::new());
+    let toward = camera.view.toward;
+    for (index, body) in bodies.iter().enumerate() {
+        for facet in body.mesh.hull() {
+            let nodes: Vec<u32> = body.mesh.facet_nodes(facet).collect();
+            let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| position(body, node as usize)).collect();
+            let normal = normal(&corners);
+            let depth = corners.iter().map(|&corner| dot(corner, toward) / corners.len() as f64).sum();
+            let side = Side { body: index, nodes, normal, depth };
+            for [a, b] in side.edges() {
+                normals_at.entry((index, [a.min(b), a.max(b)])).or_default().push(normal);
+            }
+            if dot(normal, toward) > 0.0 {
+                sides.push(side);
+            }
+        }
+    }
+    sides.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    (sides, normals_at)
+}
+
+/// Edges of a facet that are edges of the body, or its silhouette.
+fn sharp_edges(side: &Side, normals_at: &EdgeNormals, toward: [f64; 3]) -> Vec<[u32; 2]> {
+    let is_sharp = |&[a, b]: &[u32; 2]| {
+        let around = &normals_at[&(side.body, [a.min(b), a.max(b)])];
+        around.len() != 2 || dot(around[0], around[1]) < SHARP || around.iter().any(|&normal| dot(normal, toward) <= 0.0)
+    };
+    side.edges().filter(is_sharp).collect()
+}
+
+/// Bodies with a value at each node.
+pub(super) fn bodies_into(out: &mut Drawing, bodies: &[BodyFields], values: &[Vec<f64>], camera: &Camera, scale: &Scale, is_meshed: bool) {
+    let (sides, normals_at) = sides(bodies, BodyFields::position, camera);
+    let place = |side: &Side, node: u32| camera.place(bodies[side.body].position(node as usize));
+    let edges = sides.iter().flat_map(|side| side.edges().map(|edge| edge.map(|node| place(side, node))).collect::<Vec<_>>());
+    let is_coarse = has_room_for_edges(edges);
+    let view = camera.view;
+    for side in &sides {
+        let points: Vec<Point> = side.nodes.iter().map(|&node| place(side, node)).collect();
+        let local: Vec<f64> = side.nodes.iter().map(|&node| values[side.body][node as usize]).collect();
+        let outline = vec![Line::closed(points.clone())];
+        let lit = LAMP[0] * dot(side.normal, view.right) + LAMP[1] * dot(side.normal, view.up) + LAMP[2] * dot(side.normal, view.toward);
+        let light = AMBIENT + (1.0 - AMBIENT) * lit.clamp(0.0, 1.0);
+        let color = scale.color(scale.band(local.iter().sum::<f64>() / local.len() as f64), light);
+        // The stroke closes the hairlines between neighbors.
+        out.paint(outline.clone(), Ink::Stroke(Stroke::new(color, 0.5)));
+        if is_coarse {
+            let numbers: Vec<u32> = (0..side.nodes.len() as u32).collect();
+            contours_into(out, &Patch::new(&points, &local, [&numbers[..]]), &outline, scale, light);
+            if is_meshed {
+                out.paint(outline, Ink::Stroke(Stroke { opacity: 0.3, ..Stroke::new([0; 3], 0.5) }));
+            }
+        } else {
+            out.paint(outline, Ink::Fill(color));
+        }
+        let sharp = sharp_edges(side, &normals_at, view.toward).into_iter().map(|edge| Line::open(edge.map(|node| place(side, node))));
+        out.paint(sharp.collect(), Ink::Stroke(Stroke::new(INK, 1.1)));
+    }
+}
+
+/// Edges that bodies had before they were deformed, those that face away left out.
+pub(super) fn undeformed_into(out: &mut Drawing, bodies: &[BodyFields], camera: &Camera) {
+    let (sides, normals_at) = sides(bodies, |body, node| body.mesh.points[node], camera);
+    let place = |side: &Side, node: u32| camera.place(bodies[side.body].mesh.points[node as usize]);
+    let edges = sides.iter().flat_map(|side| {
+        let sharp = sharp_edges(side, &normals_at, camera.view.toward);
+        sharp.into_iter().map(move |edge| Line::open(edge.map(|node| place(side, node)))).collect::<Vec<_>>()
+    });
+    out.paint(edges.collect(), Ink::Stroke(undeformed_stroke()));
+}
+
+/// Nodes of a body that the viewer may see: those of facets that face him.
+pub(super) fn facing_nodes(body: &BodyFields, camera: &Camera) -> Vec<usize> {
+    let (sides, _) = sides(std::slice::from_ref(body), BodyFields::position, camera);
+    let mut nodes: Vec<usize> = sides.iter().flat_map(|side| side.nodes.iter().map(|&node| node as usize)).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// Unit normal of a polygon in space by Newell's sums; zero for a degenerate one.
+fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        for (d, component) in sum.iter_mut().enumerate() {
+            let (e, f) = ((d + 1) % 3, (d + 2) % 3);
+            *component += (a[e] - b[e]) * (a[f] + b[f]);
+        }
+    }
+    let length = sum[0].hypot(sum[1]).hypot(sum[2]);
+    if length > 0.0 { sum.map(|x| x / length) } else { [0.0; 3] }
+}

@@ -1,0 +1,19 @@
+//! The deformed bodies and the rigid obstacles that they touch, colored by nodal fields with a color bar each.
+
+mod arrows;
+mod draw;
+mod field;
+mod hull;
+mod marks;
+mod options;
+mod plane;
+mod scale;
+mod view;
+
+#[cfg(test)]
+mod tests;
+
+pub use draw::picture;
+pub use field::{Component, Field, Vectors};
+pub use options::{Measure, Panel, PictureOptions};
+pub use view::{VIEWS, View};

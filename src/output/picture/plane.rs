@@ -1,0 +1,85 @@
+//! A plane body: filled contours, thin cell edges where there is room for them, an outline. Walls beside it.
+
+use super::scale::{INK, Scale};
+use super::view::{Bounds, Camera};
+use crate::dynamics::BodyFields;
+use crate::output::contours::{Patch, simplified};
+use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
+use crate::output::obstacles::Wall;
+
+/// Deviation from a curve that nobody sees, in pixels.
+const INVISIBLE: f64 = 0.1;
+/// Cells with shorter sides, in pixels on average, are drawn without their edges: they would hide the colors.
+const ROOM_FOR_EDGES: f64 = 5.0;
+/// What rigid obstacles are made of.
+const WALL: [u8; 3] = [176, 180, 186];
+
+/// One plane body with a value at each node.
+pub(super) fn body_into(out: &mut Drawing, body: &BodyFields, values: &[f64], camera: &Camera, scale: &Scale, is_meshed: bool) {
+    let points: Vec<Point> = (0..body.mesh.points.len()).map(|node| camera.place(body.position(node))).collect();
+    let patch = patch_of(body, &points, values);
+    let outline = seen(patch.outline());
+    contours_into(out, &patch, &outline, scale, 1.0);
+    if is_meshed && has_room_for_edges(patch.edges()) {
+        let edges = patch.edges().map(Line::open).collect();
+        out.paint(edges, Ink::Stroke(Stroke { opacity: 0.28, ..Stroke::new([0; 3], 0.5) }));
+    }
+    out.paint(outline, Ink::Stroke(Stroke::new(INK, 1.1)));
+}
+
+/// The outline of a plane body before it was deformed.
+pub(super) fn undeformed_into(out: &mut Drawing, body: &BodyFields, camera: &Camera) {
+    let points: Vec<Point> = body.mesh.points.iter().map(|&point| camera.place(point)).collect();
+    let patch = patch_of(body, &points, &vec![0.0; points.len()]);
+    out.paint(seen(patch.outline()), Ink::Stroke(undeformed_stroke()));
+}
+
+/// How undeformed bodies are outlined.
+pub(super) fn undeformed_stroke() -> Stroke {
+    Stroke { dash: Some(5.0), opacity: 0.6, ..Stroke::new([0; 3], 1.0) }
+}
+
+fn patch_of(body: &BodyFields, points: &[Point], values: &[f64]) -> Patch {
+    let corners: Vec<usize> = body.mesh.kind.facets().iter().map(|facet| facet[0]).collect();
+    let polygons: Vec<Vec<u32>> = body.mesh.cells().map(|cell| corners.iter().map(|&corner| cell[corner]).collect()).collect();
+    Patch::new(points, values, polygons.iter().map(|polygon| &polygon[..]))
+}
+
+/// A rigid obstacle.
+pub(super) fn wall_into(out: &mut Drawing, wall: &Wall, camera: &Camera) {
+    out.begin_named(&wall.name);
+    let pieces: Vec<Line> = wall.pieces().map(|piece| Line::closed(piece.map(|point| camera.pixel(point)))).collect();
+    // Each by itself: pieces may lie over each other behind a corner. The stroke closes the hairlines between neighbors.
+    for piece in pieces {
+        out.paint(vec![piece.clone()], Ink::Fill(WALL));
+        out.paint(vec![piece], Ink::Stroke(Stroke::new(WALL, 0.6)));
+    }
+    let border: Vec<Point> = wall.border.iter().map(|&point| camera.pixel(point)).collect();
+    out.paint(vec![Line { points: border, is_closed: wall.is_closed }], Ink::Stroke(Stroke::new(INK, 1.6)));
+    out.end();
+}
+
+/// Whether cell edges leave the colors to be seen.
+pub(super) fn has_room_for_edges(edges: impl Iterator<Item = [Point; 2]>) -> bool {
+    let (count, length) = edges.fold((0, 0.0), |(count, length), [a, b]| (count + 1, length + (a[0] - b[0]).hypot(a[1] - b[1])));
+    length >= ROOM_FOR_EDGES * f64::from(count)
+}
+
+/// Filled contours: the whole patch in the color of its lowest band, then what is above each further level.
+pub(super) fn contours_into(out: &mut Drawing, patch: &Patch, outline: &[Line], scale: &Scale, light: f64) {
+    let lowest = scale.band(patch.range()[0]);
+    out.paint(outline.to_vec(), Ink::Fill(scale.color(lowest, light)));
+    for band in lowest + 1..=scale.band(patch.range()[1]) {
+        out.paint(seen(patch.above(scale.level(band))), Ink::Fill(scale.color(band, light)));
+    }
+}
+
+/// Closed loops; what is smaller than anyone sees is left out.
+fn seen(loops: Vec<Vec<Point>>) -> Vec<Line> {
+    let simple = loops.into_iter().map(|corners| simplified(&corners, INVISIBLE));
+    let is_seen = |corners: &Vec<Point>| {
+        let size = Bounds::of(corners.iter()).size;
+        corners.len() > 2 && size[0].max(size[1]) > 4.0 * INVISIBLE
+    };
+    simple.filter(is_seen).map(Line::closed).collect()
+}

@@ -1,0 +1,71 @@
+//! The colors of a field: bands between two values, and the bar that tells which is which.
+
+use crate::output::axis::Axis;
+use crate::output::colormap::viridis;
+use crate::output::drawing::{Anchor, Color, Drawing, Point, Stroke, elided, text_width};
+
+/// Colors between the ends of the color bar. Odd, so that the round-off of a constant field stays inside the middle one.
+pub(super) const BANDS: usize = 41;
+/// Size of text beside the bar, in pixels.
+pub(super) const TEXT: f64 = 16.0;
+/// Outlines.
+pub(super) const INK: Color = [34; 3];
+/// Width of the bar in pixels.
+const WIDTH: f64 = 18.0;
+
+/// Color scale of a field.
+pub(super) struct Scale {
+    axis: Axis,
+    low: f64,
+    high: f64,
+    label: String,
+}
+
+impl Scale {
+    /// A scale over values.
+    pub fn new(values: impl IntoIterator<Item = f64>, label: &str) -> Self {
+        let axis = Axis::over(values, 6);
+        let label = axis.name(label);
+        Scale { low: axis.unscaled(axis.low), high: axis.unscaled(axis.high), axis, label }
+    }
+
+    /// Color of a band under a light from 0 to 1.
+    pub fn color(&self, band: usize, light: f64) -> Color {
+        viridis((band as f64 + 0.5) / BANDS as f64).map(|channel| (channel * light).round() as u8)
+    }
+
+    /// Lower end of a band.
+    pub fn level(&self, band: usize) -> f64 {
+        let share = band as f64 / BANDS as f64;
+        self.low * (1.0 - share) + self.high * share
+    }
+
+    /// The band of a value.
+    pub fn band(&self, value: f64) -> usize {
+        (1..BANDS).take_while(|&band| value >= self.level(band)).count()
+    }
+
+    /// Width of the bar with its numbers and the name of the field.
+    pub fn width(&self) -> f64 {
+        let widest = self.axis.ticks.iter().map(|&tick| text_width(&self.axis.label(tick), TEXT)).fold(0.0, f64::max);
+        WIDTH + 8.0 + widest + 10.0 + TEXT
+    }
+
+    /// Draws the bar with its upper left corner there.
+    pub fn bar_into(&self, out: &mut Drawing, [x, y]: Point, height: f64) {
+        for band in 0..BANDS {
+            // Each reaches up to the end of the bar: no hairlines between them.
+            let size = height * (1.0 - band as f64 / BANDS as f64);
+            out.filled_box([x, y], [x + WIDTH, y + size], self.color(band, 1.0));
+        }
+        let thin = Stroke::new(INK, 1.0);
+        out.framed_box([x, y], [x + WIDTH, y + height], thin);
+        for &tick in &self.axis.ticks {
+            let at = y + height * (1.0 - (tick - self.axis.low) / (self.axis.high - self.axis.low));
+            out.line([[x + WIDTH, at], [x + WIDTH + 4.0, at]], thin);
+            out.text([x + WIDTH + 8.0, at + 0.35 * TEXT], self.axis.label(tick), TEXT, Anchor::Start);
+        }
+        let label = elided(&self.label, TEXT, height + 40.0);
+        out.upward_text([x + self.width() - 4.0, y + 0.5 * height], label, TEXT, Anchor::Middle);
+    }
+}

@@ -1,0 +1,215 @@
+//! Pictures of the deformed bodies and the obstacles that they touch.
+
+use std::sync::LazyLock;
+
+use rhai::Dynamic;
+
+use super::handle::SimulationHandle;
+use super::plots::ascending;
+use super::writing::{path_parameter, write_drawing};
+use crate::math::catalogue::Interval;
+use crate::output::{Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
+use crate::script::api::examples::flight_example;
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::{as_number, describe};
+
+/// Names of the axes that may point to the sky.
+const AXES: &[&str] = &["x", "y", "z"];
+
+/// Names of a table's first column, for choices.
+macro_rules! names {
+    ($table:expr) => {{
+        static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| $table.iter().map(|row| row.0).collect());
+        &NAMES
+    }};
+}
+
+fn keys() -> Vec<Parameter> {
+    let optional = |name, kind, summary, absent| Parameter::new(name, kind, summary).or(Absent::Means(absent));
+    vec![
+        Parameter::new(
+            "field",
+            Kind::Either("a field's name or an array of names"),
+            "the field that gives the colors, or several, one panel each: `von_mises`, `pressure`, `contact_pressure`, `displacement`, \
+             `velocity`, `stress_xx`, `stress_yy`, `stress_zz`, `stress_xy`, `stress_yz`, `stress_xz`",
+        )
+        .or(Absent::Text("von_mises")),
+        optional(
+            "range",
+            Kind::Array,
+            "the values at the two ends of the color bar, `[least, greatest]`; an array of these for several fields",
+            "those of the field",
+        ),
+        optional(
+            "unit",
+            Kind::Text,
+            "your unit of the field, said at the color bar: `\"MPa\"`; for several fields with commas between",
+            "none",
+        ),
+        optional("title", Kind::Text, "the text above", "name of the simulation and time"),
+        Parameter::new("mesh", Kind::Flag, "whether cell edges are drawn where there is room for them").or(Absent::Flag(true)),
+        Parameter::new("undeformed", Kind::Flag, "whether the undeformed bodies are outlined").or(Absent::Flag(false)),
+        optional(
+            "vectors",
+            Kind::Choice(names!(Vectors::ALL)),
+            "what is shown by arrows; those of contact end where it presses",
+            "no arrows",
+        ),
+        optional("vector_unit", Kind::Text, "your unit of the arrows", "none"),
+        Parameter::new("scale", Kind::Choice(names!(Measure::ALL)), "what tells lengths: a scale bar, or axes with numbers (in the plane)")
+            .or(Absent::Text("bar")),
+        optional("length_unit", Kind::Text, "your unit of lengths: `\"mm\"`", "none"),
+        optional(
+            "view",
+            Kind::Either("a direction's name or a vector from the bodies to the viewer"),
+            "from where bodies in space are seen: `\"iso\"`, `\"front\"`, `\"back\"`, `\"left\"`, `\"right\"`, `\"top\"`, `\"bottom\"`, or \
+             a vector such as `[1, -2, 1]`",
+            "\"iso\"",
+        ),
+        Parameter::new("up", Kind::Choice(AXES), "the axis that points to the sky in space").or(Absent::Text("z")),
+        Parameter::number("width", "pixels", Interval::Closed(240.0, 10000.0), "the width; a PNG has twice as many pixels")
+            .or(Absent::Number(720.0)),
+    ]
+}
+
+/// `sim.picture`.
+pub(super) fn picture_function() -> Function {
+    Function {
+        name: "picture",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "draws the deformed bodies and their rigid obstacles as SVG or PNG, colored by one or several fields, with color bars, a \
+                  scale, and in space the directions of the axes",
+        parameters: vec![
+            path_parameter("an `.svg` or `.png` file below the output folder"),
+            Parameter::new("options", Kind::Options(keys()), "what is shown").or(Absent::Means("#{ field: \"von_mises\" }")),
+        ],
+        returns: "",
+        example: flight_example(
+            "sim.picture(\"start.svg\", #{ field: \"velocity\", vectors: \"velocity\", length_unit: \"m\" });\n\
+             sim.picture(\"both.png\", #{ field: [\"von_mises\", \"pressure\"], mesh: false });",
+        ),
+        see_also: &["plot", "write_fields"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+            let dimension = handle.0.model.model.dimension();
+            let title = options.argument("title");
+            let title = if title.is_given() { Some(title.text()?) } else { None };
+            let mut shown = shown(&options, dimension)?;
+            Ok(write_drawing(call, Some(&handle), || {
+                handle.with(call, |simulation| {
+                    shown.title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, brief(simulation.time())));
+                    picture(&simulation.fields(), &simulation.obstacles(), &shown)
+                })
+            })?)
+        }),
+    }
+}
+
+/// What the options say, in a space of that dimension.
+fn shown(options: &Options, dimension: usize) -> Result<PictureOptions, Failure> {
+    let text = |name: &str| {
+        let argument = options.argument(name);
+        if argument.is_given() { argument.text() } else { Ok(String::new()) }
+    };
+    let measure = options.text("scale")?;
+    let measure = Measure::ALL.iter().find(|row| row.0 == measure).map_or(Measure::default(), |row| row.1);
+    if measure == Measure::Axes && dimension == 3 {
+        let argument = options.argument("scale");
+        let failure =
+            argument.fail("bodies in space have no axes with numbers").cause("lengths along the line of sight cannot be read off");
+        return Err(failure.hint("use `scale: \"bar\"`; the triad tells the directions"));
+    }
+    let vectors = text("vectors")?;
+    let vectors = Vectors::ALL.iter().find(|row| row.0 == vectors).map(|row| row.2);
+    Ok(PictureOptions {
+        panels: panels(options)?,
+        title: String::new(),
+        width: options.number("width")?,
+        view: view(options, dimension)?,
+        is_meshed: options.flag("mesh")?,
+        is_undeformed_shown: options.flag("undeformed")?,
+        vectors: vectors.zip(Some(text("vector_unit")?)),
+        measure,
+        length_unit: text("length_unit")?,
+    })
+}
+
+/// The fields with their ranges and units.
+fn panels(options: &Options) -> Result<Vec<Panel>, Failure> {
+    let argument = options.argument("field");
+    let value = if argument.is_given() { argument.value() } else { Dynamic::from("von_mises") };
+    let names: Option<Vec<String>> = match value.clone().into_array() {
+        Ok(array) => array.into_iter().map(|name| name.into_string().ok()).collect(),
+        Err(_) => value.clone().into_string().ok().map(|name| vec![name]),
+    };
+    let names = names.filter(|names| !names.is_empty()).ok_or_else(|| argument.wrong_type())?;
+    let known: Vec<&str> = Field::ALL.iter().map(|row| row.0).collect();
+    let fields: Vec<Field> =
+        names.iter().map(|name| Field::from_name(name).ok_or_else(|| argument.unknown_choice(name, &known))).collect::<Result<_, _>>()?;
+    let ranges = ranges(&options.argument("range"), fields.len())?;
+    let argument = options.argument("unit");
+    let units = if argument.is_given() { argument.text()? } else { String::new() };
+    let units: Vec<&str> = units.split(',').map(str::trim).collect();
+    if fields.len() > 1 && argument.is_given() && units.len() != fields.len() {
+        let failure = argument.fail(format!("{} must name one unit for each of the {} fields", argument.title(), fields.len()));
+        return Err(failure.label(format!("this names {}", units.len())).hint("write `\"MPa, mm\"`"));
+    }
+    let unit = |index: usize| if fields.len() == 1 { units.join(", ") } else { units.get(index).unwrap_or(&"").to_string() };
+    Ok(fields.iter().zip(ranges).enumerate().map(|(index, (&field, range))| Panel { field, range, unit: unit(index) }).collect())
+}
+
+/// The ranges of that many fields.
+fn ranges(argument: &Argument, count: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
+    if !argument.is_given() || count == 1 {
+        return Ok(vec![ascending(argument)?; count]);
+    }
+    let entries = argument.array()?;
+    let pair = |entry: &Dynamic| {
+        let numbers: Vec<f64> = entry.clone().into_array().ok()?.iter().map(as_number).collect::<Option<_>>()?;
+        <[f64; 2]>::try_from(numbers).ok().filter(|[low, high]| low < high)
+    };
+    let pairs: Option<Vec<[f64; 2]>> = entries.iter().map(pair).collect();
+    match pairs.filter(|pairs| pairs.len() == count) {
+        Some(pairs) => Ok(pairs.into_iter().map(Some).collect()),
+        None => {
+            let failure =
+                argument.fail(format!("{} must be an array with a range `[least, greatest]` for each of {count} fields", argument.title()));
+            Err(failure.hint("write `range: [[0.0, 1.0], [0.0, 5.0]]`, or leave it out"))
+        }
+    }
+}
+
+/// From where bodies in space are seen.
+fn view(options: &Options, dimension: usize) -> Result<View, Failure> {
+    let (argument, up) = (options.argument("view"), options.argument("up"));
+    for given in [&argument, &up] {
+        if dimension == 2 && given.is_given() {
+            let failure = given.fail(format!("{} is for bodies in space", given.title())).label("these bodies are plane");
+            return Err(failure.cause("`x` points right and `y` up in pictures of the plane").hint("leave it out"));
+        }
+    }
+    let axis = up.text()?;
+    let axis = AXES.iter().position(|name| *name == axis).unwrap_or(2);
+    if !argument.is_given() {
+        return Ok(View::named("iso", axis).unwrap_or_default());
+    }
+    let value = argument.value();
+    if let Ok(name) = value.clone().into_string() {
+        return View::named(&name, axis).ok_or_else(|| argument.unknown_choice(&name, &VIEWS));
+    }
+    if !value.is_array() {
+        return Err(argument.wrong_type());
+    }
+    View::from_direction(argument.vector(3)?, axis).ok_or_else(|| {
+        let failure = argument
+            .fail(format!("{} has no direction", argument.title()))
+            .label(format!("this is {}", describe(argument.call().engine(), &value)));
+        failure.hint("give the direction from the bodies to the viewer, such as `[1, -2, 1]`")
+    })
+}
