@@ -404,3 +404,17 @@ fn progress_without_a_terminal_is_plain_lines() {
     let output = child.wait_with_output().unwrap();
     assert!(!stderr(&output).contains('\u{1b}'), "no escape codes: {}", stderr(&output));
 }
+
+#[test]
+fn the_reference_is_searched_and_shells_are_told_of_the_commands() {
+    let home = folder("tools", "fn test_a() { expect(true); }\nfn test_b() { expect(false); }\nfn test_c(x) { expect(x); }\n");
+    let found = run(&home, &["doc", "--search", "angular velocity"]);
+    assert!(stdout(&found).contains("Model.initial_velocity: "), "{}", stdout(&found));
+    assert_eq!(run(&home, &["doc", "--search", "zebra quagga"]).status.code(), Some(2));
+    assert!(stdout(&run(&home, &["doc", "for"])).starts_with("loops over values\n"));
+    assert!(stdout(&run(&home, &["completions", "bash"])).contains("_conserva"));
+    assert!(stdout(&run(&home, &["man"])).contains(".TH conserva"));
+    let listed = run(&home, &["test", "--list", "main.rhai"]);
+    assert_eq!((stdout(&listed).as_str(), listed.status.code()), ("main.rhai::test_a\nmain.rhai::test_b\n", Some(0)));
+    assert!(stderr(&listed).contains("`test_c` is not run: a test has no parameters"), "{}", stderr(&listed));
+}

@@ -113,6 +113,30 @@ fn entries_completion_help_and_history() {
 }
 
 #[test]
+fn entries_are_taken_back_and_nothing_is_overwritten_unasked() {
+    let folder = folder("undo");
+    let mut session = prompt(&folder, &["repl", "press.rhai"]);
+    session.send_line("/// Twice a number.").unwrap();
+    enter(&mut session, "fn twice(x) { 2 * x }", "");
+    enter(&mut session, "?twice", "Twice a number.");
+    enter(&mut session, "?for", "loops over values");
+    enter(&mut session, "let n = 5;", "");
+    enter(&mut session, "let n = 6; let k = 7;", "");
+    enter(&mut session, ":undo", "taken back");
+    enter(&mut session, "n", "5");
+    enter(&mut session, "k", "there is no variable `k`");
+    enter(&mut session, "let early = 1; let late = twice(1, 2);", "what it had declared before stays: `early`");
+    enter(&mut session, "late", "the entry that declares `late` failed");
+    enter(&mut session, "sim.step()", "");
+    enter(&mut session, ":undo", "`sim.back(n)` takes back steps");
+    enter(&mut session, ":save press.rhai", "press.rhai is there already");
+    assert_eq!(std::fs::read_to_string(folder.join("press.rhai")).unwrap(), PRESS);
+    assert!(folder.join("out/press-repl/history.csv").exists() && !folder.join("out/press").exists());
+    session.send_line("exit").unwrap();
+    session.exp_eof().unwrap();
+}
+
+#[test]
 fn interrupts_leave_everything_usable_and_the_record_gives_the_same_bytes() {
     let folder = folder("record");
     let mut session = prompt(&folder, &["repl", "press.rhai", "--out", "first"]);
@@ -212,7 +236,7 @@ fn objects_files_and_states_at_the_prompt() {
     // failed steps can be asked why
     enter(&mut session, "let hit = branch_of(1)", "there is no function `branch_of`");
     quit(session);
-    assert!(folder.join("out/press/energies.svg").is_file());
+    assert!(folder.join("out/press-repl/energies.svg").is_file());
 }
 
 /// Keys that are typed while an entry runs are the next entries.

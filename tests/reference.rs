@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use conserva::script::{Absent, Dimension, Entry, Form, Function, Kind, Parameter, Reference, Session, Settings, Silent};
+use conserva::script::{Absent, Dimension, Entry, Form, Function, Kind, PAGES, Parameter, Reference, Session, Settings, Silent};
 
 fn session() -> Session {
     let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
@@ -82,6 +82,11 @@ fn every_example_runs() {
             failures.push(format!("{}:\n{}", function.signature(), error.render(conserva::script::Ink::Plain)));
         }
     }
+    for page in PAGES {
+        if let Err(error) = session().evaluate("example", page.example) {
+            failures.push(format!("{}:\n{}", page.title, error.render(conserva::script::Ink::Plain)));
+        }
+    }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
@@ -99,6 +104,14 @@ fn every_word_has_its_sentence_and_is_found() {
     }
     assert!(matches!(reference.find("Model").as_deref(), Ok([Entry::Topic(..), Entry::Type(..)])));
     assert!(matches!(reference.find("Body.mass").as_deref(), Ok([Entry::Function(_)])));
+    for page in PAGES {
+        for name in page.names {
+            let found = reference.find(name).unwrap_or_default();
+            assert!(found.iter().any(|entry| matches!(entry, Entry::Page(found) if *found == page)), "{name} is not found");
+        }
+    }
+    assert!(reference.search("angular velocity").iter().any(|entry| entry.line().starts_with("Model.initial_velocity")));
+    assert!(reference.search("zebra quagga").is_empty());
     assert!(reference.find("rectangel").err().flatten().unwrap().contains("rectangle"));
     let json: serde_json::Value = serde_json::from_str(&reference.json()).unwrap();
     assert_eq!(json["functions"].as_array().unwrap().len(), functions().len());

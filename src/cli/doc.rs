@@ -14,6 +14,9 @@ use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent};
 pub struct Arguments {
     /// A function, method, word, topic or type [default: everything]
     name: Option<String>,
+    /// List everything whose text has these words
+    #[arg(long, value_name = "TEXT", conflicts_with = "name")]
+    search: Option<String>,
     /// How it is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -42,6 +45,9 @@ pub fn doc(arguments: Arguments) -> u8 {
         }
     };
     let reference = Reference::new(&session.registry());
+    if let Some(text) = &arguments.search {
+        return search(&reference, text);
+    }
     let entries = match arguments.name.as_deref().map(|name| (name, reference.find(name))) {
         None => None,
         Some((_, Ok(entries))) => Some(entries),
@@ -62,5 +68,18 @@ pub fn doc(arguments: Arguments) -> u8 {
         (Format::Json, Some(entries)) => reference.entries_json(&entries),
     };
     Console::new(true).say(text.trim_end());
+    0
+}
+
+/// Lists what mentions a text; the exit code.
+fn search(reference: &Reference, text: &str) -> u8 {
+    let found = reference.search(text);
+    if found.is_empty() {
+        let error = Diagnostic::error(Class::Script, format!("nothing in the reference mentions \"{text}\""));
+        complain(&error.hint("use fewer or other words; `conserva doc` lists everything").render(ink()));
+        return exit_code(Class::Script);
+    }
+    let console = Console::new(true);
+    found.iter().for_each(|entry| console.say(&entry.line()));
     0
 }

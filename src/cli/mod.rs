@@ -11,9 +11,10 @@ mod run;
 mod script_arguments;
 mod test;
 
+use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::script::Class;
 use process::{STACK, exit_code};
@@ -40,6 +41,20 @@ enum Command {
     New(new::Arguments),
     /// Try things out at a prompt, after running a script or not
     Repl(repl::Arguments),
+    /// Write what a shell needs to complete commands and options
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual page, for `man`
+    Man,
+}
+
+/// Writes to standard output; the exit code.
+fn write_out(text: &[u8]) -> u8 {
+    // A reader that has closed its pipe wants no more.
+    let _ = std::io::stdout().lock().write_all(text);
+    0
 }
 
 /// Runs the command of this process's arguments.
@@ -54,6 +69,17 @@ pub fn main() -> ExitCode {
         Command::Doc(arguments) => doc::doc(arguments),
         Command::New(arguments) => new::new(arguments),
         Command::Repl(arguments) => repl::repl(arguments),
+        Command::Completions { shell } => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut CommandLine::command(), "conserva", &mut text);
+            write_out(&text)
+        }
+        Command::Man => {
+            let mut text = Vec::new();
+            // Writing into memory does not fail.
+            let _ = clap_mangen::Man::new(CommandLine::command()).render(&mut text);
+            write_out(&text)
+        }
     };
     match std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join()) {
         Ok(Ok(code)) => ExitCode::from(code),

@@ -17,13 +17,16 @@ use rustyline::highlight::{CmdKind, Highlighter};
 use rustyline::hint::{Hint, Hinter, HistoryHinter};
 use rustyline::history::FileHistory;
 use rustyline::validate::{ValidationContext, ValidationResult, Validator};
-use rustyline::{CompletionType, Config, Context, Editor, Helper};
+use rustyline::{
+    Cmd, CompletionType, ConditionalEventHandler, Config, Context, Editor, Event, EventContext, EventHandler, Helper, KeyCode, KeyEvent,
+    Modifiers, RepeatCount,
+};
 use signal_hook::consts::SIGINT;
 use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use crate::script::{Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home};
+use crate::script::{Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home, indentation};
 
 /// Arguments of `conserva repl`.
 #[derive(Args)]
@@ -36,7 +39,7 @@ pub struct Arguments {
     /// Let the session read files below this folder, too (it may read those below the script's, or the current one)
     #[arg(long, value_name = "DIR")]
     allow_read: Vec<PathBuf>,
-    /// Folder of the results [default: out/<script name>, or out/repl]
+    /// Folder of the results [default: out/<script name>-repl, or out/repl]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Threads of the element loop; results do not depend on it
@@ -53,11 +56,13 @@ const HELP: &str = "\
   Tab              completes names, members, options, names and files in strings
   Ctrl-R           searches the history, which lasts across sessions
   Ctrl-C           clears the line, or stops what runs at a whole step; Ctrl-D quits
+  ?for, ?array     the language itself; ?f one's own function, too
+  :undo            takes back the last entry: variables and functions, not steps of a simulation
   :time ENTRY      evaluates and tells how long it took
   :vars            lists the variables
   :load FILE       evaluates a file
-  :save FILE       writes the session as a script that runs from scratch to the same results
-  :help, :quit";
+  :save FILE       writes the session as a script that runs from scratch to the same results; :save! FILE overwrites
+  :help, :quit, exit, quit";
 
 /// The session as rustyline sees it.
 struct Prompt {
@@ -98,7 +103,7 @@ impl Completer for Prompt {
                 let (start, found) = self.session.borrow().complete(entry);
                 return Ok((start + before.len() - entry.len(), found.into_iter().map(pair).collect()));
             }
-            let names = ["help", "load ", "quit", "save ", "time ", "vars"].into_iter().filter(|name| name.starts_with(command));
+            let names = ["help", "load ", "quit", "save ", "time ", "undo", "vars"].into_iter().filter(|name| name.starts_with(command));
             return Ok((1, names.map(|name| Pair { display: format!(":{name}"), replacement: name.into() }).collect()));
         }
         let (start, found) = self.session.borrow().complete(before);
@@ -171,6 +176,20 @@ impl Highlighter for Prompt {
     }
 }
 
+/// The Enter key: a new line of an entry that is not complete begins as deep as brackets are open.
+struct Indent;
+
+impl ConditionalEventHandler for Indent {
+    fn handle(&self, _: &Event, _: RepeatCount, _: bool, context: &EventContext) -> Option<Cmd> {
+        let line = context.line();
+        if context.pos() < line.len() || line.starts_with([':', '?']) {
+            return None;
+        }
+        let indentation = indentation(line);
+        (!indentation.is_empty()).then(|| Cmd::Insert(1, format!("\n{indentation}")))
+    }
+}
+
 /// The file that keeps the history, its folder made.
 fn history_file() -> Option<PathBuf> {
     let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
@@ -188,7 +207,7 @@ pub fn repl(arguments: Arguments) -> u8 {
         return exit_code(Class::Internal);
     }
     let stem = arguments.script.as_ref().and_then(|script| script.file_stem()).map(|stem| stem.to_string_lossy().into_owned());
-    let out = arguments.out.unwrap_or_else(|| Path::new("out").join(stem.unwrap_or_else(|| "repl".into())));
+    let out = arguments.out.unwrap_or_else(|| Path::new("out").join(stem.map_or_else(|| "repl".into(), |stem| format!("{stem}-repl"))));
     let console = Rc::new(Console::new(false));
     let settings = Settings {
         mode: Mode::Run,
@@ -247,6 +266,8 @@ impl Terminal {
             files: FilenameCompleter::new(),
             is_colored,
         }));
+        let indent = EventHandler::Conditional(Box::new(Indent));
+        editor.bind_sequence(KeyEvent(KeyCode::Enter, Modifiers::NONE), indent);
         let history = history_file();
         if let Some(file) = &history {
             // The first session has none.
@@ -283,6 +304,11 @@ impl Terminal {
             return true;
         }
         let Some(command) = line.strip_prefix(':') else {
+            let plain = line.trim_end_matches([';', ' ']).trim_end_matches("()");
+            let is_variable = || self.session.borrow().variables().iter().any(|variable| variable.name == plain);
+            if matches!(plain, "exit" | "quit") && !is_variable() {
+                return false;
+            }
             self.evaluate(line, false);
             return true;
         };
@@ -292,10 +318,20 @@ impl Terminal {
             "quit" | "q" => return false,
             "help" => self.console.say(HELP),
             "vars" => self.variables(),
+            "undo" => {
+                let undone = self.session.borrow_mut().undo();
+                match undone {
+                    Ok(()) => self.console.say("taken back; `:vars` lists the variables"),
+                    Err(cause) => complain(&format!("error: nothing is taken back\n= cause: {cause}\n")),
+                }
+            }
             "time" if !rest.is_empty() => self.evaluate(rest, true),
             "load" if !rest.is_empty() => self.load(Path::new(rest)),
-            "save" if !rest.is_empty() => self.save(Path::new(rest)),
-            "time" | "load" | "save" => {
+            "save" if !rest.is_empty() && Path::new(rest).exists() => {
+                complain(&format!("error: {rest} is there already\n= hint: choose another name, or overwrite it: `:save! {rest}`\n"))
+            }
+            "save" | "save!" if !rest.is_empty() => self.save(Path::new(rest)),
+            "time" | "load" | "save" | "save!" => {
                 complain(&format!("error: `:{command}` needs what follows it\n= hint: `:help` lists the commands\n"))
             }
             other => complain(&format!("error: there is no command `:{other}`\n= hint: `:help` lists the commands\n")),

@@ -36,6 +36,8 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("pulp", &["math", "linear"]),
     ("feral-metis", &["linear"]),
     ("flate2", &["output"]),
+    ("clap_complete", &["cli"]),
+    ("clap_mangen", &["cli"]),
     ("indicatif", &["cli"]),
     // its matrices are the vocabulary of the kernels' interfaces
     ("nalgebra", &["math", "elements", "linear", "materials", "integrators", "bodies", "contact", "dynamics"]),

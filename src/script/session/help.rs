@@ -4,11 +4,15 @@
 
 use rhai::Dynamic;
 
+use super::pages::PAGES;
 use super::reference::{Entry, Reference, TOPICS};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::registry::Registry;
+
+/// Entries that mention a name which has no entry, at most.
+const MENTIONS: usize = 8;
 
 /// Names of the topics.
 pub fn topics() -> impl Iterator<Item = String> {
@@ -25,7 +29,10 @@ pub fn help(registry: &Registry, name: &str) -> String {
         Ok(entries) => entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n"),
         Err(suggestion) => {
             let suggestion = suggestion.unwrap_or_else(|| "`help()` lists the topics".into());
-            format!("there is no function, topic or type `{name}`; {suggestion}")
+            let found = Reference::new(registry).search(name);
+            let lines: Vec<String> = found.iter().take(MENTIONS).map(|entry| format!("\n  {}", entry.line())).collect();
+            let mentions = if lines.is_empty() { String::new() } else { format!("; it is mentioned in{}", lines.concat()) };
+            format!("there is no function, topic or type `{name}`; {suggestion}{mentions}")
         }
     }
 }
@@ -46,6 +53,8 @@ fn overview(registry: &Registry) -> String {
         lines.push(format!("\n{}", title.to_lowercase()));
         lines.extend(wrapped(&names, 96).into_iter().map(|line| format!("  {line}")));
     }
+    let pages: Vec<&str> = PAGES.iter().map(|page| page.names[0]).collect();
+    lines.push(format!("\nthe language itself\n  {}", pages.join(", ")));
     lines.join("\n")
 }
 

@@ -12,12 +12,13 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use rhai::{AST, Dynamic, ParseErrorType, Token};
+use rhai::{AST, Dynamic, ParseErrorType, Scope, ScriptFnMetadata, Token};
 
 use super::completion::{Candidate, KEYWORDS, Words};
 use super::cursor::{Cursor, Piece, PieceKind, pieces};
 use super::help;
 use super::imports::Imports;
+use super::pages::PAGES;
 use super::record::{ANSWER, Record, lexemes, positions};
 use super::session::{Report, Session, defect};
 use super::shown::{kind_of, shown};
@@ -30,9 +31,13 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::reason;
 use crate::script::language::settings::Settings;
 use crate::script::language::sources::offset;
+use crate::script::language::wording::listed;
 
 /// Name of the source in which all entries stand.
 const SOURCE: &str = "prompt";
+
+/// What each open bracket puts in front of a new line.
+const INDENTATION: &str = "    ";
 
 /// What an entry gave.
 #[derive(Clone, Debug, Default)]
@@ -76,7 +81,22 @@ pub struct Interactive {
     imports: Imports,
     record: Record,
     count: usize,
+    /// What there was before the last entries, to go back to.
+    earlier: Vec<Earlier>,
+    /// When the last entry had been answered.
+    answered: Instant,
 }
+
+/// A session before an entry.
+struct Earlier {
+    scope: Scope<'static>,
+    functions: AST,
+    recorded: usize,
+    effects: u64,
+}
+
+/// Entries that can be undone.
+const UNDONE: usize = 10;
 
 impl Interactive {
     /// A session for files below a folder.
@@ -86,7 +106,15 @@ impl Interactive {
     pub fn new(settings: Settings, home: &Path, observer: Rc<dyn Observer>) -> Result<Self, Box<Diagnostic>> {
         let mut session = Session::new(settings, home, observer)?;
         session.scope.push(ANSWER, ());
-        Ok(Interactive { session, functions: AST::empty(), imports: Imports::default(), record: Record::default(), count: 0 })
+        Ok(Interactive {
+            session,
+            functions: AST::empty(),
+            imports: Imports::default(),
+            record: Record::default(),
+            count: 0,
+            earlier: Vec::new(),
+            answered: Instant::now(),
+        })
     }
 
     /// Evaluates what was typed.
@@ -116,9 +144,12 @@ impl Interactive {
     fn enter(&mut self, name: &str, text: &str) -> Result<Answer, Box<Diagnostic>> {
         let host = self.session.host.clone();
         let begun = Instant::now();
+        self.session.idle += begun.duration_since(self.answered);
         let (effects, before) = (host.effects(), positions(&self.session));
+        self.keep_earlier(effects);
         let outcome = catch_unwind(AssertUnwindSafe(|| self.run(name, text))).unwrap_or_else(|panic| Err((Some(0), defect(&*panic))));
         let lexemes = lexemes(&self.session, text);
+        self.answered = Instant::now();
         match outcome {
             Ok(value) => {
                 let has_value = !value.is_unit();
@@ -132,13 +163,53 @@ impl Interactive {
                 }
                 Ok(Answer { shown, elapsed: begun.elapsed() })
             }
-            Err((None, error)) => Err(error),
+            Err((None, error)) => {
+                // Nothing ran, so there is nothing to take back.
+                self.earlier.pop();
+                Err(error)
+            }
             Err((Some(position), error)) => {
                 let affected = host.effects() != effects || positions(&self.session) != before;
                 self.record.keep_part(&self.session, text, position, &error, affected, &before);
-                Err(error)
+                Err(Box::new(self.told_what_stays(*error)))
             }
         }
+    }
+
+    fn keep_earlier(&mut self, effects: u64) {
+        if self.earlier.len() == UNDONE {
+            self.earlier.remove(0);
+        }
+        let (scope, functions) = (self.session.scope.clone(), self.functions.clone());
+        self.earlier.push(Earlier { scope, functions, recorded: self.record.len(), effects });
+    }
+
+    /// Takes back the last entry: variables and functions are as they were before it.
+    ///
+    /// # Errors
+    /// There is none, or it has changed objects, which are not taken back; in words.
+    pub fn undo(&mut self) -> Result<(), String> {
+        let Some(earlier) = self.earlier.pop() else { return Err("there is no entry to take back".into()) };
+        if earlier.effects != self.session.host.effects() {
+            self.earlier.push(earlier);
+            return Err("the last entry changed a model or a simulation, which is not taken back; `sim.back(n)` takes back steps".into());
+        }
+        self.session.scope = earlier.scope;
+        self.functions = earlier.functions;
+        self.record.truncate(earlier.recorded);
+        Ok(())
+    }
+
+    /// An error of an entry with what is left of the entry.
+    fn told_what_stays(&self, error: Diagnostic) -> Diagnostic {
+        let Some(earlier) = self.earlier.last() else { return error };
+        let all: Vec<&str> = self.session.scope.iter_raw().map(|(name, ..)| name).collect();
+        let mut new: Vec<&str> = all[..all.len() - earlier.scope.len().min(all.len())].to_vec();
+        if new.is_empty() {
+            return error;
+        }
+        new.reverse();
+        error.cause(format!("the entry ended there; what it had declared before stays: {}", listed(&new, "and")))
     }
 
     /// Compiles and runs an entry; an error comes with where in the entry it was raised, unless nothing ran at all.
@@ -185,6 +256,10 @@ impl Interactive {
         if cursor.is_crossed {
             return false;
         }
+        // A comment that belongs to the function that follows.
+        if text.trim_end().rsplit('\n').next().is_some_and(|last| last.trim_start().starts_with("///")) {
+            return true;
+        }
         if let Some(start) = cursor.in_string() {
             return text[..start].ends_with('`');
         }
@@ -223,7 +298,10 @@ impl Interactive {
             Some(name) => {
                 let registry = Registry::of(&self.session.host);
                 let names = registry.functions().iter().map(|function| function.name.to_string());
-                let names = names.chain(help::topics()).chain(registry.types().names().iter().map(ToString::to_string));
+                let pages = PAGES.iter().flat_map(|page| page.names.iter().map(ToString::to_string));
+                let own = self.functions.iter_functions().map(|function| function.name.to_string());
+                let names =
+                    names.chain(help::topics()).chain(pages).chain(own).chain(registry.types().names().iter().map(ToString::to_string));
                 let mut names: Vec<String> = names.filter(|known| known.starts_with(name)).collect();
                 names.sort();
                 names.dedup();
@@ -238,9 +316,15 @@ impl Interactive {
         self.words(|words| words.hint(before))
     }
 
-    /// Help on a name: of a topic, a function, a type, or a variable of the session.
+    /// Help on a name: of a topic, a function, also one of the session's own, a type, or a variable of the session.
     pub fn help(&self, name: &str) -> String {
         let registry = Registry::of(&self.session.host);
+        let own = name.trim().trim_end_matches("()");
+        let own: Vec<String> =
+            self.functions.iter_functions().filter(|function| function.name == own).map(|function| own_help(&function)).collect();
+        if !own.is_empty() {
+            return own.join("\n\n");
+        }
         match self.session.scope.get(name.trim()) {
             Some(value) if registry.named(name.trim()).next().is_none() => {
                 let engine = self.session.engine.borrow();
@@ -290,6 +374,7 @@ impl Interactive {
 
     /// Ends the session: writes the files of its simulations.
     pub fn finish(&mut self) -> Report {
+        self.session.idle += self.answered.elapsed();
         self.session.finish(None)
     }
 
@@ -297,6 +382,25 @@ impl Interactive {
     pub fn script(&self) -> String {
         self.record.script(&self.session)
     }
+}
+
+/// What a new line begins with after a text with open brackets; nothing without any, or inside of a string.
+pub fn indentation(text: &str) -> String {
+    let cursor = Cursor::new(text);
+    let is_plain = cursor.in_string().is_none() && !cursor.in_comment && !cursor.is_crossed;
+    INDENTATION.repeat(if is_plain { cursor.levels.len() } else { 0 })
+}
+
+/// What a function of the session says of itself.
+fn own_help(function: &ScriptFnMetadata) -> String {
+    let comments = function.comments.iter().flat_map(|comment| comment.lines());
+    let comments: Vec<String> = comments.map(|line| format!("\n  {}", line.trim().trim_start_matches('/').trim())).collect();
+    let comments = if comments.is_empty() {
+        "\n  a function of this session; `///` comments in front of it are its help".into()
+    } else {
+        comments.concat()
+    };
+    format!("{}({}){comments}", function.name, function.params.join(", "))
 }
 
 fn unreadable(name: &str, cause: &str) -> Box<Diagnostic> {

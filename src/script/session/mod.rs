@@ -12,6 +12,7 @@ pub mod interactive;
 #[cfg(test)]
 mod interactive_tests;
 pub mod modules;
+pub mod pages;
 pub mod record;
 pub mod reference;
 #[allow(clippy::module_inception)] // the room has the name of what it is about

@@ -41,6 +41,16 @@ pub struct Record {
 }
 
 impl Record {
+    /// Number of entries.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Forgets the entries after the first ones.
+    pub fn truncate(&mut self, count: usize) {
+        self.entries.truncate(count);
+    }
+
     /// Keeps an entry that ended without an error.
     pub fn keep(&mut self, text: &str, has_value: bool) {
         self.entries.push(Recorded { text: text.trim().into(), fate: Fate::Done { value: has_value } });

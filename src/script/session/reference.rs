@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use serde_json::{Value, json};
 
+use super::pages::{PAGES, Page, page};
 use crate::dynamics::{LedgerRow, RunFindingKind, UPDATE_RULES};
 use crate::elements::CellKind;
 use crate::materials;
@@ -52,6 +53,8 @@ pub enum Entry {
     Function(Rc<Function>),
     /// A word that is no function.
     Word(Word),
+    /// A page on the language itself.
+    Page(&'static Page),
     /// A topic with its functions.
     Topic(&'static str, Vec<Rc<Function>>),
     /// A type with its members.
@@ -161,6 +164,7 @@ impl Reference {
         }
         let mut found: Vec<Entry> = functions.into_iter().cloned().map(Entry::Function).collect();
         found.extend(self.words.iter().filter(|word| word.name == wanted).cloned().map(Entry::Word));
+        found.extend(page(wanted).map(Entry::Page));
         let lower = wanted.to_lowercase();
         let alone = found.is_empty();
         let of_title = |title: &str| title == lower || (alone && title.starts_with(&format!("{lower} ")));
@@ -172,9 +176,21 @@ impl Reference {
         if !found.is_empty() {
             return Ok(found);
         }
-        let names = self.functions.iter().map(|function| function.name).chain(self.words.iter().map(|word| word.name));
+        let pages = PAGES.iter().flat_map(|page| page.names.iter().copied());
+        let names = self.functions.iter().map(|function| function.name).chain(pages).chain(self.words.iter().map(|word| word.name));
         let names = names.chain(TOPICS.iter().map(|(_, title)| *title)).chain(self.types());
         Err(did_you_mean(last, names))
+    }
+
+    /// Everything whose name or text has all words of a text.
+    pub fn search(&self, text: &str) -> Vec<Entry> {
+        let wanted: Vec<String> = text.to_lowercase().split_whitespace().map(Into::into).collect();
+        let has_all = |text: String| !wanted.is_empty() && wanted.iter().all(|word| text.contains(word.as_str()));
+        let of_function = |function: &&Rc<Function>| has_all(function_text(function).to_lowercase());
+        let pages = PAGES.iter().filter(|page| has_all(format!("{} {} {}", page.names.join(" "), page.title, page.about).to_lowercase()));
+        let functions = self.functions.iter().filter(of_function).cloned().map(Entry::Function);
+        let words = self.words.iter().filter(|word| has_all(format!("{} {} {}", word.name, word.group, word.summary).to_lowercase()));
+        functions.chain(pages.map(Entry::Page)).chain(words.cloned().map(Entry::Word)).collect()
     }
 
     /// One line for each function and word, topic by topic.
@@ -187,7 +203,11 @@ impl Reference {
             let rows: Vec<String> = words.iter().map(|word| format!("  {}\n      {}", word.name, word.summary)).collect();
             let _ = writeln!(text, "{}\n{}\n", plural(group), rows.join("\n"));
         }
-        text.push_str("`conserva doc NAME` tells more of a function, word, topic or type\n");
+        let pages: Vec<&str> = PAGES.iter().map(|page| page.names[0]).collect();
+        let _ = writeln!(text, "The language itself\n  {}\n", pages.join(", "));
+        text.push_str(
+            "`conserva doc NAME` tells more of a function, word, topic or type; `conserva doc --search TEXT` searches everything\n",
+        );
         text
     }
 
@@ -216,6 +236,8 @@ impl Reference {
                 page.push_str(&self.function_markdown(&function));
             }
         }
+        page.push_str("## The language itself\n\n");
+        PAGES.iter().for_each(|entry| page.push_str(&entry.markdown()));
         page.push_str("## Words\n\n");
         for (group, words) in self.groups() {
             let _ = writeln!(page, "### {}\n\n| name | is |\n|---|---|", plural(group));
@@ -233,6 +255,7 @@ impl Reference {
     pub fn entry_markdown(&self, entry: &Entry) -> String {
         match entry {
             Entry::Function(function) => self.function_markdown(function),
+            Entry::Page(page) => page.markdown(),
             Entry::Word(word) => format!("### {}\n\n{} ({}).\n", word.name, sentence(&word.summary), word.group),
             Entry::Topic(title, functions) | Entry::Type(title, functions) => {
                 let all: Vec<String> = functions.iter().map(|function| self.function_markdown(function)).collect();
@@ -285,7 +308,8 @@ impl Reference {
     pub fn json(&self) -> String {
         let functions: Vec<Value> = self.functions.iter().map(|function| function_json(function)).collect();
         let words: Vec<Value> = self.words.iter().map(word_json).collect();
-        pretty(&json!({ "version": env!("CARGO_PKG_VERSION"), "functions": functions, "words": words }))
+        let pages: Vec<Value> = PAGES.iter().map(Page::json).collect();
+        pretty(&json!({ "version": env!("CARGO_PKG_VERSION"), "functions": functions, "words": words, "pages": pages }))
     }
 
     /// Some entries as JSON.
@@ -294,6 +318,7 @@ impl Reference {
             .iter()
             .flat_map(|entry| match entry {
                 Entry::Function(function) => vec![function_json(function)],
+                Entry::Page(page) => vec![page.json()],
                 Entry::Word(word) => vec![word_json(word)],
                 Entry::Topic(_, functions) | Entry::Type(_, functions) => {
                     functions.iter().map(|function| function_json(function)).collect()
@@ -305,10 +330,21 @@ impl Reference {
 }
 
 impl Entry {
+    /// Name and first sentence in one line.
+    pub fn line(&self) -> String {
+        match self {
+            Entry::Function(function) => format!("{}: {}", heading(function), function.summary),
+            Entry::Page(page) => format!("{}: a page on {}", page.names[0], page.title),
+            Entry::Word(word) => format!("\"{}\", {}: {}", word.name, word.group, word.summary),
+            Entry::Topic(title, _) | Entry::Type(title, _) => (*title).to_string(),
+        }
+    }
+
     /// The entry as text for a terminal.
     pub fn text(&self) -> String {
         match self {
             Entry::Function(function) => function_text(function),
+            Entry::Page(page) => page.text(),
             Entry::Word(word) => format!("\"{}\", {}\n  {}", word.name, word.group, word.summary),
             Entry::Topic(title, functions) | Entry::Type(title, functions) => format!("{title}\n{}", listing(functions)),
         }

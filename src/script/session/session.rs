@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::rc::Rc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rhai::{Dynamic, Engine, Position, Scope};
 
@@ -72,6 +72,8 @@ pub struct Session {
     pub(super) scope: Scope<'static>,
     pub(super) host: Rc<Host>,
     begun: Instant,
+    /// Time that a prompt waited for entries, which is nobody's time.
+    pub(super) idle: Duration,
 }
 
 impl Session {
@@ -86,7 +88,7 @@ impl Session {
         host.slots.set(Rc::new(Overrides::new(&host.settings.overrides)));
         let engine = Rc::new(RefCell::new(engine(&host)));
         host.attach(&engine);
-        Ok(Session { engine, scope: constants(), host, begun })
+        Ok(Session { engine, scope: constants(), host, begun, idle: Duration::ZERO })
     }
 
     /// All functions of the language.
@@ -202,7 +204,7 @@ impl Session {
             Some(error) if error.class == Class::Interrupted => "interrupted".into(),
             Some(error) => error.title.clone(),
         };
-        let written = ending::finish(host, self.begun, &outcome).err().map(|failure| explain_failure(&failure));
+        let written = ending::finish(host, self.begun + self.idle, &outcome).err().map(|failure| explain_failure(&failure));
         Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks(), energy, is_conserving }
     }
 

@@ -1,6 +1,7 @@
 //! Script tests: what is a test in a file, and one test run in an engine of its own.
 //!
-//! Every function `test_…` without parameters is a test; one with parameters is warned of, because nobody calls it. A file without such functions but with statements is one test as a whole, so
+//! Every function `test_…` without parameters is a test; one with parameters is warned of, because nobody calls it. A file without such
+//! functions but with statements is one test as a whole, so
 //! scenarios and tutorials are tests of their own checks. A file with neither (a module) has no tests.
 //!
 //! What a test should say can stand beside the line that says it: `//~ error: text` (the test ends there with an error that contains the

@@ -61,9 +61,15 @@ pub fn method_parameter() -> Parameter {
 pub fn rule_parameters() -> [Parameter; 3] {
     [
         Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step").or(Absent::Text(GAP.name)),
-        Parameter::number("penalty", "1", Interval::Positive, "a stiffness instead of multipliers: the pressure is `penalty * E / h` times the depth, with Young's modulus E and the shortest \
-             facet h of the secondary body")
-            .or(Absent::Means("multipliers: the update rule holds exactly")),
+        Parameter::number(
+            "penalty",
+            "1",
+            Interval::Positive,
+            "a stiffness instead of multipliers: the pressure is `penalty * E / h` \
+            times the depth, with Young's modulus E and the shortest \
+             facet h of the secondary body",
+        )
+        .or(Absent::Means("multipliers: the update rule holds exactly")),
         Parameter::number(
             "augmented_lagrange",
             "1",

@@ -69,7 +69,8 @@ fn simulate() -> Function {
         name: "simulate",
         form: Form::Function,
         topic: Topic::Simulation,
-        summary: "a simulation of the model as it is now, at time 0; the first one of a script writes its files into the folder of the run, \
+        summary: "a simulation of the model as it is now, at time 0; the first one of a script writes its files into the folder of the \
+            run, \
                   each further one into a folder in it that has its name (the model's, with a number from the second on)",
         parameters: vec![
             Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"),

@@ -27,7 +27,8 @@ pub fn step() -> Function {
         name: "step",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Simulation,
-        summary: "takes one step of `dt`, or so many; where a step must be halved, each piece is a row of the history and counts in `steps`",
+        summary: "takes one step of `dt`, or so many; where a step must be halved, each piece is a row of the history and counts in \
+            `steps`",
         parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
         returns: "",
         example: flight_example("sim.step();"),
@@ -122,6 +123,10 @@ impl SimulationHandle {
         self.begin(call)?;
         self.0.advancing.set(true);
         call.host.begin_steps();
+        if end.is_none() {
+            // A single step of a large model can take long.
+            call.host.observer.began(&format!("stepping \"{}\"", self.0.name));
+        }
         let reached = || end.is_some_and(|end| self.0.simulation.borrow().time() >= end);
         let mut outcome = Ok(());
         let mut taken = 0;

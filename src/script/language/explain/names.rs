@@ -26,6 +26,11 @@ impl Explainer<'_> {
             diagnostic = diagnostic.hint(hint);
         } else if let Some(suggestion) = near {
             diagnostic = diagnostic.hint(suggestion);
+        } else if self.host.settings.interactive && place.is_some_and(|place| !is_in_function(&place.text[..place.range.start])) {
+            if self.lexemes(source).is_some_and(|lexemes| scan::has_variable(&lexemes, name)) {
+                diagnostic = diagnostic.cause(format!("the entry that declares `{name}` failed before it did, or was taken back"));
+            }
+            diagnostic = diagnostic.hint(format!("declare it: `let {name} = …;`; `:vars` lists the variables"));
         } else if self.lexemes(source).is_some_and(|lexemes| scan::has_variable(&lexemes, name)) {
             diagnostic = diagnostic
                 .cause("a function sees its parameters and constants of its own, not the variables around it")
@@ -70,4 +75,11 @@ impl Explainer<'_> {
             },
         }
     }
+}
+
+/// Whether a text ends inside the braces of a function.
+fn is_in_function(before: &str) -> bool {
+    let Some(start) = before.rfind("fn ") else { return false };
+    let body = &before[start..];
+    body.matches('{').count() > body.matches('}').count()
 }
