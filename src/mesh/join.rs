@@ -10,8 +10,8 @@ use super::{Boundary, Facet, Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
 
 impl Mesh {
-    /// This mesh and another one as one: nodes of the two at the same place (but for round-off) become one node, boundaries and parts of the
-    /// same name are joined, and facets that are now inside belong to no boundary. Numbers of this mesh stay.
+    /// This mesh and another one as one: nodes of the two at the same place (but for round-off) become one node, boundaries and parts of
+    /// the same name are joined, and facets that are now inside belong to no boundary. Numbers of this mesh stay.
     ///
     /// # Errors
     /// Cells of different kinds, no node in common, cells that overlap.
@@ -66,7 +66,10 @@ impl Mesh {
         }
         boundaries.retain(|boundary| !boundary.facets.is_empty() || !boundary.nodes.is_empty());
         joined.boundaries = boundaries;
-        joined.checked()
+        match joined.defects().into_iter().next() {
+            Some(defect) => Err(defect),
+            None => joined.checked(),
+        }
     }
 }
 

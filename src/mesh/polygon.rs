@@ -15,8 +15,8 @@ use crate::elements::CellKind;
 const ANGLE: f64 = 28.0;
 
 /// Cells of quad4 with edges of about `size` `[length]` in the polygon with these corners, in either direction of traversal; boundaries by
-/// `names`, one for each side in the order of the corners (from the first to the second and so on), equal names joined, and `outer`. Each of
-/// the `holes` is a polygon inside; its boundary is `hole 1`, `hole 2` and so on.
+/// `names`, one for each side in the order of the corners (from the first to the second and so on), equal names joined, and `outer`. Each
+/// of the `holes` is a polygon inside; its boundary is `hole 1`, `hole 2` and so on.
 ///
 /// # Errors
 /// Fewer than 3 corners, sides that cross or have no length, holes that are not inside or meet, a size that is not positive, numbers that

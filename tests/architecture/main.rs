@@ -45,7 +45,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("rayon", &["math"]),
     ("rhai", &["script", "cli"]),
     ("spade", &["mesh"]),
-    ("rstar", &["contact"]),
+    ("rstar", &["mesh", "contact"]),
     ("rustyline", &["cli"]),
     // what a state keeps is written as a whole
     ("serde", &["linear", "contact", "dynamics", "output", "script", "cli"]),

@@ -152,8 +152,12 @@ impl Page {
 
     /// The page for the reference.
     pub fn markdown(&self) -> String {
-        let title = self.title[..1].to_uppercase() + &self.title[1..];
-        format!("### {title}\n\n{}\n\n```rhai\n{}\n```\n\n", self.about, self.example)
+        format!("### {}\n\n{}\n\n```rhai\n{}\n```\n\n", self.heading(), self.about, self.example)
+    }
+
+    /// Its title as a heading.
+    pub fn heading(&self) -> String {
+        self.title[..1].to_uppercase() + &self.title[1..]
     }
 
     /// The page for programs.

@@ -231,14 +231,22 @@ impl Reference {
              depends on what the number is used for.\n\n",
         );
         for (topic, title) in TOPICS {
+            let entries: Vec<String> = self.of_topic(topic).iter().map(|function| linked(&heading(function))).collect();
+            let _ = writeln!(page, "- **{}**: {}", linked(title), entries.join(", "));
+        }
+        let pages: Vec<String> = PAGES.iter().map(|page| linked(&page.heading())).collect();
+        let _ = writeln!(page, "- **{}**: {}", linked(LANGUAGE), pages.join(", "));
+        let groups: Vec<String> = self.groups().into_iter().map(|(group, _)| linked(&plural(group))).collect();
+        let _ = writeln!(page, "- **{}**: {}\n", linked(WORDS), groups.join(", "));
+        for (topic, title) in TOPICS {
             let _ = writeln!(page, "## {title}\n");
             for function in self.of_topic(topic) {
                 page.push_str(&self.function_markdown(&function));
             }
         }
-        page.push_str("## The language itself\n\n");
+        let _ = writeln!(page, "## {LANGUAGE}\n");
         PAGES.iter().for_each(|entry| page.push_str(&entry.markdown()));
-        page.push_str("## Words\n\n");
+        let _ = writeln!(page, "## {WORDS}\n");
         for (group, words) in self.groups() {
             let _ = writeln!(page, "### {}\n\n| name | is |\n|---|---|", plural(group));
             for word in words {
@@ -296,10 +304,7 @@ impl Reference {
 
     fn link(&self, name: &str) -> String {
         match self.functions.iter().find(|function| function.name == name) {
-            Some(function) => {
-                let anchor: String = heading(function).to_lowercase().chars().filter(|c| c.is_alphanumeric() || *c == '_').collect();
-                format!("[{name}](#{anchor})")
-            }
+            Some(function) => format!("[{name}](#{})", anchor(&heading(function))),
             None => name.to_string(),
         }
     }
@@ -496,4 +501,18 @@ fn pretty(value: &Value) -> String {
     let mut text = serde_json::to_string_pretty(value).unwrap_or_default();
     text.push('\n');
     text
+}
+
+/// Titles of the last two chapters.
+const LANGUAGE: &str = "The language itself";
+const WORDS: &str = "Words";
+
+/// What a heading of Markdown is called in a link.
+fn anchor(heading: &str) -> String {
+    let kept = heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | ' ')).collect::<String>();
+    kept.replace(' ', "-")
+}
+
+fn linked(heading: &str) -> String {
+    format!("[{heading}](#{})", anchor(heading))
 }

@@ -114,8 +114,8 @@ fn join() -> Function {
         name: "join",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "this mesh and another one that shares a side with it as one mesh: nodes at the same place become one, boundaries of the same \
-                  name are joined, and the common side is a boundary no longer",
+        summary: "this mesh and another one that shares a side with it as one mesh: nodes at the same place become one, boundaries of one \
+                  name are joined, and the common side is no boundary any more",
         parameters: vec![Parameter::new(
             "other",
             Kind::Handle(MeshHandle::NAME),
@@ -147,7 +147,7 @@ pub fn vector_from(call: &Call, closure: &Callback, parameter: &str, point: &[f6
             Ok(vector)
         }
         _ => {
-            let failure = call.argument(parameter).fail(format!("the closure must give the {parameter} as an array of {}", point.len()));
+            let failure = call.argument(parameter).fail(format!("the closure must give the {parameter} as an array of coordinates"));
             let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
             Err(failure.hint("write `|x, y| [2.0 * x, y]`").into())
         }

@@ -76,7 +76,7 @@ pub fn gravity() -> Function {
         name: "gravity",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "sets the acceleration of gravity of all bodies; one that varies has no potential, and its work is booked as that of a load",
+        summary: "sets the acceleration of gravity of all bodies; one that varies has no potential, its work is that of a load",
         parameters: vec![
             Parameter::new("acceleration", Kind::Vector, "the acceleration").of("length/time^2"),
             Parameter::new("amplitude", Kind::Amplitude, "its size over time, as a factor").or(Absent::Means("constant")),
