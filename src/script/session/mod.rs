@@ -20,3 +20,4 @@ pub mod session;
 pub mod shown;
 pub mod statements;
 pub mod testing;
+pub mod words;

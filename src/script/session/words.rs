@@ -1,0 +1,70 @@
+//! Words of the language that are no functions: values of options, columns of the history, keys of the summary, findings.
+
+use crate::dynamics::{LedgerRow, RunFindingKind, UPDATE_RULES};
+use crate::elements::CellKind;
+use crate::output::{Field, KEYS};
+
+/// A word of the language that is no function: the value of an option, or the name of a column.
+#[derive(Clone, Debug)]
+pub struct Word {
+    /// The word.
+    pub name: &'static str,
+    /// Catalogue to which it belongs, such as `update rule of a contact pair`.
+    pub group: &'static str,
+    /// One sentence.
+    pub summary: String,
+}
+
+/// What each column of the history is.
+const COLUMNS: &[(&str, &str)] = &[
+    ("step", "the number of the accepted step, 0 for the beginning; a step that is halved counts as two"),
+    ("time", "the time at the end of the step [time]"),
+    ("dt", "the size of the step [time]"),
+    ("kinetic", "the kinetic energy [energy]"),
+    ("strain", "the strain energy [energy]"),
+    ("potential", "the potential energy of gravity and of penalty potentials, and the `reserve` [energy]"),
+    ("total", "the sum of the three energies [energy]"),
+    ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
+    ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),
+    ("energy_defect", "change of `total` - `load_work` - `contact_work` in this step: round-off when the scheme conserves [energy]"),
+    ("momentum_x", "the linear momentum along x [momentum]"),
+    ("momentum_y", "the linear momentum along y [momentum]"),
+    ("momentum_z", "the linear momentum along z [momentum]"),
+    ("angular_momentum", "the angular momentum about the origin; in space its length [length * momentum]"),
+    ("angular_momentum_x", "the angular momentum about the x axis [length * momentum]"),
+    ("angular_momentum_y", "the angular momentum about the y axis [length * momentum]"),
+    ("angular_momentum_z", "the angular momentum about the z axis [length * momentum]"),
+    ("momentum_defect", "the largest change of linear momentum in this step that neither loads nor supports explain"),
+    ("angular_momentum_defect", "the largest change of angular momentum in this step that neither loads nor supports explain"),
+    ("newton_iterations", "the Newton iterations of the step"),
+    ("halvings", "how often the step was tried and halved before it was accepted; what is halved untried is not counted"),
+    ("active", "the number of closed contact nodes"),
+    ("max_penetration", "the largest depth of a node of either side in the other body, point by point [length]"),
+    ("reserve", "what closings under the update rule velocity took and keep until the contact opens, part of `potential` [energy]"),
+];
+
+/// All of them, catalogue by catalogue.
+pub fn words() -> Vec<Word> {
+    let mut all = Vec::new();
+    let mut add = |name, group, summary: String| all.push(Word { name, group, summary });
+    for rule in UPDATE_RULES {
+        add(rule.name, "update rule of a contact pair", rule.summary.into());
+    }
+    for kind in CellKind::ALL {
+        add(kind.name(), "cell kind", kind.summary().into());
+    }
+    for (name, words, _) in Field::ALL {
+        add(name, "field of a picture", (*words).into());
+    }
+    for name in LedgerRow::columns(3) {
+        let summary = COLUMNS.iter().find(|(known, _)| *known == name).map_or("", |(_, summary)| summary);
+        add(name, "column of the history", summary.into());
+    }
+    for (name, summary) in KEYS {
+        add(name, "key of summary.json", (*summary).into());
+    }
+    for (name, summary) in RunFindingKind::ALL {
+        add(name, "finding of a run", (*summary).into());
+    }
+    all
+}
