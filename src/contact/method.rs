@@ -4,14 +4,17 @@ use std::fmt;
 
 use super::kernel::ContactKernel;
 
+/// Makes the constraint functions between two surfaces that are given by their facets, sized in the reference positions.
+pub type MakeKernel = fn(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Box<dyn ContactKernel>;
+
 /// How contact conditions between two surfaces are discretized in space.
 pub struct ContactMethod {
     /// Name as written in a script.
     pub name: &'static str,
     /// One sentence for the reference.
     pub summary: &'static str,
-    /// Its constraint functions between two surfaces that are given by their facets, sized in the reference positions.
-    pub kernel: fn(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Box<dyn ContactKernel>,
+    /// Its constraint functions.
+    pub kernel: MakeKernel,
     /// Whether each constraint is the gap of one secondary node alone: its corners need no constraints of their own then.
     pub is_nodal: bool,
     /// Whether it carries a constant pressure across meshes that do not match (contact patch test).

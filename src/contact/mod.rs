@@ -35,7 +35,7 @@ mod window;
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces};
 pub use kernel::{ContactKernel, Correction};
-pub use method::ContactMethod;
+pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};
 pub use node_to_segment::{NODE_TO_SEGMENT, NodeToSegment};

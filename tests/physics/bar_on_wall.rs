@@ -49,7 +49,7 @@ fn collide(
     run(&mut builder.simulate(integrator, dt), until)
 }
 
-const RULES: [(&'static UpdateRule, Enforcement); 4] = [
+const RULES: [(&UpdateRule, Enforcement); 4] = [
     (&GAP, Enforcement::Multiplier),
     (&PERSISTENCY, Enforcement::Multiplier),
     (&VELOCITY, Enforcement::Multiplier),

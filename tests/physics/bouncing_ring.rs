@@ -14,7 +14,7 @@ use conserva::mesh::ring;
 
 use crate::common::{Builder, drift, run, worst};
 
-const RULES: [(&'static UpdateRule, Enforcement); 4] = [
+const RULES: [(&UpdateRule, Enforcement); 4] = [
     (&GAP, Enforcement::Multiplier),
     (&PERSISTENCY, Enforcement::Multiplier),
     (&VELOCITY, Enforcement::Multiplier),
