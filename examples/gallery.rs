@@ -20,7 +20,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/hertz", "hertz-20.svg"),
     ("scenarios/ironing", "ironing.svg"),
     ("scenarios/three_point_bending", "bent.svg"),
-    ("scenarios/pegs", "ball.svg"),
+    ("scenarios/pegs", "energies.svg"),
     ("scenarios/crushed_hose", "hose-gap.svg"),
     ("scenarios/bouncing_ring", "ring.svg"),
     ("scenarios/colliding_rings", "rings.svg"),
