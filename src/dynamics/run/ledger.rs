@@ -46,7 +46,8 @@ pub struct LedgerRow {
     /// One for each boundary that supports hold or move, in the order of [`Model::support_names`](crate::dynamics::Model::support_names);
     /// none before the first step.
     pub reactions: Vec<Reaction>,
-    /// One for each node that is watched ([`Simulation::watch`](super::Simulation::watch)), in the order in which they were asked for.
+    /// One for each node that is watched ([`Simulation::watch`](crate::dynamics::Simulation::watch)), in the order in which they were
+    /// asked for.
     pub probes: Vec<ProbeValues>,
 }
 

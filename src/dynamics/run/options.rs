@@ -58,7 +58,7 @@ pub struct Statistics {
     pub steps: usize,
     /// Newton iterations, those of refused steps included.
     pub newton_iterations: usize,
-    /// Halvings of steps that were tried; [`Simulation::halvings`] counts all, by their causes.
+    /// Halvings of steps that were tried; [`Simulation::halvings`](crate::dynamics::Simulation::halvings) counts all, by their causes.
     pub halvings: usize,
     /// Numeric factorisations.
     pub factorizations: usize,
