@@ -19,6 +19,7 @@ pub use error::MeshError;
 pub use generators::{block, disk, half_disk, rectangle, ring};
 pub use gmsh::{read_gmsh, read_gmsh_bytes, read_mesh};
 pub use polygon::polygon;
+pub(crate) use polygon::{cross, is_inside};
 pub use selection::SelectionError;
 
 use crate::elements::CellKind;

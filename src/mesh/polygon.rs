@@ -97,13 +97,14 @@ impl Rim {
     }
 }
 
-/// Whether a point is inside a polygon.
-fn contains(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
-    let crosses = |k: usize| {
-        let ([ax, ay], [bx, by]) = (corners[k], corners[(k + 1) % corners.len()]);
-        (ay > y) != (by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax)
-    };
-    (0..corners.len()).filter(|&k| crosses(k)).count() % 2 == 1
+fn contains(corners: &[[f64; 2]], point: [f64; 2]) -> bool {
+    is_inside((0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]), point)
+}
+
+/// Whether a point is inside the closed lines with these sides: a ray from it crosses an odd number of them.
+pub fn is_inside(sides: impl Iterator<Item = [[f64; 2]; 2]>, [x, y]: [f64; 2]) -> bool {
+    let crosses = |[[ax, ay], [bx, by]]: &[[f64; 2]; 2]| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax);
+    sides.filter(crosses).count() % 2 == 1
 }
 
 /// Whether a side of one polygon meets a side of another one.
@@ -130,7 +131,8 @@ fn meet([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
         || (z == 0.0 && between(c, d, b))
 }
 
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Third component of the cross product of two plane vectors.
+pub fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, cross, is_inside};
 
 /// Part of a facet that may overlap besides the rise of curved sides.
 pub const ALLOWED: f64 = 0.01;
@@ -88,22 +88,21 @@ impl Hull {
         (0..2).all(|i| self.low[i] < other.high[i] && other.low[i] < self.high[i])
     }
 
-    /// The part of `ray` from `x` on after which the hull is reached, if it is.
-    pub fn reached(&self, x: [f64; 2], ray: [f64; 2]) -> Option<f64> {
-        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    /// The part of `ray` from `x` on after which the hull is passed, if it is: where the ray leaves it, so that a hull counts that touches
+    /// `x`.
+    pub fn passed(&self, x: [f64; 2], ray: [f64; 2]) -> Option<f64> {
         let part = |[a, b]: &[[f64; 2]; 2]| {
             let (along, to) = ([b[0] - a[0], b[1] - a[1]], [a[0] - x[0], a[1] - x[1]]);
             let turn = cross(ray, along);
             let (part, share) = (cross(to, along) / turn, cross(to, ray) / turn);
-            // From outside only: the body is on the left of its facets.
+            // It leaves to the right of a facet: the body is on the left.
             (turn > 0.0 && part >= 0.0 && (0.0..=1.0).contains(&share)).then_some(part)
         };
         self.facets.iter().filter_map(part).min_by(f64::total_cmp)
     }
 
-    fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        let crosses = |[[ax, ay], [bx, by]]: &[[f64; 2]; 2]| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax);
-        self.facets.iter().filter(|facet| crosses(facet)).count() % 2 == 1
+    fn contains(&self, point: [f64; 2]) -> bool {
+        is_inside(self.facets.iter().copied(), point)
     }
 }
 
@@ -122,7 +121,6 @@ fn deepest(of: &Hull, inside: &Hull) -> Option<(f64, f64, [f64; 2])> {
 
 /// The crossing of two hulls' facets that is farthest from all their nodes: bodies that pass through each other without a node inside.
 fn crossing(first: &Hull, second: &Hull) -> Option<(f64, f64, [f64; 2])> {
-    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
     let mut farthest: Option<(f64, f64, [f64; 2])> = None;
     for (k, a) in first.facets.iter().enumerate() {

@@ -67,7 +67,7 @@ impl Model {
                 }
                 // The first thing ahead of a node counts: what lies behind something else is not met.
                 let meets = hulls[moving].facets.iter().any(|[x, _]| {
-                    let ahead = |hull: &Hull| Some((hull.reached(*x, ray)?, hull.body));
+                    let ahead = |hull: &Hull| Some((hull.passed(*x, ray)?, hull.body));
                     hulls
                         .iter()
                         .filter_map(ahead)

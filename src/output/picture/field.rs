@@ -68,7 +68,7 @@ impl Field {
         let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
         match self {
             Field::VonMises => body.von_mises(node),
-            Field::Pressure => -(body.stress[node][0] + body.stress[node][1] + body.stress[node][2]) / 3.0,
+            Field::Pressure => body.pressure(node),
             Field::ContactPressure => body.contact_pressure[node],
             Field::Displacement => length(body.displacement[node]),
             Field::Velocity => length(body.velocity[node]),
