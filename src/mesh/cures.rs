@@ -24,6 +24,10 @@ impl MeshError {
             }
             TooFewCells { least, .. } => format!("ask for {least} or more"),
             TooManyCells { .. } => "use a coarser mesh".into(),
+            NoConversion { .. } => {
+                "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become tet4; make the mesh of those"
+                    .into()
+            }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
             NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),

@@ -94,6 +94,14 @@ pub enum MeshError {
         /// The limit.
         limit: usize,
     },
+    /// Cells that cannot be made of a mesh's cells.
+    #[error("cells of the kind {to} cannot be made of cells of the kind {from}")]
+    NoConversion {
+        /// Kind of the mesh.
+        from: &'static str,
+        /// Kind asked for.
+        to: &'static str,
+    },
     /// A ring whose inner radius is not below the outer one.
     #[error("the inner radius {inner} of a ring must be smaller than its outer radius {outer}")]
     Radii {
@@ -440,26 +448,8 @@ impl MeshError {
             | NotPlane { line, .. }
             | UnknownEntity { line, .. }
             | AmbiguousName { line, .. } => Some(*line),
-            NotPositive { .. }
-            | NotFinite { .. }
-            | TooFewCells { .. }
-            | NotMultiple { .. }
-            | FewCorners { .. }
-            | HoleOutside { .. }
-            | JoinedKinds { .. }
-            | NothingShared
-            | CrossingSides { .. }
-            | EmptySide { .. }
-            | NoTriangulation
-            | TooManyCells { .. }
-            | Radii { .. }
-            | LeavesPlane { .. }
-            | NoAxis { .. }
-            | UnknownPart { .. }
-            | BoundaryExists { .. }
-            | UnusedNodes { .. }
-            | BrokenReference { .. }
-            | Unreadable { .. } => None,
+            // Nothing of a file.
+            _ => None,
         }
     }
 }

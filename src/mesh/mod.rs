@@ -5,6 +5,7 @@
 
 mod check;
 mod cures;
+mod division;
 mod error;
 mod generators;
 mod gmsh;
