@@ -6,8 +6,10 @@
 mod check;
 mod cures;
 mod error;
+mod file_cures;
+mod file_error;
+mod files;
 mod generators;
-mod gmsh;
 mod join;
 mod polygon;
 mod selection;
@@ -16,8 +18,9 @@ mod transform;
 
 pub use check::Quality;
 pub use error::MeshError;
+pub use file_error::{FileError, FileProblem, Place};
+pub use files::{read_mesh, read_mesh_bytes};
 pub use generators::{block, disk, half_disk, rectangle, ring};
-pub use gmsh::{read_gmsh, read_gmsh_bytes, read_mesh};
 pub use polygon::polygon;
 pub(crate) use polygon::{cross, is_inside};
 pub use selection::SelectionError;
