@@ -221,7 +221,7 @@ impl Mesh {
         let mut defects = self.coordinate_defects();
         defects.extend(self.cell_defects());
         for sides in self.sorted_facets().chunk_by(|a, b| a.0 == b.0).filter(|sides| sides.len() > 2) {
-            defects.push(MeshError::CrowdedFacet { line: None, cell: sides[0].1.cell.into(), sharing: sides.len() });
+            defects.push(MeshError::CrowdedFacet { at: None, cell: sides[0].1.cell.into(), sharing: sides.len() });
         }
         let mut used = vec![false; self.points.len()];
         self.connectivity.iter().for_each(|&node| used[node as usize] = true);
@@ -290,7 +290,7 @@ impl Mesh {
         let mut points = Vec::with_capacity(self.kind.nodes());
         for (index, nodes) in self.cells().enumerate() {
             if let Some(node) = repeated(nodes) {
-                defects.push(MeshError::RepeatedNode { line: None, cell: index as u64, node: node.into() });
+                defects.push(MeshError::RepeatedNode { at: None, cell: index as u64, node: node.into() });
                 continue;
             }
             self.cell_points_into(index, &mut points);
@@ -301,7 +301,7 @@ impl Mesh {
             if smallest < -least {
                 inside_out += 1;
                 defects.push(MeshError::InvertedCell {
-                    line: None,
+                    at: None,
                     cell: index as u64,
                     center: self.cell_center(index),
                     determinant: smallest,
@@ -310,7 +310,7 @@ impl Mesh {
                 });
             } else if smallest <= least {
                 let center = self.cell_center(index);
-                defects.push(MeshError::DegenerateCell { line: None, cell: index as u64, center, determinant: smallest });
+                defects.push(MeshError::DegenerateCell { at: None, cell: index as u64, center, determinant: smallest });
             }
         }
         for defect in &mut defects {

@@ -48,31 +48,7 @@ impl MeshError {
             CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
-            Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script".into(),
-            NotText { .. } | Binary { .. } => "save it as ASCII: `Mesh.Binary = 0;` in Gmsh".into(),
-            OtherFormat { .. } => "open it in Gmsh and save it as MSH 4.1 ASCII (`Mesh.MshFileVersion = 4.1;`)".into(),
-            Version { .. } => "save it with `Mesh.MshFileVersion = 4.1;` (or 2.2) in Gmsh".into(),
-            Truncated { .. } | MissingSection { .. } => "the file is incomplete: write or copy it again".into(),
-            Count { .. } | RepeatedSection { .. } | DuplicateNode { .. } | MissingNode { .. } | UnknownEntity { .. } | Malformed { .. } => {
-                "the file is damaged or was edited by hand: write it again with Gmsh".into()
-            }
-            Partitioned { .. } => "save it as one piece: `UnpartitionMesh;` in Gmsh".into(),
-            Coordinate { .. } => "give every node finite coordinates".into(),
-            DuplicateCell { .. } => {
-                "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent".into()
-            }
-            UnsupportedCell { gmsh_type, .. } => unsupported_cure(*gmsh_type).into(),
-            MixedKinds { .. } => "save plane and solid bodies in files of their own".into(),
-            NoCells { .. } => "mesh surfaces with quadrilaterals (`Mesh.RecombineAll = 1;`, `Mesh 2;`) or volumes with hexahedra, and put \
-                 them into a physical group: Gmsh saves nothing else once there is one"
-                .into(),
-            StrayFacet { .. } => {
-                "take the element out of the group, or mesh the surface that it bounds; curves that are only drawn on top of \
-                 a surface are not part of its mesh"
-                    .into()
-            }
-            NotPlane { .. } => "move the mesh into the plane z = 0, or mesh a volume with hexahedra".into(),
-            AmbiguousName { .. } => "give each physical group its own name".into(),
+            File(error) => error.problem.cure(),
         }
     }
 }
@@ -83,17 +59,6 @@ fn nearest_name<'a>(name: &str, available: &'a [String]) -> Option<&'a str> {
     let (best, near) = available.iter().map(|other| (similarity(other), other)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     // half of the letters agree: `body1` finds `body_1`, unrelated words find nothing
     (best >= 0.5).then_some(near.as_str())
-}
-
-fn unsupported_cure(gmsh_type: u64) -> &'static str {
-    match gmsh_type {
-        2 => "recombine the triangles in Gmsh: `Mesh.RecombineAll = 1;`, and `Mesh.SubdivisionAlgorithm = 1;` where some are left over",
-        4 | 6 | 7 => {
-            "mesh with hexahedra in Gmsh: extrude a recombined surface (`Recombine;`), use transfinite volumes, or \
-             `Mesh.SubdivisionAlgorithm = 2;`"
-        }
-        _ => "mesh with first-order quadrilaterals or hexahedra in Gmsh: `Mesh.ElementOrder = 1;`, `Mesh.RecombineAll = 1;`",
-    }
 }
 
 #[cfg(test)]

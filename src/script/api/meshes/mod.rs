@@ -12,7 +12,7 @@ pub mod transforms;
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = generators::functions();
-    all.push(reader::reader());
+    all.extend(reader::functions());
     all.extend(transforms::functions());
     all.push(boundaries::boundary_where());
     all.extend(properties::functions());
