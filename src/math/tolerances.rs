@@ -43,6 +43,9 @@ pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
 /// round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
 
+/// Change of the strain across the plane at which its Newton iteration ends: the next one would be its square.
+pub const THICKNESS_STRAIN: f64 = 1e-10;
+
 /// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient may be under
 /// round-off.
 pub const INVARIANT_INCREMENT: f64 = 1e-5;

@@ -1,7 +1,7 @@
 //! What every row of the catalogue of cell kinds promises: shape functions, quadrature, mass and facets (Hughes, The Finite Element Method,
 //! 2000, chapter 3).
 
-use conserva::bodies::{Elements, Space};
+use conserva::bodies::{Elements, Formulation, Space};
 use conserva::elements::{CellKind, CellRow};
 use conserva::linear::{NodeMatrix, Pattern};
 use conserva::materials::NeoHookean;
@@ -107,12 +107,12 @@ fn mass(kind: CellKind) {
     let material = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.0, density: 3.0 }.material().expect("in range");
     let pattern = |dimension: u8, cliques: &[Vec<u32>]| Pattern::new(&vec![dimension; row.nodes], cliques.iter().map(|clique| &clique[..]));
     let mass = if row.dimension == 2 {
-        let elements = Space::<2>::elements(&mesh, &material, 0).expect("no cell is inside out");
+        let elements = Space::<2>::elements(&mesh, &material, Formulation::default(), 0).expect("no cell is inside out");
         let mut mass = NodeMatrix::new(&pattern(2, elements.cliques()), row.nodes);
         elements.add_mass(&mut mass);
         mass
     } else {
-        let elements = Space::<3>::elements(&mesh, &material, 0).expect("no cell is inside out");
+        let elements = Space::<3>::elements(&mesh, &material, Formulation::default(), 0).expect("no cell is inside out");
         let mut mass = NodeMatrix::new(&pattern(3, elements.cliques()), row.nodes);
         elements.add_mass(&mut mass);
         mass

@@ -1,6 +1,6 @@
 //! Loads: forces on the nodes of a boundary whose size follows a time function.
 
-use crate::bodies::{pressure_shares, torque_forces};
+use crate::bodies::{Plane, pressure_shares, round_pressure, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
 use crate::dynamics::model::error::StepError;
@@ -15,6 +15,8 @@ pub struct NodalLoad<const D: usize> {
     pub weights: Vec<(u32, f64)>,
     /// Edges of a pressure, each by its ends and its middle node if it has one, with the places of their blocks, row by row.
     pub facets: Vec<(Vec<u32>, Vec<Block>)>,
+    /// How the body is completed to space.
+    pub plane: Plane,
     /// Its size over time.
     pub amplitude: Amplitude,
     /// `body.boundary` on which it acts.
@@ -35,6 +37,14 @@ impl<const D: usize> NodalLoad<D> {
     /// Adds its forces with an amplitude.
     pub fn force_into(&self, amplitude: f64, q: &[f64], force: &mut [f64]) {
         match self.kind {
+            LoadKind::Pressure(pressure) if self.plane == Plane::Axisymmetric => {
+                let size = amplitude * pressure;
+                for (nodes, _) in &self.facets {
+                    for (&a, part) in nodes.iter().zip(round_pressure(&places(nodes, q)).0) {
+                        (0..2).for_each(|i| force[a as usize * D + i] += size * part[i]);
+                    }
+                }
+            }
             LoadKind::Pressure(pressure) => {
                 let size = amplitude * pressure;
                 for (nodes, _) in &self.facets {
@@ -68,9 +78,19 @@ impl<const D: usize> NodalLoad<D> {
     }
 
     /// Subtracts the derivative of a pressure's forces, which turn with their facets; `share` is that of `q_1` in the configuration.
-    fn tangent_into(&self, amplitude: f64, share: f64, values: &mut [f64]) {
+    fn tangent_into(&self, amplitude: f64, share: f64, q: &[f64], values: &mut [f64]) {
         let LoadKind::Pressure(pressure) = self.kind else { return };
         let size = share * pressure * amplitude;
+        if self.plane == Plane::Axisymmetric {
+            for (nodes, blocks) in &self.facets {
+                let slope = round_pressure(&places(nodes, q)).1;
+                for (k, block) in blocks.iter().enumerate() {
+                    let slope = slope[k / nodes.len()][k % nodes.len()];
+                    (0..4).for_each(|c| values[block.at(c / 2, c % 2)] -= size * slope[c / 2][c % 2]);
+                }
+            }
+            return;
+        }
         for (nodes, blocks) in &self.facets {
             let shares = pressure_shares(nodes.len()).iter().copied().flatten();
             for (block, share) in blocks.iter().zip(shares) {
@@ -79,6 +99,11 @@ impl<const D: usize> NodalLoad<D> {
             }
         }
     }
+}
+
+/// Where plane nodes are.
+fn places(nodes: &[u32], q: &[f64]) -> Vec<[f64; 2]> {
+    nodes.iter().map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
 }
 
 impl<const D: usize> Part for NodalLoad<D> {
@@ -96,7 +121,7 @@ impl<const D: usize> Part for NodalLoad<D> {
         let amplitude = self.amplitude(at.time).map_err(Refusal::Load)?;
         self.force_into(amplitude, at.q_test, sums.load);
         if let Some(values) = sums.tangent.as_deref_mut() {
-            self.tangent_into(amplitude, at.derivative.placement().share * at.weight, values);
+            self.tangent_into(amplitude, at.derivative.placement().share * at.weight, at.q_test, values);
         }
         Ok(())
     }
