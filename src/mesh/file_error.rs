@@ -171,7 +171,10 @@ pub enum FileProblem {
         name: String,
     },
     /// Cells of two kinds.
-    #[error("the file mixes cells: {count} {kind} and {others} {other}, but a mesh has cells of one kind; the first {other} is element {element}")]
+    #[error(
+        "the file mixes cells: {count} {kind} and {others} {other}, but a mesh has cells of one kind; the first {other} is element \
+         {element}"
+    )]
     MixedCells {
         /// The kind that most cells are of.
         kind: &'static str,

@@ -348,10 +348,7 @@ fn wrong_numbers_are_refused_in_their_line() {
         refusal(SQUARES_2, "15 1 1 0", "15 1 1").to_string(),
         "expected a node with its number and three coordinates, found \"15 1 1\""
     );
-    assert_eq!(
-        refusal(SQUARES_4, "2 2 3 1", "2 5 3 1"),
-        in_line(line_of(SQUARES_4, "2 2 3 1"), UnknownEntity { dimension: 2, entity: 5 })
-    );
+    assert_eq!(refusal(SQUARES_4, "2 2 3 1", "2 5 3 1"), in_line(line_of(SQUARES_4, "2 2 3 1"), UnknownEntity { dimension: 2, entity: 5 }));
     let names = refusal(SQUARES_2, "1 7 \"low\"", "2 2 \"left body\"");
     assert_eq!(names, in_line(7, AmbiguousName { dimension: 2, name: "left body".into(), first: 1, second: 2 }));
 }

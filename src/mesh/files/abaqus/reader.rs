@@ -203,8 +203,7 @@ impl Reader {
                 const EXPECTED: &str = "a node with its number and up to three coordinates";
                 let mut fields = data.fields();
                 let node = data.number(fields.next(), EXPECTED)?;
-                let point =
-                    [data.real(fields.next(), EXPECTED)?, data.real(fields.next(), EXPECTED)?, data.real(fields.next(), EXPECTED)?];
+                let point = [data.real(fields.next(), EXPECTED)?, data.real(fields.next(), EXPECTED)?, data.real(fields.next(), EXPECTED)?];
                 if let Some(set) = set {
                     self.node_sets.add(*set, node);
                 }

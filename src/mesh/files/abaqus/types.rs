@@ -55,9 +55,7 @@ pub(super) fn shape_of(name: &str) -> Option<Shape> {
     };
     match (*dimension, nodes) {
         (1, 2 | 3) => Some(Shape::Line(nodes)),
-        (dimension, nodes) => {
-            CELLS.iter().find(|(d, n, _)| (*d, *n) == (dimension, nodes)).map(|&(_, _, kind)| Shape::Cell(kind))
-        }
+        (dimension, nodes) => CELLS.iter().find(|(d, n, _)| (*d, *n) == (dimension, nodes)).map(|&(_, _, kind)| Shape::Cell(kind)),
     }
 }
 

@@ -10,13 +10,8 @@ use crate::mesh::file_error::FileProblem;
 pub(super) const ELEMENT: &str = "an element with its number, tags and nodes";
 
 /// Gmsh's numbers of the shapes that are read.
-pub(in crate::mesh::files) const TYPES: &[(u64, Shape)] = &[
-    (15, Shape::Point),
-    (1, Shape::Line(2)),
-    (8, Shape::Line(3)),
-    (3, Shape::Cell(CellKind::Quad4)),
-    (5, Shape::Cell(CellKind::Hex8)),
-];
+pub(in crate::mesh::files) const TYPES: &[(u64, Shape)] =
+    &[(15, Shape::Point), (1, Shape::Line(2)), (8, Shape::Line(3)), (3, Shape::Cell(CellKind::Quad4)), (5, Shape::Cell(CellKind::Hex8))];
 
 /// Keeps an element whose nodes are the numbers that are left of its entry.
 pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, groups: u32, mut entry: Entry) -> Result<(), MeshError> {

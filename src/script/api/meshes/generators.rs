@@ -3,8 +3,9 @@
 use super::handle::{MeshHandle, mesh_value, vector_or_zero};
 use crate::math::catalogue::Interval;
 use crate::mesh;
-use crate::script::language::arguments::Arguments;
+use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::digits::number_text;
+use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -12,7 +13,7 @@ use crate::script::language::values::describe;
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![rectangle(), block(), ring(), disk(), polygon(), half_disk()]
+    vec![rectangle(), block(), ring(), arc(), disk(), polygon(), half_disk()]
 }
 
 fn rectangle() -> Function {
@@ -27,6 +28,10 @@ fn rectangle() -> Function {
                 Parameter::new("size", Kind::Vector, "width and height").of("length").within(Interval::Positive),
                 Parameter::new("cells", Kind::Counts, "the number of cells along the width and the height"),
                 origin("[0, 0]"),
+                grading(
+                    "the last cell over the first, along the width and the height; cells grow in geometric progression",
+                    "[1, 1], even cells",
+                ),
                 element(&["quad4"]),
             ]),
             "shape and cells",
@@ -39,7 +44,9 @@ fn rectangle() -> Function {
             options.text("element")?;
             let (size, cells) = (options.argument("size").numbers_of(2)?, options.argument("cells").counts(2)?);
             let origin = vector_or_zero(&options, "origin", 2)?;
-            mesh_value(call, mesh::rectangle([size[0], size[1]], pair(&cells), [origin[0], origin[1]]))
+            let grading = ratios(&options, 2)?;
+            let (size, origin) = ([size[0], size[1]], [origin[0], origin[1]]);
+            mesh_value(call, mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]]))
         }),
     }
 }
@@ -56,6 +63,7 @@ fn block() -> Function {
                 Parameter::new("size", Kind::Vector, "width, height and depth").of("length").within(Interval::Positive),
                 Parameter::new("cells", Kind::Counts, "the number of cells along the width, the height and the depth"),
                 origin("[0, 0, 0]"),
+                grading("the last cell over the first, along the width, the height and the depth", "[1, 1, 1], even cells"),
                 element(&["hex8"]),
             ]),
             "shape and cells",
@@ -68,7 +76,8 @@ fn block() -> Function {
             options.text("element")?;
             let (size, cells) = (options.argument("size").numbers_of(3)?, options.argument("cells").counts(3)?);
             let origin = vector_or_zero(&options, "origin", 3)?;
-            mesh_value(call, mesh::block([size[0], size[1], size[2]], [cells[0], cells[1], cells[2]], origin))
+            let (size, grading) = ([size[0], size[1], size[2]], ratios(&options, 3)?);
+            mesh_value(call, mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading))
         }),
     }
 }
@@ -88,6 +97,8 @@ fn ring() -> Function {
                 Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
                 Parameter::number("start_angle", "rad", Interval::Finite, "the direction of the first row of nodes")
                     .or(Absent::Number(0.0)),
+                Parameter::number("grading", "1", Interval::Positive, "the outermost cell over the innermost, along the radius")
+                    .or(Absent::Number(1.0)),
                 element(&["quad4"]),
             ]),
             "shape and cells",
@@ -99,16 +110,47 @@ fn ring() -> Function {
             let options = call.options("options")?;
             options.text("element")?;
             let (inner, outer) = (options.number("inner_radius")?, options.number("outer_radius")?);
-            if inner >= outer {
-                let argument = options.argument("outer_radius");
-                let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title()));
-                let failure =
-                    failure.label(format!("this is {}", number_text(outer))).cause(format!("`inner_radius` is {}", number_text(inner)));
-                return Err(failure.hint("swap the two radii, or make the ring thicker").into());
-            }
+            radii_in_order(&options, inner, outer)?;
             let cells = options.argument("cells").counts(2)?;
             let (center, start) = (vector_or_zero(&options, "center", 2)?, options.number("start_angle")?);
-            mesh_value(call, mesh::ring(inner, outer, pair(&cells), [center[0], center[1]], start))
+            mesh_value(call, mesh::graded_ring(inner, outer, pair(&cells), [center[0], center[1]], start, options.number("grading")?))
+        }),
+    }
+}
+
+fn arc() -> Function {
+    Function {
+        name: "arc",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a sector of a ring of quadrilaterals with the boundaries `inner`, `outer`, and `start` and `end` of the arc",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("inner_radius", "length", Interval::Positive, "the radius inside"),
+                Parameter::number("outer_radius", "length", Interval::Positive, "the radius outside"),
+                Parameter::number("end_angle", "rad", Interval::Finite, "the direction of its end, counter-clockwise from the start"),
+                Parameter::new("cells", Kind::Counts, "the number of cells along the radius and along the arc"),
+                Parameter::number("start_angle", "rad", Interval::Finite, "the direction of its start").or(Absent::Number(0.0)),
+                Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
+                grading("the last cell over the first, along the radius and along the arc", "[1, 1], even cells"),
+                element(&["quad4"]),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let shoe = arc(#{ inner_radius: 1.0, outer_radius: 1.3, start_angle: deg(30), end_angle: deg(150), cells: [4, 24] });"
+            .into(),
+        see_also: &["ring", "region", "deg"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            options.text("element")?;
+            let (inner, outer) = (options.number("inner_radius")?, options.number("outer_radius")?);
+            radii_in_order(&options, inner, outer)?;
+            let cells = options.argument("cells").counts(2)?;
+            let (angles, grading) = ([options.number("start_angle")?, options.number("end_angle")?], ratios(&options, 2)?);
+            let center = vector_or_zero(&options, "center", 2)?;
+            mesh_value(call, mesh::arc([inner, outer], angles, pair(&cells), [center[0], center[1]], [grading[0], grading[1]]))
         }),
     }
 }
@@ -224,6 +266,31 @@ fn half_disk() -> Function {
             mesh_value(call, mesh::half_disk(radius, pair(&cells), [center[0], center[1]], finest))
         }),
     }
+}
+
+/// The outer radius is the greater one.
+fn radii_in_order(options: &Options, inner: f64, outer: f64) -> Result<(), Failure> {
+    if inner >= outer {
+        let argument = options.argument("outer_radius");
+        let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title()));
+        let failure = failure.label(format!("this is {}", number_text(outer))).cause(format!("`inner_radius` is {}", number_text(inner)));
+        return Err(failure.hint("swap the two radii, or make the ring thicker"));
+    }
+    Ok(())
+}
+
+fn grading(summary: &'static str, absent: &'static str) -> Parameter {
+    Parameter::new("grading", Kind::Array, summary).of("1").within(Interval::Positive).or(Absent::Means(absent))
+}
+
+/// The ratios of the option `grading`, 1 where it is left out.
+fn ratios(options: &Options, count: usize) -> Result<[f64; 3], Failure> {
+    let argument = options.argument("grading");
+    let mut ratios = [1.0; 3];
+    if argument.is_given() {
+        ratios[..count].copy_from_slice(&argument.numbers_of(count)?);
+    }
+    Ok(ratios)
 }
 
 fn pair(counts: &[usize]) -> [usize; 2] {

@@ -7,11 +7,13 @@ pub mod generators;
 pub mod handle;
 pub mod properties;
 pub mod reader;
+pub mod regions;
 pub mod transforms;
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = generators::functions();
+    all.extend(regions::functions());
     all.extend(reader::functions());
     all.extend(transforms::functions());
     all.push(boundaries::boundary_where());
