@@ -177,8 +177,14 @@ fn counts() -> Vec<(String, f64)> {
     }
     for &kind in CellKind::ALL {
         match kind.dimension() {
-            2 => count_cells::<2>(kind, &rectangle([4.0, 2.0], [40, 20], [0.0; 2]).expect("the mesh is sound"), &mut count),
-            _ => count_cells::<3>(kind, &block([2.0, 1.0, 1.0], [12, 8, 8], [0.0; 3]).expect("the mesh is sound"), &mut count),
+            2 => {
+                let mesh = rectangle([4.0, 2.0], [40, 20], [0.0; 2]).and_then(|mesh| mesh.with_cells(kind));
+                count_cells::<2>(kind, &mesh.expect("the mesh is sound"), &mut count);
+            }
+            _ => {
+                let mesh = block([2.0, 1.0, 1.0], [12, 8, 8], [0.0; 3]).and_then(|mesh| mesh.with_cells(kind));
+                count_cells::<3>(kind, &mesh.expect("the mesh is sound"), &mut count);
+            }
         }
     }
     let ([inner, outer], q) = surfaces();

@@ -11,7 +11,10 @@ use crate::math::tensor::{mandel_index, mandel_scale};
 
 /// Shape functions of a reference cell at its quadrature points.
 pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {
-    pub(super) shapes: [[f64; A]; Q],
+    /// Products of the shape functions, for the mass.
+    pub(super) products: [[[f64; A]; A]; Q],
+    /// Shares of the nodes in a value at a point, for smoothed fields.
+    pub(super) smoothing: [[f64; A]; Q],
     pub(super) gradients: [[[f64; D]; A]; Q],
     pub(super) weights: [f64; Q],
 }
@@ -20,7 +23,8 @@ impl<const D: usize, const A: usize, const Q: usize> Table<D, A, Q> {
     pub(super) fn new<C: ReferenceCell<D, A, Q>>() -> Self {
         let points = C::quadrature();
         Table {
-            shapes: points.map(|(xi, _)| C::shape(xi)),
+            products: C::products(),
+            smoothing: points.map(|(xi, _)| C::smoothing(xi)),
             gradients: points.map(|(xi, _)| C::gradients(xi)),
             weights: points.map(|(_, w)| w),
         }

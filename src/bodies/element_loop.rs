@@ -18,7 +18,7 @@ use std::sync::Arc;
 use super::batch::{Batch, Table};
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
 use super::workspace::Workspace;
-use crate::elements::{CellKind, Hex8, Quad4, ReferenceCell};
+use crate::elements::{CellKind, Hex8, Quad4, Quad8, Quad9, ReferenceCell, Tet4, Tri3, Tri6};
 use crate::integrators::Derivative;
 use crate::linear::{Block, NodeMatrix, Pattern};
 use crate::materials::{BatchedLaw, Components, Material};
@@ -148,19 +148,26 @@ pub trait Elements<const D: usize> {
 
 impl Elements<2> for Space<2> {
     fn elements(mesh: &Mesh, material: &Material, first_node: usize) -> Result<Box<dyn ElementLoop<2>>, Inverted> {
-        match mesh.kind {
-            CellKind::Quad4 => Ok(Box::new(Cells::<2, 3, 4, 4>::new::<Quad4>(mesh, material, material.plane(), first_node)?)),
-            CellKind::Hex8 => unreachable!("a model has bodies of one dimension"),
-        }
+        let law = material.plane();
+        Ok(match mesh.kind {
+            CellKind::Tri3 => Box::new(Cells::<2, 3, 3, 1>::new::<Tri3>(mesh, material, law, first_node)?),
+            CellKind::Quad4 => Box::new(Cells::<2, 3, 4, 4>::new::<Quad4>(mesh, material, law, first_node)?),
+            CellKind::Tri6 => Box::new(Cells::<2, 3, 6, 3>::new::<Tri6>(mesh, material, law, first_node)?),
+            CellKind::Quad8 => Box::new(Cells::<2, 3, 8, 9>::new::<Quad8>(mesh, material, law, first_node)?),
+            CellKind::Quad9 => Box::new(Cells::<2, 3, 9, 9>::new::<Quad9>(mesh, material, law, first_node)?),
+            CellKind::Tet4 | CellKind::Hex8 => unreachable!("a model has bodies of one dimension"),
+        })
     }
 }
 
 impl Elements<3> for Space<3> {
     fn elements(mesh: &Mesh, material: &Material, first_node: usize) -> Result<Box<dyn ElementLoop<3>>, Inverted> {
-        match mesh.kind {
-            CellKind::Hex8 => Ok(Box::new(Cells::<3, 6, 8, 8>::new::<Hex8>(mesh, material, material.space(), first_node)?)),
-            CellKind::Quad4 => unreachable!("a model has bodies of one dimension"),
-        }
+        let law = material.space();
+        Ok(match mesh.kind {
+            CellKind::Tet4 => Box::new(Cells::<3, 6, 4, 1>::new::<Tet4>(mesh, material, law, first_node)?),
+            CellKind::Hex8 => Box::new(Cells::<3, 6, 8, 8>::new::<Hex8>(mesh, material, law, first_node)?),
+            _ => unreachable!("a model has bodies of one dimension"),
+        })
     }
 }
 
@@ -386,14 +393,14 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
     }
 
     fn add_mass(&self, mass: &mut NodeMatrix) {
-        let shapes = &self.table.shapes;
+        let products = &self.table.products;
         for (index, batch) in self.batches.iter().enumerate() {
             let volumes = self.deform(batch, None).volumes;
             for lane in 0..batch.count {
                 let nodes = self.nodes(index, lane);
                 for a in 0..A {
                     for b in 0..A {
-                        let sum: f64 = (0..Q).map(|q| volumes[q].0[lane] * shapes[q][a] * shapes[q][b]).sum();
+                        let sum: f64 = (0..Q).map(|q| volumes[q].0[lane] * products[q][a][b]).sum();
                         mass.add(nodes[a], nodes[b], self.density * sum);
                     }
                 }
@@ -454,7 +461,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
     }
 
     fn project(&self, q: &[f64], sums: &mut Projected) {
-        let shapes = &self.table.shapes;
+        let smoothing = &self.table.smoothing;
         for (index, batch) in self.batches.iter().enumerate() {
             let deformation = self.deform(batch, Some(q));
             for point in 0..Q {
@@ -478,7 +485,7 @@ impl<const D: usize, const S: usize, const A: usize, const Q: usize> ElementLoop
                     let green = |i: usize, j: usize| strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
                     let green = [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)];
                     for (a, &node) in self.nodes(index, lane).iter().enumerate() {
-                        let share = deformation.volumes[point].0[lane] * shapes[point][a];
+                        let share = deformation.volumes[point].0[lane] * smoothing[point][a];
                         sums.weight[node as usize] += share;
                         let add = |sum: &mut [f64; 6], values: [f64; 6]| {
                             sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value)

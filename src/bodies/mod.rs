@@ -10,4 +10,4 @@ mod surface_loads;
 mod workspace;
 
 pub use element_loop::{ElementLoop, Elements, Inverted, Projected, Space, Step};
-pub use surface_loads::{nodal_areas, torque_forces};
+pub use surface_loads::{nodal_areas, pressure_shares, torque_forces};

@@ -4,7 +4,8 @@ use crate::mesh::{Boundary, Mesh};
 
 /// Nodes of a boundary and the share of its measure `[length]` (3D: area) that belongs to each: the integral of its shape function.
 ///
-/// Single points without facets have equal shares. Exact for the two-node facet; for the four-node facet by 2 x 2 Gauss points.
+/// Single points without facets have equal shares. Exact for straight facets of two nodes and plane ones of three in space; for curved
+/// edges by three Gauss points, for the four-node facet by 2 x 2.
 pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary) -> Vec<(u32, f64)> {
     if boundary.facets.is_empty() {
         return boundary.nodes.iter().map(|&node| (node, 1.0)).collect();
@@ -14,6 +15,23 @@ pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary) -> Vec<(u32, f64)> {
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
         let points: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
         match nodes.len() {
+            3 if mesh.dimension() == 2 => {
+                for (s, weight) in [(-0.6f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)] {
+                    let slopes = [s - 0.5, s + 0.5, -2.0 * s];
+                    let slope = |i: usize| points.iter().zip(slopes).map(|(point, slope)| slope * point[i]).sum::<f64>();
+                    let length = weight * slope(0).hypot(slope(1));
+                    for (&node, shape) in nodes.iter().zip([0.5 * s * (s - 1.0), 0.5 * s * (s + 1.0), 1.0 - s * s]) {
+                        *areas.entry(node).or_insert(0.0) += length * shape;
+                    }
+                }
+            }
+            3 => {
+                let edge = |k: usize| nalgebra::Vector3::from(points[k]) - nalgebra::Vector3::from(points[0]);
+                let third = edge(1).cross(&edge(2)).norm() / 6.0;
+                for node in nodes {
+                    *areas.entry(node).or_insert(0.0) += third;
+                }
+            }
             2 => {
                 let length = (points[1][0] - points[0][0]).hypot(points[1][1] - points[0][1]);
                 for node in nodes {
@@ -39,6 +57,14 @@ pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary) -> Vec<(u32, f64)> {
         }
     }
     areas.into_iter().collect()
+}
+
+/// How a uniform pressure on an edge with these many nodes (its ends, then its middle) pulls along them: `int N_a dN_b/ds ds`, row by row.
+/// A node's force is `p sum_b C_ab z x q_b`.
+pub fn pressure_shares(nodes: usize) -> &'static [&'static [f64]] {
+    const HALF: [&[f64]; 2] = [&[-0.5, 0.5], &[-0.5, 0.5]];
+    const SIXTHS: [&[f64]; 3] = [&[-0.5, -1.0 / 6.0, 2.0 / 3.0], &[1.0 / 6.0, 0.5, -2.0 / 3.0], &[-2.0 / 3.0, 2.0 / 3.0, 0.0]];
+    if nodes == 2 { &HALF } else { &SIXTHS }
 }
 
 /// Adds the nodal forces of a torque `moment` about the third axis: `moment w_a z x r_a / sum w |r|^2`, with `r` from the `w`-weighted

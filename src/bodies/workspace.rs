@@ -237,7 +237,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             for b in 0..=a {
                 let mut mass = Lanes::ZERO;
                 for q in 0..Q {
-                    mass = self.points[q].volume.mul_add(Lanes::splat(factor * table.shapes[q][a] * table.shapes[q][b]), mass);
+                    mass = self.points[q].volume.mul_add(Lanes::splat(factor * table.products[q][a][b]), mass);
                 }
                 for i in 0..D {
                     self.tangent[b][i][a][i] = self.tangent[b][i][a][i] + mass;

@@ -130,4 +130,5 @@ macro_rules! batch {
 }
 
 batch!(3);
+batch!(4);
 batch!(6);

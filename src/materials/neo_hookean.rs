@@ -8,7 +8,8 @@
 use super::law::{Increment, Law};
 use super::material::{Material, MaterialError};
 use super::row::{DENSITY, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
-use crate::math::lanes::Real;
+use super::split::VolumetricLaw;
+use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::Tensor;
 
 pub(super) const ROW: MaterialRow = MaterialRow {
@@ -18,7 +19,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     construct: |values| {
         let (lambda, mu) = lame(values[0], values[1]);
-        Laws::new(Lame { lambda, mu }, values[0])
+        Laws::new(Lame { lambda, mu }).split_into(Lame { lambda: 0.0, mu }, Logarithmic { lambda })
     },
 };
 
@@ -58,6 +59,29 @@ impl NeoHookean {
 struct Lame {
     lambda: f64,
     mu: f64,
+}
+
+/// `U(J) = lambda/2 (ln J)^2`.
+#[derive(Clone, Copy, Debug)]
+struct Logarithmic {
+    lambda: f64,
+}
+
+impl VolumetricLaw for Logarithmic {
+    fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]) {
+        for (change, energy) in change.iter().zip(energy) {
+            let log = change.ln_1p();
+            *energy = log * log * (0.5 * self.lambda);
+        }
+    }
+
+    fn responses_into(&self, change: &[Lanes<false>], responses: &mut [[Lanes<false>; 2]]) {
+        for (change, response) in change.iter().zip(responses) {
+            let (log, inverse) = (change.ln_1p(), Lanes::splat(1.0) / (*change + 1.0));
+            let slope = inverse * self.lambda;
+            *response = [slope * log, slope * inverse * (-log + 1.0)];
+        }
+    }
 }
 
 /// `det C - 1`.

@@ -17,7 +17,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     construct: |values| {
         let (lambda, mu) = lame(values[0], values[1]);
-        Laws::new(Lame { lambda, mu }, values[0])
+        Laws::new(Lame { lambda, mu })
     },
 };
 
@@ -54,9 +54,9 @@ impl SaintVenantKirchhoff {
 
 /// The law with Lame's constants `[stress]`.
 #[derive(Clone, Copy, Debug)]
-struct Lame {
-    lambda: f64,
-    mu: f64,
+pub(super) struct Lame {
+    pub(super) lambda: f64,
+    pub(super) mu: f64,
 }
 
 impl Law for Lame {

@@ -1,9 +1,9 @@
-//! What every law of the catalogue promises, in plane strain and in space.
+//! What every law of the catalogue promises, in plane strain, with a stretched third direction and in space.
 
 use super::row::lame;
 use super::*;
 use crate::math::lanes::{Lanes, Real, WIDTH};
-use crate::math::tensor::Tensor;
+use crate::math::tensor::{Mandel, Tensor};
 use crate::math::tolerances::STRAIN_QUOTIENT;
 
 /// Strains of a few sizes in the plane and in space, with increments of a few sizes; reproducible.
@@ -94,14 +94,63 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>) {
     }
 }
 
+/// A material of a row, with Poisson's ratio 0.3.
+fn example(row: &'static MaterialRow) -> Material {
+    let values: Vec<f64> = row.parameters.iter().map(|p| if p.name == "poisson_ratio" { 0.3 } else { 1000.0 }).collect();
+    Material::new(row, &values).expect("the values are in their ranges")
+}
+
 #[test]
-fn every_law_fulfils_the_contract_in_plane_strain_and_in_space() {
+fn every_law_fulfils_the_contract_in_every_kind_of_strain() {
     for row in CATALOGUE {
-        let values: Vec<f64> = row.parameters.iter().map(|p| if p.name == "poisson_ratio" { 0.3 } else { 1000.0 }).collect();
-        let material = Material::new(row, &values).expect("the values are in their ranges");
+        let material = example(row);
         contract::<3>(row.name, &*material.plane());
+        contract::<4>(row.name, &*material.axisymmetric());
         contract::<6>(row.name, &*material.space());
     }
+}
+
+/// `J - 1` of a strain in space.
+fn change_of_volume(strain: &Components<6>) -> Lanes<false> {
+    let e = Mandel(*strain);
+    let growth = e.trace() * 2.0 + e.second_invariant() * 4.0 + e.determinant() * 8.0;
+    Lanes(growth.0.map(|g| g / (1.0 + (1.0 + g).sqrt())))
+}
+
+#[test]
+fn the_two_parts_of_a_split_add_up() {
+    let mut found = 0;
+    for row in CATALOGUE {
+        let material = example(row);
+        let Some(split) = material.split() else { continue };
+        found += 1;
+        let mu = material.youngs_modulus() / 3.0;
+        for (_, strain) in pairs::<6>() {
+            let change = change_of_volume(&strain);
+            let (mut energies, mut responses) = ([Lanes::ZERO; 3], [[Lanes::ZERO; 2]; 3]);
+            let changes = [change, change + 1e-5, change + -1e-5];
+            split.volumetric.energies_into(&changes, &mut energies);
+            split.volumetric.responses_into(&changes, &mut responses);
+            let [u, up, down] = energies.map(|u| u.0[1]);
+            let whole = energy::<6>(&*material.space(), &strain);
+            assert!((energy::<6>(&*split.space, &strain) + u - whole).abs() < 1e-15 * mu, "{}", row.name);
+            // As in `contract`: h^2/6 times a third derivative of less than 200 moduli.
+            let [slope, curvature] = responses[0].map(|x| x.0[3]);
+            assert!(((up - down) / 2e-5 - slope).abs() < 4e-9 * mu, "{}: slope {slope} {}", row.name, (up - down) / 2e-5);
+            let difference = (responses[1][0].0[0] - responses[2][0].0[0]) / 2e-5;
+            assert!((difference - curvature).abs() < 2e-8 * mu, "{}: curvature {curvature} {difference}", row.name);
+            // W_d in the plane and with a stretched third direction is that in space.
+            let [xx, yy, zz, xy, ..] = strain;
+            let four = [xx, yy, zz, xy];
+            let difference =
+                energy::<4>(&*split.axisymmetric, &four) - energy::<6>(&*split.space, &[xx, yy, zz, xy, Lanes::ZERO, Lanes::ZERO]);
+            assert!(difference.abs() < 1e-15 * mu, "{}: {difference}", row.name);
+            let difference = energy::<3>(&*split.plane, &[xx, yy, xy])
+                - energy::<6>(&*split.space, &[xx, yy, Lanes::ZERO, xy, Lanes::ZERO, Lanes::ZERO]);
+            assert!(difference.abs() < 1e-15 * mu, "{}: {difference}", row.name);
+        }
+    }
+    assert!(found > 0);
 }
 
 #[test]

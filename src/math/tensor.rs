@@ -1,14 +1,15 @@
 //! Symmetric second-order tensors in Mandel components, so that stored-energy laws are written once for the plane and for space.
 //!
 //! Plane strain carries three components `(11, 22, sqrt2 12)` of a strain whose third direction is zero; space carries six,
-//! `(11, 22, 33, sqrt2 12, sqrt2 23, sqrt2 13)`. Double contractions are dot products. The operations know what the missing
-//! components are: for a plane strain `E`, `E_33 = 0`, so that `cof E` has no plane components and `det E = 0`.
+//! `(11, 22, 33, sqrt2 12, sqrt2 23, sqrt2 13)`; where the third direction is stretched but not sheared (rotational symmetry, plane
+//! stress) the first four of these are left. Double contractions are dot products. The operations know what the missing components are:
+//! for a plane strain `E`, `E_33 = 0`, so that `cof E` has no plane components and `det E = 0`.
 
 use std::ops::{Add, Mul, Sub};
 
 use super::lanes::{Lanes, Real};
 
-/// Components of a symmetric tensor; `S` is 3 (plane strain) or 6 (space).
+/// Components of a symmetric tensor; `S` is 3 (plane strain), 4 (third direction stretched, not sheared) or 6 (space).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mandel<R, const S: usize>(pub [R; S]);
 
@@ -182,6 +183,68 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 3> {
     }
 }
 
+impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 4> {
+    type Scalar = Lanes<FMA>;
+    type Tangent = [[Lanes<FMA>; 4]; 4];
+    const PLANE: bool = false;
+
+    #[inline(always)]
+    fn plus_identity(&self, s: Lanes<FMA>) -> Self {
+        self.plus_diagonal::<3>(s)
+    }
+    #[inline(always)]
+    fn mul_add(&self, s: Lanes<FMA>, b: &Self) -> Self {
+        self.zip(*b, |a, b| a.mul_add(s, b))
+    }
+    #[inline(always)]
+    fn identity() -> Self {
+        let (one, zero) = (Lanes::splat(1.0), Lanes::splat(0.0));
+        Mandel([one, one, one, zero])
+    }
+    #[inline(always)]
+    fn dot(&self, other: &Self) -> Lanes<FMA> {
+        self.product(other)
+    }
+    #[inline(always)]
+    fn trace(&self) -> Lanes<FMA> {
+        self.0[0] + self.0[1] + self.0[2]
+    }
+    #[inline(always)]
+    fn second_invariant(&self) -> Lanes<FMA> {
+        let [xx, yy, zz, xy] = self.0;
+        (xx + yy).mul_add(zz, (xy * -0.5).mul_add(xy, xx * yy))
+    }
+    #[inline(always)]
+    fn determinant(&self) -> Lanes<FMA> {
+        let [xx, yy, zz, xy] = self.0;
+        (xy * -0.5).mul_add(xy, xx * yy) * zz
+    }
+    #[inline(always)]
+    fn cofactor(&self) -> Self {
+        let [xx, yy, zz, xy] = self.0;
+        Mandel([yy * zz, xx * zz, (xy * -0.5).mul_add(xy, xx * yy), -(xy * zz)])
+    }
+    #[inline(always)]
+    fn isotropic_tangent(a: Lanes<FMA>, b: Lanes<FMA>, c: &Self) -> [[Lanes<FMA>; 4]; 4] {
+        let [c1, c2, c3, c4] = c.0;
+        let (half, b1, b2, zero) = (c4 * c4 * 0.5, b * c1, b * c2, Lanes::splat(0.0));
+        // b I_c; the third direction is sheared with no other.
+        let sheared = [
+            [b1 * c1, b * half, zero, b1 * c4],
+            [b * half, b2 * c2, zero, b2 * c4],
+            [zero, zero, b * c3 * c3, zero],
+            [b1 * c4, b2 * c4, zero, (b1 * c2) + b * half],
+        ];
+        let mut tangent = sheared;
+        for row in 0..4 {
+            for column in 0..4 {
+                tangent[row][column] = (a * c.0[row]).mul_add(c.0[column], sheared[row][column]);
+            }
+        }
+        tangent
+    }
+}
+
 impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 6> {
     type Scalar = Lanes<FMA>;
     type Tangent = [[Lanes<FMA>; 6]; 6];
@@ -234,7 +297,6 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 6> {
     }
     #[inline(always)]
     fn isotropic_tangent(a: Lanes<FMA>, b: Lanes<FMA>, c: &Self) -> [[Lanes<FMA>; 6]; 6] {
-        const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
         let entry = |i: usize, j: usize| c.0[mandel_index::<3>(i, j)] * mandel_scale(i, j);
         let mut tangent = [[Lanes::splat(0.0); 6]; 6];
         for (row, &(i, j)) in PAIRS.iter().enumerate() {
@@ -247,6 +309,9 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 6> {
         tangent
     }
 }
+
+/// Indices of the Mandel components in space.
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
 #[cfg(test)]
 mod tests {
@@ -314,6 +379,26 @@ mod tests {
         for (i, &row) in [0, 1, 3].iter().enumerate() {
             for (j, &column) in [0, 1, 3].iter().enumerate() {
                 assert!((t6[row][column].0[0] - t3[i][j].0[0]).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn a_third_direction_without_shear_is_space_with_two_zeros() {
+        let matrix = [[0.3, 0.1, 0.0], [0.1, -0.4, 0.0], [0.0, 0.0, 0.6]];
+        let (s, f) = (space(matrix), Mandel([0.3, -0.4, 0.6, 0.1 * 2f64.sqrt()].map(|x| Lanes::<false>([x; WIDTH]))));
+        let close = |a: Lane, b: Lane| assert!((a.0[0] - b.0[0]).abs() < 1e-15, "{a:?} {b:?}");
+        close(s.trace(), f.trace());
+        close(s.second_invariant(), f.second_invariant());
+        close(s.determinant(), f.determinant());
+        close(s.dot(&s), f.dot(&f));
+        let (a, b) = (Lane::splat(0.4), Lane::splat(1.3));
+        let (t6, t4) = (Mandel::<Lane, 6>::isotropic_tangent(a, b, &s), Mandel::<Lane, 4>::isotropic_tangent(a, b, &f));
+        for i in 0..4 {
+            close(s.cofactor().0[i], f.cofactor().0[i]);
+            close(s.plus_identity(a).0[i], f.plus_identity(a).0[i]);
+            for j in 0..4 {
+                close(t6[i][j], t4[i][j]);
             }
         }
     }

@@ -94,6 +94,14 @@ pub enum MeshError {
         /// The limit.
         limit: usize,
     },
+    /// Cells that cannot be made of a mesh's cells.
+    #[error("cells of the kind {to} cannot be made of cells of the kind {from}")]
+    NoConversion {
+        /// Kind of the mesh.
+        from: &'static str,
+        /// Kind asked for.
+        to: &'static str,
+    },
     /// A ring whose inner radius is not below the outer one.
     #[error("the inner radius {inner} of a ring must be smaller than its outer radius {outer}")]
     Radii {

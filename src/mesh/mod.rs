@@ -6,7 +6,9 @@
 mod cell_size;
 mod check;
 mod cures;
+mod curved;
 mod curves;
+mod division;
 mod error;
 mod extrude;
 mod file_cures;
@@ -26,13 +28,14 @@ mod triangulation;
 
 pub use cell_size::CellSize;
 pub use check::Quality;
+pub use curved::Round;
 pub use curves::Curve;
 pub use error::MeshError;
 pub use file_error::{FileError, FileProblem, Place};
 pub use files::{read_mesh, read_mesh_bytes};
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub(crate) use plane::{cross, is_inside};
-pub use polygon::polygon;
+pub use polygon::{polygon, polygon_of};
 pub use region::{Side, region};
 pub use round::{arc, disk, graded_ring, half_disk, ring};
 pub use selection::SelectionError;

@@ -5,6 +5,7 @@ use super::curves::Curve;
 use super::plane::{cross, is_inside};
 use super::region::{Side, region};
 use super::{Mesh, MeshError};
+use crate::elements::CellKind;
 
 /// Cells of quad4 with edges of about `size` `[length]` in the polygon with these corners, in either direction of traversal; boundaries by
 /// `names`, one for each side in the order of the corners (from the first to the second and so on), equal names joined, and `outer`. Each
@@ -14,20 +15,23 @@ use super::{Mesh, MeshError};
 /// Fewer than 3 corners, sides that cross or have no length, holes that are not inside or meet, a size that is not positive, numbers that
 /// are not finite, too many cells.
 pub fn polygon(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[String]) -> Result<Mesh, MeshError> {
+    polygon_of(CellKind::Quad4, corners, holes, size, names)
+}
+
+/// [`polygon`] of another plane kind of cells.
+///
+/// # Errors
+/// As those of [`polygon`]; a kind that is not plane.
+pub fn polygon_of(kind: CellKind, corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[String]) -> Result<Mesh, MeshError> {
     let (outline, holes) = sides(corners, holes, size, names)?;
-    region(&outline, &holes, CellSize::<MeshError>::Even(size))
+    region(&outline, &holes, CellSize::<MeshError>::Even(size), kind)
 }
 
 /// The sides of a polygon and of its holes as curves.
 ///
 /// # Errors
 /// As those of [`polygon`].
-pub(super) fn sides(
-    corners: &[[f64; 2]],
-    holes: &[Vec<[f64; 2]>],
-    size: f64,
-    names: &[String],
-) -> Result<(Vec<Side>, Vec<Vec<Side>>), MeshError> {
+fn sides(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[String]) -> Result<(Vec<Side>, Vec<Vec<Side>>), MeshError> {
     check(corners, size)?;
     for (hole, rim) in holes.iter().enumerate() {
         check(rim, size)?;

@@ -1,6 +1,6 @@
-//! Unstructured quadrilaterals in a region that curves bound.
+//! Unstructured cells in a region that curves bound.
 //!
-//! The region is triangulated, then every triangle is cut from its center to the middles of its sides into three quadrilaterals. So every
+//! The region is triangulated; for quadrilaterals every triangle is cut from its center to the middles of its sides into three quadrilaterals. So every
 //! region can be meshed, and every cell is convex. New nodes on the rim lie on its curves.
 
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use super::curves::Curve;
 use super::plane::is_inside;
 use super::triangulation::{Rim, Triangles, triangulate};
 use super::{Boundary, Facet, Mesh, MeshError};
-use crate::elements::CellKind;
+use crate::elements::{CellKind, CellShape};
 
 /// Most pieces of one side: with as many, any region but a thin strip has more cells than a mesh may have.
 const SIDE_LIMIT: usize = 100_000;
@@ -24,18 +24,47 @@ pub struct Side {
     pub name: Option<String>,
 }
 
-/// Cells of quad4 with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which consists of
+/// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which consists of
 /// curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so on, and the
-/// names of the sides, equal ones joined.
+/// names of the sides, equal ones joined. Middle nodes of second-order cells on the rim lie on its curves.
 ///
 /// # Errors
 /// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells, what
 /// the size fails with.
-pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], mut size: CellSize<E>) -> Result<Mesh, E> {
-    // a triangle's edge is twice that of its quadrilaterals
-    let rim = rim(outline, holes, &mut size, 2.0)?;
-    let triangles = triangulate(&rim, &mut size, 2.0)?;
-    Ok(quadrilaterals(&triangles, &rim).checked()?)
+pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], mut size: CellSize<E>, kind: CellKind) -> Result<Mesh, E> {
+    // a triangle's edge is twice that of the quadrilaterals it is cut into
+    let factor = if kind.shape() == CellShape::Triangle { 1.0 } else { 2.0 };
+    let rim = rim(outline, holes, &mut size, factor)?;
+    let triangles = triangulate(&rim, &mut size, factor)?;
+    let (mesh, edges) = match kind.shape() {
+        CellShape::Triangle => of_triangles(&triangles, &rim),
+        _ => quadrilaterals(&triangles, &rim),
+    };
+    let on_rim = |ends: [u32; 2], _| {
+        let (piece, share) = edges.get(&ends)?;
+        rim.between(*piece, *share).map(|[x, y]| [x, y, 0.0])
+    };
+    Ok(mesh.checked()?.with_cells(kind)?.curved(on_rim)?)
+}
+
+/// The piece of the rim that an edge between two nodes stands for, and the share of the piece at its middle.
+type RimEdges = HashMap<[u32; 2], (usize, f64)>;
+
+/// The triangles themselves.
+fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> (Mesh, RimEdges) {
+    let (mut along, mut edges) = (HashMap::new(), RimEdges::new());
+    for (nodes, cell) in triangles.iter().zip(0..) {
+        for (from, local) in nodes.iter().zip(0..) {
+            if rim.next.get(*from) == Some(&nodes[(local + 1) % 3]) {
+                along.insert(*from, [Facet { cell, local: local as u8 }]);
+                edges.insert([*from as u32, nodes[(local + 1) % 3] as u32], (*from, 0.5));
+            }
+        }
+    }
+    let boundaries = boundaries(rim, |piece| along.get(&piece).copied());
+    let points = vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+    let connectivity = triangles.as_flattened().iter().map(|&vertex| vertex as u32).collect();
+    (Mesh { kind: CellKind::Tri3, points, connectivity, boundaries, parts: Vec::new() }, edges)
 }
 
 /// The rim of a region in pieces of about `factor` times the size, and the curves and names that they belong to.
@@ -98,7 +127,8 @@ fn follow_each_other(sides: &[Side], what: &str) -> Result<(), MeshError> {
 }
 
 /// Three cells of every triangle.
-fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> Mesh {
+fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> (Mesh, RimEdges) {
+    let mut rim_edges = RimEdges::new();
     let mut points: Vec<[f64; 3]> = Vec::new();
     let mut corner: HashMap<usize, u32> = HashMap::new();
     let mut middle: HashMap<[usize; 2], u32> = HashMap::new();
@@ -123,13 +153,15 @@ fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> M
                 if let Some([x, y]) = rim.between(from, 0.5) {
                     points[middles[k] as usize] = [x, y, 0.0];
                 }
+                rim_edges.insert([own[k], middles[k]], (from, 0.25));
+                rim_edges.insert([middles[k], own[(k + 1) % 3]], (from, 0.75));
                 along.insert(from, [(3 * triangle + k) as u32, (3 * triangle + (k + 1) % 3) as u32]);
             }
         }
     }
     let facets = |piece: usize| along.get(&piece).map(|&[start, end]| [Facet { cell: start, local: 0 }, Facet { cell: end, local: 3 }]);
     let boundaries = boundaries(rim, facets);
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }
+    (Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }, rim_edges)
 }
 
 /// Boundaries by the names of the rim's sides, given the facets of each piece.
@@ -184,7 +216,7 @@ mod tests {
     fn a_slot_has_its_area_and_sides_whatever_way_it_goes() {
         for is_reversed in [false, true] {
             let (outline, holes) = slot(is_reversed);
-            let mesh = region(&outline, &holes, CellSize::<MeshError>::Even(0.06)).unwrap();
+            let mesh = region(&outline, &holes, CellSize::<MeshError>::Even(0.06), CellKind::Quad4).unwrap();
             assert_eq!(mesh.defects(), []);
             let exact = 4.0 + PI / 2.0 - PI * 0.16;
             // chords of length s cut off s^2 / (8 r) of a circle of radius r
@@ -206,11 +238,26 @@ mod tests {
     }
 
     #[test]
+    fn cells_of_second_order_follow_the_curves() {
+        let (outline, holes) = slot(false);
+        let exact = 4.0 + PI / 2.0 - PI * 0.16;
+        for kind in [CellKind::Tri3, CellKind::Tri6, CellKind::Quad4, CellKind::Quad8, CellKind::Quad9] {
+            let mesh = region(&outline, &holes, CellSize::<MeshError>::Even(0.1), kind).unwrap();
+            assert_eq!((mesh.kind, mesh.defects()), (kind, Vec::new()));
+            let error = (mesh.measure() / exact - 1.0).abs();
+            // edges of 0.1 on radii of 0.4 and 1: chords err by a part of h^2 / (6 r^2), parabolas by one of h^4 / (480 r^4)
+            assert!(error < if kind.is_quadratic() { 1e-5 } else { 5e-3 }, "{kind:?} {error}");
+            let named: usize = ["outer", "hole 1"].iter().map(|name| mesh.boundary(name).unwrap().facets.len()).sum();
+            assert_eq!(named, mesh.hull().len());
+        }
+    }
+
+    #[test]
     fn sizes_by_place_are_kept() {
         let square = |k: usize| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][k % 4];
         let outline: Vec<Side> = (0..4).map(|k| side(Curve::line(square(k), square(k + 1)), "")).collect();
         let mut wanted = |[x, y]: [f64; 2]| Ok::<f64, MeshError>(0.005 + 0.1 * x.hypot(y));
-        let mesh = region(&outline, &[], CellSize::At(&mut wanted)).unwrap();
+        let mesh = region(&outline, &[], CellSize::At(&mut wanted), CellKind::Quad4).unwrap();
         assert!((mesh.measure() - 1.0).abs() < 1e-12);
         let quality = mesh.quality();
         assert!(quality.smallest_scaled_jacobian > 0.15, "{quality}");
@@ -226,18 +273,19 @@ mod tests {
         let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
         let (least, most) = ratios.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &r| (low.min(r), high.max(r)));
         assert!((0.5..1.2).contains(&mean) && least > 0.2 && most < 2.0, "{least} {mean} {most} of {}", mesh.cell_count());
-        let even = region(&outline, &[], CellSize::<MeshError>::Even(0.005)).unwrap();
+        let even = region(&outline, &[], CellSize::<MeshError>::Even(0.005), CellKind::Quad4).unwrap();
         // 1 / 0.005^2 = 40000 cells of that size: refinement is not given up half way
         assert!((25_000..80_000).contains(&even.cell_count()), "{}", even.cell_count());
         let mut tiny = |_: [f64; 2]| Ok::<f64, MeshError>(1e-7);
-        assert!(matches!(region(&outline, &[], CellSize::At(&mut tiny)), Err(MeshError::TooManyCells { .. })));
+        assert!(matches!(region(&outline, &[], CellSize::At(&mut tiny), CellKind::Quad4), Err(MeshError::TooManyCells { .. })));
         let mut negative = |[x, _]: [f64; 2]| Ok::<f64, MeshError>(0.1 - x);
-        assert!(matches!(region(&outline, &[], CellSize::At(&mut negative)), Err(MeshError::NotPositive { .. })));
+        assert!(matches!(region(&outline, &[], CellSize::At(&mut negative), CellKind::Quad4), Err(MeshError::NotPositive { .. })));
     }
 
     #[test]
     fn what_does_not_bound_a_region_is_refused() {
-        let refusal = |outline: &[Side], holes: &[Vec<Side>]| region(outline, holes, CellSize::<MeshError>::Even(0.1)).unwrap_err();
+        let refusal =
+            |outline: &[Side], holes: &[Vec<Side>]| region(outline, holes, CellSize::<MeshError>::Even(0.1), CellKind::Quad4).unwrap_err();
         let (outline, _) = slot(false);
         let hole = |x: f64, radius: f64| vec![side(Curve::circle([x, 1.0], radius), "")];
         assert!(matches!(refusal(&outline[..3], &[]), MeshError::OpenOutline { curve: 1, .. }));

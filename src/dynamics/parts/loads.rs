@@ -1,6 +1,6 @@
 //! Loads: forces on the nodes of a boundary whose size follows a time function.
 
-use crate::bodies::torque_forces;
+use crate::bodies::{pressure_shares, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
 use crate::dynamics::model::error::StepError;
@@ -13,8 +13,8 @@ pub struct NodalLoad<const D: usize> {
     pub kind: LoadKind,
     /// Nodes and their shares of the boundary.
     pub weights: Vec<(u32, f64)>,
-    /// Facets of a pressure with the places of their blocks, row by row.
-    pub facets: Vec<([u32; 2], [Block; 4])>,
+    /// Edges of a pressure, each by its ends and its middle node if it has one, with the places of their blocks, row by row.
+    pub facets: Vec<(Vec<u32>, Vec<Block>)>,
     /// Its size over time.
     pub amplitude: Amplitude,
     /// `body.boundary` on which it acts.
@@ -36,13 +36,17 @@ impl<const D: usize> NodalLoad<D> {
     pub fn force_into(&self, amplitude: f64, q: &[f64], force: &mut [f64]) {
         match self.kind {
             LoadKind::Pressure(pressure) => {
-                for ([a, b], _) in &self.facets {
-                    let (a, b) = (*a as usize * D, *b as usize * D);
-                    // Against the outward normal, which is the facet's direction turned to the right.
-                    let half = [-0.5 * amplitude * pressure * (q[b + 1] - q[a + 1]), 0.5 * amplitude * pressure * (q[b] - q[a])];
-                    for node in [a, b] {
-                        force[node] += half[0];
-                        force[node + 1] += half[1];
+                let size = amplitude * pressure;
+                for (nodes, _) in &self.facets {
+                    for (&a, shares) in nodes.iter().zip(pressure_shares(nodes.len())) {
+                        // The shares sum to zero, so that differences alone matter.
+                        let at = |node: u32, i: usize| q[node as usize * D + i];
+                        let along = |i: usize| {
+                            nodes[1..].iter().zip(&shares[1..]).map(|(&b, share)| share * (at(b, i) - at(nodes[0], i))).sum::<f64>()
+                        };
+                        // Against the outward normal, which is the edge's direction turned to the right.
+                        force[a as usize * D] -= size * along(1);
+                        force[a as usize * D + 1] += size * along(0);
                     }
                 }
             }
@@ -66,14 +70,12 @@ impl<const D: usize> NodalLoad<D> {
     /// Subtracts the derivative of a pressure's forces, which turn with their facets; `share` is that of `q_1` in the configuration.
     fn tangent_into(&self, amplitude: f64, share: f64, values: &mut [f64]) {
         let LoadKind::Pressure(pressure) = self.kind else { return };
-        let half = 0.5 * share * pressure * amplitude;
-        for (_, blocks) in &self.facets {
-            for row in 0..2 {
-                for (column, sign) in [(0, -1.0), (1, 1.0)] {
-                    let block = blocks[2 * row + column];
-                    values[block.at(0, 1)] += sign * half;
-                    values[block.at(1, 0)] -= sign * half;
-                }
+        let size = share * pressure * amplitude;
+        for (nodes, blocks) in &self.facets {
+            let shares = pressure_shares(nodes.len()).iter().copied().flatten();
+            for (block, share) in blocks.iter().zip(shares) {
+                values[block.at(0, 1)] += share * size;
+                values[block.at(1, 0)] -= share * size;
             }
         }
     }
@@ -86,7 +88,7 @@ impl<const D: usize> Part for NodalLoad<D> {
 
     fn place(&mut self, pattern: &Pattern) {
         for (facet, blocks) in &mut self.facets {
-            *blocks = std::array::from_fn(|k| pattern.block(facet[k / 2], facet[k % 2]));
+            *blocks = facet.iter().flat_map(|&a| facet.iter().map(move |&b| pattern.block(a, b))).collect();
         }
     }
 

@@ -28,7 +28,7 @@ use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
 use crate::dynamics::parts::supports::Supports;
-use crate::linear::{Block, LinearError, Watch, Work};
+use crate::linear::{LinearError, Watch, Work};
 use crate::math::workers::Workers;
 
 /// The equations of a model in `D` dimensions.
@@ -159,8 +159,9 @@ fn loads_of<const D: usize>(model: &Model, bodies: &[Body<D>]) -> Vec<NodalLoad<
             .collect(),
         facets: match load.kind {
             LoadKind::Pressure(_) => {
-                let facets = boundary_facets(model, &load.on, first(load.on.body)).into_iter();
-                facets.map(|facet| (facet, [Block::default(); 4])).collect()
+                let mesh = &model.bodies[load.on.body].mesh;
+                let nodes = |&facet| mesh.facet_nodes(facet).map(|node| node + first(load.on.body) as u32).collect();
+                load.on.boundary.facets.iter().map(|facet| (nodes(facet), Vec::new())).collect()
             }
             _ => Vec::new(),
         },

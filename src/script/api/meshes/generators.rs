@@ -1,8 +1,9 @@
 //! Meshes of simple shapes, from a few numbers.
 
 use super::handle::{MeshHandle, mesh_value, vector_or_zero};
+use super::kinds::{PLANE, SOLID, element, kind_of};
 use crate::math::catalogue::Interval;
-use crate::mesh;
+use crate::mesh::{self, Round};
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
@@ -21,7 +22,7 @@ fn rectangle() -> Function {
         name: "rectangle",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a rectangle of quadrilaterals with the boundaries `left`, `right`, `bottom`, `top`",
+        summary: "a rectangle with the boundaries `left`, `right`, `bottom`, `top`",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -32,7 +33,7 @@ fn rectangle() -> Function {
                     "the last cell over the first, along the width and the height; cells grow in geometric progression",
                     "[1, 1], even cells",
                 ),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -41,12 +42,13 @@ fn rectangle() -> Function {
         see_also: &["ring", "block", "read_mesh"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (size, cells) = (options.argument("size").numbers_of(2)?, options.argument("cells").counts(2)?);
             let origin = vector_or_zero(&options, "origin", 2)?;
             let grading = ratios(&options, 2)?;
             let (size, origin) = ([size[0], size[1]], [origin[0], origin[1]]);
-            mesh_value(call, mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]]))
+            let made = mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]]);
+            mesh_value(call, made.and_then(|mesh| mesh.with_cells(kind)))
         }),
     }
 }
@@ -56,7 +58,7 @@ fn block() -> Function {
         name: "block",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a block of hexahedra with the boundaries `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z)",
+        summary: "a block with the boundaries `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z)",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -64,7 +66,7 @@ fn block() -> Function {
                 Parameter::new("cells", Kind::Counts, "the number of cells along the width, the height and the depth"),
                 origin("[0, 0, 0]"),
                 grading("the last cell over the first, along the width, the height and the depth", "[1, 1, 1], even cells"),
-                element(&["hex8"]),
+                element(SOLID),
             ]),
             "shape and cells",
         )],
@@ -73,11 +75,14 @@ fn block() -> Function {
         see_also: &["rectangle"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (size, cells) = (options.argument("size").numbers_of(3)?, options.argument("cells").counts(3)?);
             let origin = vector_or_zero(&options, "origin", 3)?;
             let (size, grading) = ([size[0], size[1], size[2]], ratios(&options, 3)?);
-            mesh_value(call, mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading))
+            mesh_value(
+                call,
+                mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading).and_then(|mesh| mesh.with_cells(kind)),
+            )
         }),
     }
 }
@@ -87,7 +92,7 @@ fn ring() -> Function {
         name: "ring",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a closed ring of quadrilaterals with the boundaries `inner` and `outer`",
+        summary: "a closed ring with the boundaries `inner` and `outer`",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -99,7 +104,7 @@ fn ring() -> Function {
                     .or(Absent::Number(0.0)),
                 Parameter::number("grading", "1", Interval::Positive, "the outermost cell over the innermost, along the radius")
                     .or(Absent::Number(1.0)),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -108,12 +113,13 @@ fn ring() -> Function {
         see_also: &["rectangle", "read_mesh"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (inner, outer) = (options.number("inner_radius")?, options.number("outer_radius")?);
             radii_in_order(&options, inner, outer)?;
             let cells = options.argument("cells").counts(2)?;
             let (center, start) = (vector_or_zero(&options, "center", 2)?, options.number("start_angle")?);
-            mesh_value(call, mesh::graded_ring(inner, outer, pair(&cells), [center[0], center[1]], start, options.number("grading")?))
+            let made = mesh::graded_ring(inner, outer, pair(&cells), [center[0], center[1]], start, options.number("grading")?);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::About([center[0], center[1]]))))
         }),
     }
 }
@@ -123,7 +129,7 @@ fn arc() -> Function {
         name: "arc",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a sector of a ring of quadrilaterals with the boundaries `inner`, `outer`, and `start` and `end` of the arc",
+        summary: "a sector of a ring with the boundaries `inner`, `outer`, and `start` and `end` of the arc",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -134,7 +140,7 @@ fn arc() -> Function {
                 Parameter::number("start_angle", "rad", Interval::Finite, "the direction of its start").or(Absent::Number(0.0)),
                 Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
                 grading("the last cell over the first, along the radius and along the arc", "[1, 1], even cells"),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -144,13 +150,14 @@ fn arc() -> Function {
         see_also: &["ring", "region", "deg"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (inner, outer) = (options.number("inner_radius")?, options.number("outer_radius")?);
             radii_in_order(&options, inner, outer)?;
             let cells = options.argument("cells").counts(2)?;
             let (angles, grading) = ([options.number("start_angle")?, options.number("end_angle")?], ratios(&options, 2)?);
             let center = vector_or_zero(&options, "center", 2)?;
-            mesh_value(call, mesh::arc([inner, outer], angles, pair(&cells), [center[0], center[1]], [grading[0], grading[1]]))
+            let made = mesh::arc([inner, outer], angles, pair(&cells), [center[0], center[1]], [grading[0], grading[1]]);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::About([center[0], center[1]]))))
         }),
     }
 }
@@ -160,14 +167,14 @@ fn disk() -> Function {
         name: "disk",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a disk of quadrilaterals with the boundary `outer`: a square core in a ring of layers",
+        summary: "a disk with the boundary `outer`: a square core in a ring of layers",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
                 Parameter::number("radius", "length", Interval::Positive, "the radius"),
                 Parameter::new("cells", Kind::Counts, "the number of layers around the core, and of cells around (a multiple of 4)"),
                 Parameter::new("center", Kind::Vector, "the center").of("length").or(Absent::Means("[0, 0]")),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -176,10 +183,11 @@ fn disk() -> Function {
         see_also: &["half_disk", "ring"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
             let center = vector_or_zero(&options, "center", 2)?;
-            mesh_value(call, mesh::disk(radius, pair(&cells), [center[0], center[1]]))
+            let made = mesh::disk(radius, pair(&cells), [center[0], center[1]]);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::On([center[0], center[1]], radius))))
         }),
     }
 }
@@ -189,7 +197,7 @@ fn polygon() -> Function {
         name: "polygon",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a polygon of unstructured quadrilaterals with the boundaries `outer` and `side 1`, `side 2`, … or the names given",
+        summary: "a polygon of unstructured cells with the boundaries `outer` and `side 1`, `side 2`, … or the names given",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -200,7 +208,7 @@ fn polygon() -> Function {
                 Parameter::new("holes", Kind::Array, "holes, each an array of its corners; their boundaries are `hole 1`, `hole 2`, …")
                     .of("length")
                     .or(Absent::Means("none")),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -211,7 +219,7 @@ fn polygon() -> Function {
         see_also: &["rectangle", "read_mesh", "boundary_where"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let corners = options.argument("points").points()?;
             let argument = options.argument("names");
             let names: Vec<String> = if argument.is_given() {
@@ -227,7 +235,7 @@ fn polygon() -> Function {
             };
             let holes = options.argument("holes");
             let holes = if holes.is_given() { holes.lists_of_points()? } else { Vec::new() };
-            mesh_value(call, mesh::polygon(&corners, &holes, options.number("size")?, &names))
+            mesh_value(call, mesh::polygon_of(kind, &corners, &holes, options.number("size")?, &names))
         }),
     }
 }
@@ -237,7 +245,7 @@ fn half_disk() -> Function {
         name: "half_disk",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "the lower half of a disk of quadrilaterals with the boundaries `arc` and `flat`, finer towards its lowest point",
+        summary: "the lower half of a disk with the boundaries `arc` and `flat`, finer towards its lowest point",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -251,7 +259,7 @@ fn half_disk() -> Function {
                     "the length of the facets at the lowest point; they grow away from it in geometric progression",
                 )
                 .or(Absent::Means("even facets")),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -260,10 +268,11 @@ fn half_disk() -> Function {
         see_also: &["disk", "map"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
             let (center, finest) = (vector_or_zero(&options, "center", 2)?, options.optional_number("finest")?);
-            mesh_value(call, mesh::half_disk(radius, pair(&cells), [center[0], center[1]], finest))
+            let made = mesh::half_disk(radius, pair(&cells), [center[0], center[1]], finest);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::On([center[0], center[1]], radius))))
         }),
     }
 }
@@ -299,8 +308,4 @@ fn pair(counts: &[usize]) -> [usize; 2] {
 
 fn origin(dimensions: &'static str) -> Parameter {
     Parameter::new("origin", Kind::Vector, "the corner of least coordinates").of("length").or(Absent::Means(dimensions))
-}
-
-fn element(kinds: &'static [&'static str]) -> Parameter {
-    Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(Absent::Text(kinds[0]))
 }

@@ -5,6 +5,7 @@ use crate::script::language::function::Function;
 pub mod boundaries;
 pub mod generators;
 pub mod handle;
+pub mod kinds;
 pub mod properties;
 pub mod reader;
 pub mod regions;
@@ -16,6 +17,7 @@ pub fn functions() -> Vec<Function> {
     all.extend(regions::functions());
     all.extend(reader::functions());
     all.extend(transforms::functions());
+    all.push(kinds::with_elements());
     all.push(boundaries::boundary_where());
     all.extend(properties::functions());
     all

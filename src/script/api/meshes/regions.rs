@@ -3,6 +3,7 @@
 use rhai::{Array, Dynamic, EvalAltResult, FnPtr};
 
 use super::handle::{MeshHandle, mesh_failure};
+use super::kinds::{PLANE, element, kind_of};
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, CellSize, Curve, MeshError, SelectionError, Side};
 use crate::script::language::arguments::{Argument, Arguments};
@@ -74,7 +75,7 @@ fn region() -> Function {
         name: "region",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "unstructured quadrilaterals inside an outline of lines, arcs and splines, with the boundaries `outer`, `hole 1`, … and \
+        summary: "unstructured cells inside an outline of lines, arcs and splines, with the boundaries `outer`, `hole 1`, … and \
                   the names of curves",
         parameters: vec![Parameter::new(
             "options",
@@ -92,7 +93,7 @@ fn region() -> Function {
                 )
                 .of("length"),
                 Parameter::new("holes", Kind::Array, "holes, each like an outline").of("length").or(Absent::Means("none")),
-                Parameter::new("element", Kind::Choice(&["quad4"]), "the kind of its cells").or(Absent::Text("quad4")),
+                element(PLANE),
             ]),
             "outline and size",
         )],
@@ -104,7 +105,7 @@ fn region() -> Function {
         see_also: &["polygon", "line_to", "arc_to", "spline_to", "circle", "read_mesh"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let argument = options.argument("outline");
             if !argument.is_given() {
                 return Err(argument.missing().into());
@@ -113,7 +114,7 @@ fn region() -> Function {
             let argument = options.argument("holes");
             let holes = if argument.is_given() { argument.array()? } else { Array::new() };
             let holes: Vec<Vec<Side>> = holes.iter().map(|hole| closed_loop(&argument, hole)).collect::<Result<_, Failure>>()?;
-            let made = with_size(call, &options.argument("size"), |size| mesh::region(&outline, &holes, size))?;
+            let made = with_size(call, &options.argument("size"), |size| mesh::region(&outline, &holes, size, kind))?;
             Ok(Dynamic::from(MeshHandle::new(made)))
         }),
     }

@@ -1,0 +1,30 @@
+//! A stored energy as the sum `W(E) = W_d(E) + U(J)`, for elements that take `J` as a mean over the element.
+//!
+//! `W_d` is what is left when `U` is taken away; it need not be free of pressure. `U` is evaluated from `J - 1`, so that small changes of
+//! volume keep their digits.
+
+use std::sync::Arc;
+
+use super::batched::BatchedLaw;
+use crate::math::lanes::Lanes;
+
+/// An energy `U(J)` of the volume ratio `J = det F` alone, behind a virtual call per batch.
+pub trait VolumetricLaw: Send + Sync {
+    /// `U` for each `J - 1` `[energy/volume]`, with relative accuracy at small change.
+    fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]);
+    /// `U'` and `U''` for each `J - 1` `[stress]`.
+    fn responses_into(&self, change: &[Lanes<false>], responses: &mut [[Lanes<false>; 2]]);
+}
+
+/// The two parts of an energy.
+#[derive(Clone)]
+pub struct Split {
+    /// `W_d` in plane strain.
+    pub plane: Arc<dyn BatchedLaw<3>>,
+    /// `W_d` where the third direction is stretched but not sheared.
+    pub axisymmetric: Arc<dyn BatchedLaw<4>>,
+    /// `W_d` in space.
+    pub space: Arc<dyn BatchedLaw<6>>,
+    /// `U`.
+    pub volumetric: Arc<dyn VolumetricLaw>,
+}
