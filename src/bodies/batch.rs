@@ -162,8 +162,8 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
     }
 }
 
-/// A number of nodes or points. Where there are many, the compiler is not told how many: it would write out all loops over them, which takes
-/// it minutes and gains nothing.
+/// A number of nodes or points. Where there are many, the compiler is not told how many: it would write out all loops over them, which
+/// takes it minutes and gains nothing.
 #[inline(always)]
 pub(super) fn many<const N: usize>() -> usize {
     if N > FEW { std::hint::black_box(N) } else { N }

@@ -9,8 +9,8 @@
 //! p = (U(theta_1) - U(theta_0)) / (theta_1 - theta_0),     S = DG[W_d] + p DG[J]
 //! ```
 //!
-//! `S` is symmetric, so the angular momentum is kept, and `p` times the change of `theta` is that of `U`. (Mean dilatation: Nagtegaal, Parks and
-//! Rice, CMAME 4, 1974; Simo, Taylor and Pister, CMAME 51, 1985. Their conserving form is ours.)
+//! `S` is symmetric, so the angular momentum is kept, and `p` times the change of `theta` is that of `U`. (Mean dilatation:
+//! Nagtegaal, Parks and Rice, CMAME 4, 1974; Simo, Taylor and Pister, CMAME 51, 1985. Their conserving form is ours.)
 
 use super::batch::cast;
 use crate::integrators::{Configuration, Derivative};
@@ -42,8 +42,8 @@ impl Pressure {
         Pressure { value: response[0][0], slope: response[0][1] }
     }
 
-    /// The discrete gradient of `U` and its derivative with respect to the end: a Gauss rule for the line integrals of `U'` and `U''`, and the
-    /// quotient where the step is too large for it.
+    /// The discrete gradient of `U` and its derivative with respect to the end: a Gauss rule for the line integrals of `U'` and `U''`,
+    /// and the quotient where the step is too large for it.
     pub(super) fn between(law: &dyn VolumetricLaw, from: Lanes<false>, to: Lanes<false>) -> Self {
         let step = to - from;
         let changes = GAUSS.map(|(s, _)| from + step * s);

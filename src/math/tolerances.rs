@@ -227,3 +227,9 @@ pub const INVARIANT: f64 = 1e-7;
 
 /// Relative error below which an order of convergence is not read from differences: round-off.
 pub const ORDER_ROUND_OFF: f64 = 1e-13;
+
+/// Distance of the end of an arc from its circle, relative to the radius, that is rounding of what was typed: three digits are.
+pub const ON_CIRCLE: f64 = 1e-3;
+
+/// Round-off of a sum of a thousand lengths, relative to it.
+pub const SUM_OF_LENGTHS: f64 = 1e-12;

@@ -29,6 +29,14 @@ impl MeshError {
                     .into()
             }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
+            Turn { .. } => "angles are in radians and grow counter-clockwise; for a full turn use `ring`".into(),
+            OffCircle { .. } => "give a center as far from the start as from the end, or a point `through` which the arc goes".into(),
+            StraightArc => "move the middle point off the line, or use a straight line".into(),
+            FewPoints { .. } => "name more points, each once; a closed spline ends at its first point".into(),
+            OpenOutline { .. } => "name the curves in their order around the outline".into(),
+            CrossingCurves { .. } => "let curves meet at their ends only; where they come close, smaller cells keep them apart".into(),
+            Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
+            Extruded { .. } => "extrude a plane mesh of quad4 or tri3 cells".into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
             NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
             UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {

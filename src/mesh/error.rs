@@ -110,6 +110,69 @@ pub enum MeshError {
         /// Outer radius.
         outer: f64,
     },
+    /// An arc whose end is not behind its start by less than a full turn.
+    #[error("an arc must end behind its start by less than a full turn, but goes from {start} to {end}")]
+    Turn {
+        /// Angle of the start `[rad]`.
+        start: f64,
+        /// Angle of the end `[rad]`.
+        end: f64,
+    },
+    /// The end of an arc that is not on its circle.
+    #[error("the arc starts {radius} from its center, but ends {distance} from it")]
+    OffCircle {
+        /// Distance of the start from the center `[length]`.
+        radius: f64,
+        /// Distance of the end from the center `[length]`.
+        distance: f64,
+    },
+    /// Three points of an arc on one line.
+    #[error("the three points of the arc are on one line")]
+    StraightArc,
+    /// A curve through too few points.
+    #[error("a spline needs at least {least} points, but has {count}")]
+    FewPoints {
+        /// How many it has.
+        count: usize,
+        /// How many it needs.
+        least: usize,
+    },
+    /// An outline that does not close, or whose curves do not follow each other.
+    #[error("curve {curve} of {what} begins at {}, but the one before it ends at {}", spot(.found), spot(.expected))]
+    OpenOutline {
+        /// The outline or a hole.
+        what: String,
+        /// Number of the curve, from 1.
+        curve: usize,
+        /// Where it begins.
+        found: [f64; 2],
+        /// Where the one before it ends.
+        expected: [f64; 2],
+    },
+    /// Two curves of outline and holes that have a point in common that is no end of both.
+    #[error("{first} and {second} touch or cross near {}", spot(.near))]
+    CrossingCurves {
+        /// The first curve.
+        first: String,
+        /// The second curve.
+        second: String,
+        /// About where.
+        near: [f64; 2],
+    },
+    /// Cells that grow so fast that some of them vanish.
+    #[error("{count} cells whose last is {ratio} times the first leave no room for some of them")]
+    Grading {
+        /// Ratio of the last to the first cell.
+        ratio: f64,
+        /// How many cells.
+        count: usize,
+    },
+    /// Cells that cannot be drawn out into space.
+    #[error("a mesh of {kind} cells cannot be extruded")]
+    Extruded {
+        /// Their kind.
+        kind: &'static str,
+    },
     /// A transform that takes a plane mesh out of its plane.
     #[error("{what} takes the plane mesh out of its plane z = 0")]
     LeavesPlane {

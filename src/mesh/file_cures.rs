@@ -28,7 +28,7 @@ impl FileProblem {
                  extruded triangles and from mixed meshes"
             }
             UnsupportedType { .. } => {
-                "use plane cells (CPS3, CPE4, CPE6, CPS8, … with any letters behind), C3D4 or C3D8, and T3D2 or T3D3 for lines of boundaries"
+                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4 or C3D8, and T3D2 or T3D3 for lines of boundaries"
             }
             MixedCells { .. } => {
                 "mesh with one kind: in Gmsh `Mesh.RecombineAll = 1;` with `Mesh.SubdivisionAlgorithm = 1;` leaves quadrilaterals alone, \
@@ -36,8 +36,8 @@ impl FileProblem {
             }
             MixedDimensions { .. } => "save plane and solid bodies in files of their own",
             NoCells { .. } => {
-                "mesh surfaces (`Mesh 2;` in Gmsh) or volumes (`Mesh 3;`), and put them into a physical group: Gmsh saves nothing else once \
-                 there is one"
+                "mesh surfaces (`Mesh 2;` in Gmsh) or volumes (`Mesh 3;`), and put them into a physical group: Gmsh saves nothing else \
+                 once there is one"
             }
             StrayFacet { .. } => {
                 "take the element out of the group, or mesh the surface that it bounds; curves that are only drawn on top of a surface are \

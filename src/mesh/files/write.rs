@@ -1,8 +1,8 @@
 //! A mesh as a Gmsh file, MSH 4.1 ASCII.
 //!
-//! What is written is read back with the same nodes, cells, boundaries and parts, numbers to the last bit. Every boundary is an entity of its
-//! own with one physical group of its name, so a facet of two boundaries is written twice; cells of several parts belong to an entity for
-//! just these parts. Blocks of cells follow their order.
+//! What is written is read back with the same nodes, cells, boundaries and parts, numbers to the last bit. Every boundary is an entity of
+//! its own with one physical group of its name, so a facet of two boundaries is written twice; cells of several parts belong to an entity
+//! for just these parts. Blocks of cells follow their order.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;

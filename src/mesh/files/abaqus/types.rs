@@ -34,7 +34,15 @@ const FAMILIES: &[(&str, usize)] = &[
 ];
 
 /// The cells by dimension and number of nodes.
-const CELLS: &[(usize, usize, CellKind)] = &[(2, 4, CellKind::Quad4), (3, 8, CellKind::Hex8)];
+const CELLS: &[(usize, usize, CellKind)] = &[
+    (2, 3, CellKind::Tri3),
+    (2, 4, CellKind::Quad4),
+    (2, 6, CellKind::Tri6),
+    (2, 8, CellKind::Quad8),
+    (2, 9, CellKind::Quad9),
+    (3, 4, CellKind::Tet4),
+    (3, 8, CellKind::Hex8),
+];
 
 /// The shape of an element type, such as a quadrilateral of four nodes for `CPE4R`; nothing when it is not read.
 pub(super) fn shape_of(name: &str) -> Option<Shape> {
@@ -70,6 +78,16 @@ mod tests {
         }
         for name in ["C3D8", "C3D8R", "C3D8I", "c3d8", "DC3D8"] {
             assert_eq!(shape_of(name), Some(Shape::Cell(CellKind::Hex8)), "{name}");
+        }
+        for (name, kind) in [
+            ("CPS3", CellKind::Tri3),
+            ("STRI3", CellKind::Tri3),
+            ("CPE6M", CellKind::Tri6),
+            ("CAX8R", CellKind::Quad8),
+            ("S9", CellKind::Quad9),
+            ("C3D4", CellKind::Tet4),
+        ] {
+            assert_eq!(shape_of(name), Some(Shape::Cell(kind)), "{name}");
         }
         assert_eq!(shape_of("T3D2"), Some(Shape::Line(2)));
         assert_eq!(shape_of("B31"), Some(Shape::Line(2)));

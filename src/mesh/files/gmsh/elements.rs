@@ -10,8 +10,18 @@ use crate::mesh::file_error::FileProblem;
 pub(super) const ELEMENT: &str = "an element with its number, tags and nodes";
 
 /// Gmsh's numbers of the shapes that are read.
-pub(in crate::mesh::files) const TYPES: &[(u64, Shape)] =
-    &[(15, Shape::Point), (1, Shape::Line(2)), (8, Shape::Line(3)), (3, Shape::Cell(CellKind::Quad4)), (5, Shape::Cell(CellKind::Hex8))];
+pub(in crate::mesh::files) const TYPES: &[(u64, Shape)] = &[
+    (15, Shape::Point),
+    (1, Shape::Line(2)),
+    (8, Shape::Line(3)),
+    (2, Shape::Cell(CellKind::Tri3)),
+    (3, Shape::Cell(CellKind::Quad4)),
+    (4, Shape::Cell(CellKind::Tet4)),
+    (5, Shape::Cell(CellKind::Hex8)),
+    (9, Shape::Cell(CellKind::Tri6)),
+    (10, Shape::Cell(CellKind::Quad9)),
+    (16, Shape::Cell(CellKind::Quad8)),
+];
 
 /// Keeps an element whose nodes are the numbers that are left of its entry.
 pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, groups: u32, mut entry: Entry) -> Result<(), MeshError> {
@@ -55,17 +65,12 @@ pub(super) fn read_names(source: &mut Source, tables: &mut Tables) -> Result<(),
 
 fn kind_name(gmsh_type: u64) -> String {
     let known = match gmsh_type {
-        2 => "3-node triangle",
-        4 => "4-node tetrahedron",
         6 => "6-node prism",
         7 => "5-node pyramid",
-        9 => "6-node triangle (second order)",
-        10 => "9-node quadrilateral (second order)",
         11 => "10-node tetrahedron (second order)",
         12 => "27-node hexahedron (second order)",
         13 => "18-node prism (second order)",
         14 => "14-node pyramid (second order)",
-        16 => "8-node quadrilateral (second order)",
         17 => "20-node hexahedron (second order)",
         21 => "10-node triangle (third order)",
         26 => "4-node line (third order)",

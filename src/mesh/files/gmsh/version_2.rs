@@ -25,8 +25,8 @@ pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables) -> Result<(),
     source.close(&section)
 }
 
-/// `number type tag-count tags… nodes…` per line; in binary `type count tag-count` and then `number tags… nodes…` for each. The first tag is
-/// the physical group, 0 for none.
+/// `number type tag-count tags… nodes…` per line; in binary `type count tag-count` and then `number tags… nodes…` for each. The first
+/// tag is the physical group, 0 for none.
 pub(super) fn read_elements(source: &mut Source, tables: &mut Tables) -> Result<(), MeshError> {
     const HEAD: &str = "the type of some elements, their number and the number of their tags";
     let mut section = Section::new("$Elements", source);
