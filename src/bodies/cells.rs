@@ -110,7 +110,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
         let sums = Sums { force, values, first_unknown, first_value };
         let batches = run.cells.start / WIDTH..run.cells.end.div_ceil(WIDTH);
-        dispatch(Assemble { cells: self, step, batches, sums }).map_err(|batch| {
+        dispatch(Assemble { cells: self, step, batches, sums, geometric: 1.0 }).map_err(|batch| {
             let determinants = self.deform(&self.batches[batch], Some(step.q_1)).smallest_determinants;
             let lane = (0..WIDTH).find(|&lane| determinants[lane].is_nan() || determinants[lane] <= 0.0).unwrap_or_default();
             Inverted { cell: batch * WIDTH + lane, determinant: determinants[lane] }
@@ -224,6 +224,8 @@ struct Assemble<'a, const D: usize, const S: usize, const L: usize, const A: usi
     step: &'a Step<'a>,
     batches: Range<usize>,
     sums: Sums<'a>,
+    /// Share of the geometric stiffness in the tangent: 1, or 0 for that of the material alone.
+    geometric: f64,
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, L, A, Q> {
@@ -232,7 +234,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Result<(), usize> {
-        let Assemble { cells, step, batches, mut sums } = self;
+        let Assemble { cells, step, batches, mut sums, geometric } = self;
         let (table, physics) = (&cells.table, &cells.physics);
         let mut work = Workspace::<FMA, D, S, A, Q>::new(physics.strain);
         let (is_round, mut answer) = (physics.is_round(), Answer::EMPTY);
@@ -258,7 +260,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 work.respond(&*physics.law, step.derivative);
             }
             if sums.values.is_some() {
-                work.integrate(step.derivative, step.weight);
+                work.integrate(step.derivative, step.weight, geometric);
                 work.add_mass(table, step.inertia * physics.density);
             } else {
                 work.integrate_force(step.derivative, step.weight);
@@ -268,7 +270,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
                     return Err(index);
                 }
-                let geometric = work.geometric_share(step.derivative.placement().share);
+                let geometric = geometric * work.geometric_share(step.derivative.placement().share);
                 let Step { derivative, weight, .. } = *step;
                 let share = Share { derivative, weight, with_tangent: sums.values.is_some(), geometric };
                 work.complete(&answer, &points, table, is_round, share);
@@ -279,51 +281,6 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             cells.scatter_force(index, &work, &mut sums);
         }
         Ok(())
-    }
-}
-
-/// Mass and material stiffness of all batches.
-struct AssembleMaterialStiffness<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
-    cells: &'a Cells<D, S, L, A, Q>,
-    q: &'a [f64],
-    factor: f64,
-    values: &'a mut [f64],
-}
-
-impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel
-    for AssembleMaterialStiffness<'_, D, S, L, A, Q>
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        let cells = self.cells;
-        let (table, physics) = (&cells.table, &cells.physics);
-        let mut work = Workspace::<FMA, D, S, A, Q>::new(physics.strain);
-        let (is_round, mut answer) = (physics.is_round(), Answer::EMPTY);
-        for (index, batch) in cells.batches.iter().enumerate() {
-            work.set_points(batch, table);
-            if is_round {
-                work.revolve(batch, table);
-            }
-            work.set_end(batch, self.q);
-            let special = physics.special.as_ref().map(|special| {
-                let points = work.special_points(batch, table, [None, Some(self.q).filter(|_| is_round)]);
-                special.respond(&points, Derivative::AT_END, &mut answer);
-                work.take(&answer);
-                points
-            });
-            if special.is_none() {
-                work.respond(&*physics.law, Derivative::AT_END);
-            }
-            work.integrate_material_stiffness(self.factor);
-            if let Some(points) = special {
-                let share = Share { derivative: Derivative::AT_END, weight: self.factor, with_tangent: true, geometric: 0.0 };
-                work.complete(&answer, &points, table, is_round, share);
-            }
-            work.add_mass(table, physics.density);
-            cells.scatter_tangent(index, &work, self.values, 0);
-        }
     }
 }
 
@@ -385,7 +342,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn add_material_stiffness(&self, q: &[f64], factor: f64, values: &mut [f64]) {
-        dispatch(AssembleMaterialStiffness { cells: self, q, factor, values });
+        let step = Step { derivative: Derivative::AT_END, weight: factor, inertia: 1.0, q_0: q, q_1: q };
+        let mut force = vec![0.0; q.len()];
+        let sums = Sums { force: &mut force, values: Some(values), first_unknown: 0, first_value: 0 };
+        // Of a configuration that a step came through to: no cell is inside out.
+        let _ = dispatch(Assemble { cells: self, step: &step, batches: 0..self.batches.len(), sums, geometric: 0.0 });
     }
 
     fn strain_energy(&self, q: &[f64]) -> f64 {

@@ -224,30 +224,17 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         finish_force(&mut self.force);
     }
 
-    /// Sums weighted force and tangent over the points.
+    /// Sums weighted force and tangent over the points, `geometric` times its part that belongs to the stress itself.
     #[inline(always)]
-    pub(super) fn integrate(&mut self, derivative: Derivative, weight: f64) {
+    pub(super) fn integrate(&mut self, derivative: Derivative, weight: f64, geometric: f64) {
         let Placement { test, trial, share } = derivative.placement();
-        let share = self.geometric_share(share);
+        let share = geometric * self.geometric_share(share);
         self.clear();
         for q in 0..many::<Q>() {
             let (stress, tangent) = self.stress_and_tangent(q, derivative);
             let (test, trial) = (self.deformation_gradient(q, test), self.deformation_gradient(q, trial));
             let Point { gradients, volume, .. } = &self.points[q];
             add_point(gradients, &test, &trial, &stress, &tangent, *volume * weight, share, &mut self.force, &mut self.tangent);
-        }
-        self.finish();
-    }
-
-    /// Sums the material stiffness `int B^T D B dV` over the points; the responses are those at the strains at the end.
-    #[inline(always)]
-    pub(super) fn integrate_material_stiffness(&mut self, factor: f64) {
-        self.clear();
-        for q in 0..many::<Q>() {
-            let (stress, tangent) = (relabel(&self.responses[q].stress), relabel_rows(&self.responses[q].tangent));
-            let f = self.deformation_gradient(q, Configuration::End);
-            let Point { gradients, volume, .. } = &self.points[q];
-            add_point(gradients, &f, &f, &stress, &tangent, *volume * factor, 0.0, &mut self.force, &mut self.tangent);
         }
         self.finish();
     }

@@ -68,6 +68,11 @@ pub trait ContactKernel: Send + Sync {
         &self.sides().weights
     }
 
+    /// Whether the force of patch `p` on a node is one on the side of its rows.
+    fn owns(&self, p: usize, node: u32) -> bool {
+        self.patches().rows(p).iter().any(|&row| self.row_nodes().get(row as usize / self.rows_per_node()) == Some(&node))
+    }
+
     /// Length `h` of the shortest secondary facet in the reference configuration `[length]`.
     fn facet_size(&self) -> f64 {
         self.sides().facet_size

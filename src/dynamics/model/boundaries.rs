@@ -2,7 +2,7 @@
 
 use super::definitions::Model;
 use super::interactions::BodyBoundary;
-use crate::contact::Surface;
+use crate::contact::{Middles, Surface};
 
 /// Facets of a boundary in the plane, whose body's nodes are numbered from `first_node`; a quadratic edge is two of them.
 pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
@@ -12,6 +12,20 @@ pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> V
         straight_pieces(&nodes)
     };
     on.boundary.facets.iter().flat_map(pieces).collect()
+}
+
+/// The middle nodes of edges of second order on the hulls of plane bodies, whose nodes are numbered from where `first` says.
+pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> Middles {
+    let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.kind.is_quadratic());
+    let edges = curved.flat_map(|(index, body)| {
+        let first = first(index) as u32;
+        let edge = move |facet| {
+            let nodes: Vec<u32> = body.mesh.facet_nodes(facet).map(|node| node + first).collect();
+            [nodes[0], nodes[1], nodes[2]]
+        };
+        body.mesh.hull().into_iter().map(edge)
+    });
+    Middles::new(edges)
 }
 
 /// The straight pieces of an edge, given by its ends and its middle node if it has one.

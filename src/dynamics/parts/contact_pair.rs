@@ -100,6 +100,8 @@ pub struct ContactPair {
     pub update: &'static UpdateRule,
     /// What keeps it closed.
     pub hold: Hold,
+    /// Whether its bodies are bodies of revolution, and multipliers pressures times circumferences.
+    pub is_round: bool,
     /// Range of its rows among all rows.
     pub rows: Range<usize>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
@@ -144,12 +146,18 @@ impl ContactPair {
             equality: kind == PairKind::Tie,
             update: &GAP,
             hold: Hold::Multiplier,
+            is_round: false,
             rows: 0..kernel.rows(),
             c: modulus / (size * size),
             gap_tolerance: (tolerances::GAP * size * size).max(tolerances::GAP_FLOOR * reach * size),
             kernel,
             places: Places::default(),
         }
+    }
+
+    /// What a length of the section at a node stands for: one, or the circumference there `[length]`.
+    pub fn circumference(&self, node: u32, q: &[f64]) -> f64 {
+        if self.is_round { std::f64::consts::TAU * q[2 * node as usize] } else { 1.0 }
     }
 
     /// Stiffness of its penalty potential, if it has one.
@@ -307,7 +315,7 @@ impl ContactPair {
 
     /// Whether a node owns a row of a patch.
     pub fn owns_row(&self, patch: usize, node: u32) -> bool {
-        self.kernel.patches().rows(patch).iter().any(|&row| self.node_of(self.rows.start + row as usize) == Some(node))
+        self.kernel.owns(patch, node)
     }
 
     /// The node that owns a row of the model, if a node does.

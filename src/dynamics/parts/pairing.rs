@@ -1,16 +1,22 @@
 //! Makes the contact pairs of a model: its contacts, obstacles and ties, then the corners that belong to them.
 
 use super::contact_pair::{ContactPair, CornersOf, Hold, PairKind};
-use crate::contact::{ContactKernel, NodeToSegment, RigidContact, RigidCorners, Tie};
+use crate::contact::{ContactKernel, Middles, NodeToSegment, RigidContact, RigidCorners, Tie};
 use crate::dynamics::model::boundaries::{facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// All pairs of a model, `facets` a boundary's in the numbering of the model.
-pub fn contact_pairs(model: &Model, facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>, reference: &[f64]) -> Vec<ContactPair> {
-    let made = Pairing { model, facets: &facets, reference, reach: largest_size(reference) };
+/// All pairs of a model, `facets` a boundary's in the numbering of the model, `middles` those of edges of second order.
+pub fn contact_pairs(
+    model: &Model,
+    facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>,
+    middles: &Middles,
+    reference: &[f64],
+) -> Vec<ContactPair> {
+    let seen = middles.seen(reference);
+    let made = Pairing { model, facets: &facets, middles, reference: &seen, reach: largest_size(reference) };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     pairs.extend(corners);
@@ -27,7 +33,9 @@ struct Pairing<'a> {
     model: &'a Model,
     /// Facets of a boundary in the numbering of the model.
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
-    /// Positions at rest.
+    /// Middle nodes of edges of second order.
+    middles: &'a Middles,
+    /// Positions at rest as contact sees them.
     reference: &'a [f64],
     /// Their largest coordinate.
     reach: f64,
@@ -35,7 +43,10 @@ struct Pairing<'a> {
 
 impl Pairing<'_> {
     fn pair(&self, name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
-        ContactPair::new(name, kind, kernel, self.model.bodies[body].material.youngs_modulus(), self.reach)
+        let (kernel, modulus) = (self.middles.under(kernel), self.model.bodies[body].material.youngs_modulus());
+        let mut pair = ContactPair::new(name, kind, kernel, modulus, self.reach);
+        pair.is_round = self.model.is_axisymmetric();
+        pair
     }
 
     /// One pair for each contact of the model, in the order of [`Model::contact_names`].

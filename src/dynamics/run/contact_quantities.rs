@@ -86,9 +86,12 @@ pub fn totals<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) ->
 }
 
 /// Pressure at each secondary node: its multiplier, and what corners press on it over its length.
-fn pressures(contact: Loaded, forces: &ContactForces) -> Vec<f64> {
+fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let (stride, weights) = (contact.pair.kernel.rows_per_node(), contact.pair.kernel.weights());
-    let of = |(index, rows): (usize, &[f64])| size(rows) + forces.pressed[index] / weights[index * stride];
+    let nodes = contact.pair.kernel.secondary().nodes();
+    let of = |(index, rows): (usize, &[f64])| {
+        (size(rows) + forces.pressed[index] / weights[index * stride]) / contact.pair.circumference(nodes[index], q)
+    };
     contact.lambda.chunks_exact(stride).enumerate().map(of).collect()
 }
 
@@ -122,14 +125,14 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
         (0..3).for_each(|i| totals.force[i] += force[i]);
         totals.normal_force += force[0].hypot(force[1]).hypot(force[2]);
     }
-    let (weights, pressures) = (pair.kernel.secondary().weights(q), pressures(contact, forces));
+    let (weights, pressures) = (pair.kernel.secondary().weights(q), pressures(contact, forces, q));
     let (active, others) = active_nodes(contact, corners);
     totals.active = others;
     for (node, weight) in weights.iter().enumerate() {
         let row = node * stride;
         if active[node] {
             totals.active += 1;
-            totals.area += coverage[row] * weight;
+            totals.area += coverage[row] * weight * pair.circumference(pair.kernel.secondary().nodes()[node], q);
         }
         totals.pressure = totals.pressure.max(pressures[node]);
     }
@@ -159,7 +162,7 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     let node_rows = || (0..secondary.len()).map(|node| node * rows..(node + 1) * rows);
     ContactFields {
         positions: secondary.iter().map(|&node| position(node)).collect(),
-        pressure: pressures(contact, &forces),
+        pressure: pressures(contact, &forces, q),
         gap: node_rows()
             .map(|rows| {
                 let (covered, weight) = (coverage[rows.start], pair.kernel.weights()[rows.start]);

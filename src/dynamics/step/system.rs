@@ -18,7 +18,7 @@ use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Inverted, Plane, Space, nodal_areas};
 use crate::contact::{Correction, Outlook};
-use crate::dynamics::model::boundaries::boundary_facets;
+use crate::dynamics::model::boundaries::{boundary_facets, middles};
 use crate::dynamics::model::definitions::{LoadKind, Model};
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::part::{Numbering, Part};
@@ -85,7 +85,8 @@ where
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
         let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
-        let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &reference);
+        let middles = middles(model, first);
+        let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &middles, &reference);
         let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
         let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
         let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern);
