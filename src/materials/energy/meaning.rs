@@ -73,7 +73,14 @@ pub(super) fn constants_of(expression: &Expression) -> Vec<(String, Range<usize>
             }
             Form::Negative(inner) => collect(inner, found),
             Form::Binary(_, a, b) => [a, b].into_iter().for_each(|part| collect(part, found)),
-            Form::Call(_, arguments) => arguments.iter().for_each(|argument| collect(argument, found)),
+            Form::Call(name, arguments) => {
+                // `mu (I1 - 3)` names a constant and lacks a sign.
+                let is_function = FUNCTIONS.iter().any(|(function, ..)| function == name);
+                if !is_function && !is_quantity(name) && !found.iter().any(|(known, _)| known == name) {
+                    found.push((name.clone(), expression.span.start..expression.span.start + name.len()));
+                }
+                arguments.iter().for_each(|argument| collect(argument, found));
+            }
         }
     }
     let mut found = Vec::new();
@@ -226,7 +233,8 @@ impl Translation<'_> {
             return Ok(self.graph.logarithm(a));
         }
         let label = format!("{:?} at rest", self.graph.rest(a));
-        Err(self.error(&argument.span, "the energy takes the logarithm of what is not positive at rest", label))
+        let error = self.error(&argument.span, "the energy takes the logarithm of what is not positive at rest", label);
+        Err(error.hint("take it of what is about 1 at rest, as in `ln(J)`"))
     }
 
     fn call(&mut self, name: &str, arguments: &[Expression], span: &Range<usize>) -> Result<Id, EnergyError> {
@@ -279,7 +287,8 @@ impl Translation<'_> {
             return Ok(self.graph.root(a));
         }
         let label = format!("{:?} at rest", self.graph.rest(a));
-        Err(self.error(&argument.span, "the energy takes the square root of what is not positive at rest", label))
+        let error = self.error(&argument.span, "the energy takes the square root of what is not positive at rest", label);
+        Err(error.hint("keep it above zero, as in `sqrt(1 + x)`: the root of zero has no slope"))
     }
 
     /// `exp(a)/2 + sign exp(-a)`.

@@ -5,14 +5,16 @@
 //! `d/(sqrt(c + d) + sqrt c)`. With `c` the value at rest that keeps small strains, with `c` the value at the start of a step it keeps
 //! small steps: the same operations, another [`Base`]. Operations work on `N` times eight lanes, so that choosing one costs little.
 
+use std::hint::black_box;
+
 use super::graph::{Graph, Id, Node};
 use super::variable::Variable;
 use crate::math::lanes::{Lanes, Real, WIDTH};
 
 /// Writes a value for each of the points.
 macro_rules! each {
-    ($result:ident, $n:ident, $value:expr) => {
-        for $n in 0..N {
+    ($points:ident, $result:ident, $n:ident, $value:expr) => {
+        for $n in 0..$points {
             let value: Lanes<FMA> = $value;
             $result[$n] = Lanes(value.0);
         }
@@ -240,42 +242,44 @@ impl Tape {
 
     #[inline(always)]
     fn run<const FMA: bool, const N: usize>(&self, registers: &mut [Block<N>], base: &impl Base) {
+        // Unrolled over points, too, the loops would be more than the compiler can put into vector registers.
+        let points = black_box(N).min(N);
         for (index, operation) in self.operations.iter().enumerate() {
             let target = Operand { register: self.variables + index, rest: self.rest[index] };
             let (done, rest) = registers.split_at_mut(target.register);
             let result = &mut rest[0];
             // Loops and no closures: what is not inlined here is compiled without the instructions that this function may use.
             match *operation {
-                Operation::Sum(a, b) => each!(result, n, at::<FMA, N>(done, a, n) + at(done, b, n)),
-                Operation::Difference(a, b) => each!(result, n, at::<FMA, N>(done, a, n) - at(done, b, n)),
-                Operation::Scaled(factor, a) => each!(result, n, at::<FMA, N>(done, a, n) * factor),
+                Operation::Sum(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) + at(done, b, n)),
+                Operation::Difference(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) - at(done, b, n)),
+                Operation::Scaled(factor, a) => each!(points, result, n, at::<FMA, N>(done, a, n) * factor),
                 Operation::ScaledSum(factor, a, b) => {
-                    each!(result, n, at::<FMA, N>(done, a, n).mul_add(Lanes::splat(factor), at(done, b, n)));
+                    each!(points, result, n, at::<FMA, N>(done, a, n).mul_add(Lanes::splat(factor), at(done, b, n)));
                 }
-                Operation::Product(a, b) => each!(result, n, {
+                Operation::Product(a, b) => each!(points, result, n, {
                     let (d, e) = (at::<FMA, N>(done, a.register, n), at::<FMA, N>(done, b.register, n));
                     (base.value::<FMA>(a, n) + d).mul_add(e, base.value::<FMA>(b, n) * d)
                 }),
-                Operation::Reciprocal(a) => each!(result, n, {
+                Operation::Reciprocal(a) => each!(points, result, n, {
                     let d = at::<FMA, N>(done, a.register, n);
                     base.below(-d, a, n) / (base.value::<FMA>(a, n) + d)
                 }),
                 Operation::Logarithm(a) => {
-                    each!(result, n, above_minus_one(base.below(at::<FMA, N>(done, a.register, n), a, n)).ln_1p());
+                    each!(points, result, n, above_minus_one(base.below(at::<FMA, N>(done, a.register, n), a, n)).ln_1p());
                 }
                 Operation::Exponential(a) => {
-                    each!(result, n, at::<FMA, N>(done, a.register, n).exp_m1() * base.value::<FMA>(target, n));
+                    each!(points, result, n, at::<FMA, N>(done, a.register, n).exp_m1() * base.value::<FMA>(target, n));
                 }
-                Operation::Root(a) => each!(result, n, {
+                Operation::Root(a) => each!(points, result, n, {
                     let d = at::<FMA, N>(done, a.register, n);
                     d / ((base.value::<FMA>(a, n) + d).sqrt() + base.value::<FMA>(target, n))
                 }),
-                Operation::Positive(a) => each!(result, n, {
+                Operation::Positive(a) => each!(points, result, n, {
                     // max(d, -c) for c > 0, max(c + d, 0) for c <= 0.
                     let (d, c, zero) = (at::<FMA, N>(done, a.register, n), base.value::<FMA>(a, n), Lanes::ZERO);
                     (d - (-c).greater(zero)).greater(-c.greater(zero))
                 }),
-                Operation::Step(a) => each!(result, n, {
+                Operation::Step(a) => each!(points, result, n, {
                     let value = base.value::<FMA>(a, n) + at(done, a.register, n);
                     value.if_above(0.0, Lanes::splat(1.0)) - base.value::<FMA>(target, n)
                 }),

@@ -110,8 +110,12 @@ fn constants_of(
     energy: &EnergyText,
     volumetric: Option<&EnergyText>,
 ) -> Result<Vec<(String, f64)>, Failure> {
-    let named: Vec<String> =
-        [Some(energy), volumetric].into_iter().flatten().flat_map(EnergyText::constants).map(|(name, _)| name).collect();
+    let mut named: Vec<String> = Vec::new();
+    for (name, _) in [Some(energy), volumetric].into_iter().flatten().flat_map(EnergyText::constants) {
+        if !named.contains(&name) {
+            named.push(name);
+        }
+    }
     let mut constants = Vec::new();
     for (key, value) in options.others() {
         if !named.contains(&key) {
