@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::Builder;
-use conserva::bodies::{Elements, Space, Step};
+use conserva::bodies::{Elements, Formulation, Space, Step};
 use conserva::contact::{AveragedMortar, ContactKernel, Evaluation, METHODS, Mortar, NodeToSegment, Outlook};
 use conserva::dynamics::{Hat, LoadKind, Simulation};
 use conserva::elements::CellKind;
@@ -92,7 +92,7 @@ where
     assert_eq!((kind, kind.dimension()), (mesh.kind, D));
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let make = || {
-        let mut elements = Space::<D>::elements(mesh, &steel, 0).expect("no cell is inside out");
+        let mut elements = Space::<D>::elements(mesh, &steel, Formulation::default(), 0).expect("no cell is inside out");
         let pattern = Pattern::new(&vec![D as u8; mesh.points.len()], elements.cliques().iter().map(|clique| &clique[..]));
         elements.place(&pattern);
         (elements, pattern)
@@ -177,8 +177,14 @@ fn counts() -> Vec<(String, f64)> {
     }
     for &kind in CellKind::ALL {
         match kind.dimension() {
-            2 => count_cells::<2>(kind, &rectangle([4.0, 2.0], [40, 20], [0.0; 2]).expect("the mesh is sound"), &mut count),
-            _ => count_cells::<3>(kind, &block([2.0, 1.0, 1.0], [12, 8, 8], [0.0; 3]).expect("the mesh is sound"), &mut count),
+            2 => {
+                let mesh = rectangle([4.0, 2.0], [40, 20], [0.0; 2]).and_then(|mesh| mesh.with_cells(kind));
+                count_cells::<2>(kind, &mesh.expect("the mesh is sound"), &mut count);
+            }
+            _ => {
+                let mesh = block([2.0, 1.0, 1.0], [12, 8, 8], [0.0; 3]).and_then(|mesh| mesh.with_cells(kind));
+                count_cells::<3>(kind, &mesh.expect("the mesh is sound"), &mut count);
+            }
         }
     }
     let ([inner, outer], q) = surfaces();

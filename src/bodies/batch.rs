@@ -9,9 +9,17 @@ use crate::materials::Components;
 use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
+/// Most nodes and points for which loops are written out: those of the cells of first order.
+const FEW: usize = 4;
+
 /// Shape functions of a reference cell at its quadrature points.
 pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {
+    /// Values of the shape functions.
     pub(super) shapes: [[f64; A]; Q],
+    /// Products of the shape functions, for the mass.
+    pub(super) products: [[[f64; A]; A]; Q],
+    /// Shares of the nodes in a value at a point, for smoothed fields.
+    pub(super) smoothing: [[f64; A]; Q],
     pub(super) gradients: [[[f64; D]; A]; Q],
     pub(super) weights: [f64; Q],
 }
@@ -21,6 +29,8 @@ impl<const D: usize, const A: usize, const Q: usize> Table<D, A, Q> {
         let points = C::quadrature();
         Table {
             shapes: points.map(|(xi, _)| C::shape(xi)),
+            products: C::products(),
+            smoothing: points.map(|(xi, _)| C::smoothing(xi)),
             gradients: points.map(|(xi, _)| C::gradients(xi)),
             weights: points.map(|(_, w)| w),
         }
@@ -35,15 +45,18 @@ pub(super) struct Batch<const D: usize, const A: usize> {
     pub(super) count: usize,
     /// Vectors from the last node to each node, at rest.
     pub(super) edges: [[Lanes<false>; D]; A],
+    /// First coordinate of the last node at rest, the radius of a body of revolution there.
+    pub(super) last: Lanes<false>,
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
     /// The batch of up to eight cells with such points, whose nodes are numbered from `first_node`.
     pub(super) fn new(cells: &[&[u32]], points: &[[f64; 3]], first_node: usize) -> Self {
-        let mut batch = Batch { nodes: [[0; WIDTH]; A], count: cells.len(), edges: [[Lanes::ZERO; D]; A] };
+        let mut batch = Batch { nodes: [[0; WIDTH]; A], count: cells.len(), edges: [[Lanes::ZERO; D]; A], last: Lanes::ZERO };
         for lane in 0..WIDTH {
             let cell = cells.get(lane).unwrap_or(&cells[0]);
-            for a in 0..A {
+            batch.last.0[lane] = points[cell[A - 1] as usize][0];
+            for a in 0..many::<A>() {
                 batch.nodes[a][lane] = cell[a] + first_node as u32;
                 for i in 0..D {
                     batch.edges[a][i].0[lane] = points[cell[a] as usize][i] - points[cell[A - 1] as usize][i];
@@ -53,11 +66,11 @@ impl<const D: usize, const A: usize> Batch<D, A> {
         batch
     }
 
-    /// Displacements of the nodes relative to the last node of each cell.
+    /// Displacements of the nodes relative to the last node of each cell; of the last node, its position.
     #[inline(always)]
     pub(super) fn displacements<const FMA: bool>(&self, q: &[f64]) -> [[Lanes<FMA>; D]; A] {
         let mut u = [[Lanes::ZERO; D]; A];
-        for a in 0..A {
+        for a in 0..many::<A>() {
             for lane in 0..WIDTH {
                 let position = &q[self.nodes[a][lane] as usize * D..][..D];
                 for i in 0..D {
@@ -65,7 +78,7 @@ impl<const D: usize, const A: usize> Batch<D, A> {
                 }
             }
         }
-        for a in 0..A - 1 {
+        for a in 0..many::<A>() - 1 {
             for i in 0..D {
                 u[a][i] = u[a][i] - u[A - 1][i] - cast(self.edges[a][i]);
             }
@@ -81,10 +94,12 @@ pub(super) struct Point<const FMA: bool, const D: usize, const A: usize> {
     pub(super) gradients: [[Lanes<FMA>; D]; A],
     /// Volume that belongs to the point.
     pub(super) volume: Lanes<FMA>,
+    /// One over its distance from the axis of a body of revolution.
+    pub(super) curvature: Lanes<FMA>,
 }
 
 impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
-    pub(super) const ZERO: Self = Point { gradients: [[Lanes::ZERO; D]; A], volume: Lanes::ZERO };
+    pub(super) const ZERO: Self = Point { gradients: [[Lanes::ZERO; D]; A], volume: Lanes::ZERO, curvature: Lanes::ZERO };
 
     /// The point of cells with such edges, where the shape functions have these gradients on the reference cell.
     #[inline(always)]
@@ -92,23 +107,44 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         let mut jacobian = [[Lanes::<FMA>::ZERO; D]; D];
         for i in 0..D {
             for j in 0..D {
-                for a in 0..A - 1 {
+                for a in 0..many::<A>() - 1 {
                     jacobian[i][j] = cast::<FMA>(edges[a][i]).mul_add(Lanes::splat(gradients[a][j]), jacobian[i][j]);
                 }
             }
         }
         let (determinant, cofactor) = determinant_and_cofactor(&jacobian);
         let inverse = Lanes::splat(1.0) / determinant;
-        let mut point = Point { gradients: [[Lanes::ZERO; D]; A], volume: determinant * weight };
+        let mut point = Point { gradients: [[Lanes::ZERO; D]; A], volume: determinant * weight, curvature: Lanes::ZERO };
         for i in 0..D {
             for j in 0..D {
                 let slope = cofactor[i][j] * inverse;
-                for a in 0..A - 1 {
+                for a in 0..many::<A>() - 1 {
                     point.gradients[a][i] = slope.mul_add(Lanes::splat(gradients[a][j]), point.gradients[a][i]);
                 }
             }
         }
         point
+    }
+
+    /// The same point of a body of revolution: its volume that of the circumference.
+    #[inline(always)]
+    pub(super) fn revolve(&mut self, batch: &Batch<D, A>, shapes: &[f64; A]) {
+        let mut radius = cast::<FMA>(batch.last);
+        for a in 0..many::<A>() - 1 {
+            radius = cast::<FMA>(batch.edges[a][0]).mul_add(Lanes::splat(shapes[a]), radius);
+        }
+        self.curvature = Lanes::splat(1.0) / radius;
+        self.volume = self.volume * radius * std::f64::consts::TAU;
+    }
+
+    /// Stretch of the circumference less 1.
+    #[inline(always)]
+    pub(super) fn hoop(&self, batch: &Batch<D, A>, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
+        let mut moved = u[A - 1][0] - cast(batch.last);
+        for a in 0..many::<A>() - 1 {
+            moved = u[a][0].mul_add(Lanes::splat(shapes[a]), moved);
+        }
+        moved * self.curvature
     }
 
     /// Displacement gradient.
@@ -117,13 +153,20 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         let mut h = [[Lanes::ZERO; D]; D];
         for i in 0..D {
             for j in 0..D {
-                for a in 0..A - 1 {
+                for a in 0..many::<A>() - 1 {
                     h[i][j] = u[a][i].mul_add(self.gradients[a][j], h[i][j]);
                 }
             }
         }
         h
     }
+}
+
+/// A number of nodes or points. Where there are many, the compiler is not told how many: it would write out all loops over them, which
+/// takes it minutes and gains nothing.
+#[inline(always)]
+pub(super) fn many<const N: usize>() -> usize {
+    if N > FEW { std::hint::black_box(N) } else { N }
 }
 
 #[inline(always)]
@@ -175,18 +218,85 @@ pub(super) fn mean<const FMA: bool, const D: usize>(h_0: &[[Lanes<FMA>; D]; D], 
     mean
 }
 
-/// Green-Lagrange strain of `F = I + H` in Mandel components, with relative accuracy at small strain.
+/// Volume ratio less 1, `det(I + H) - 1`, with relative accuracy at small strain.
 #[inline(always)]
-pub(super) fn strain_of<const FMA: bool, const D: usize, const S: usize>(h: &[[Lanes<FMA>; D]; D]) -> Components<S> {
-    let mut strain = [Lanes::ZERO; S];
+pub(super) fn volume_change<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D]; D]) -> Lanes<FMA> {
+    let mut sum = determinant_and_cofactor(h).0;
     for i in 0..D {
-        for j in i..D {
-            let mut sum = h[i][j] + h[j][i];
-            for row in h {
-                sum = row[i].mul_add(row[j], sum);
+        sum = sum + h[i][i];
+        for j in i + 1..D {
+            // In the plane that is the determinant itself.
+            if D > 2 {
+                sum = sum + (h[i][i] * h[j][j] - h[i][j] * h[j][i]);
             }
-            strain[mandel_index::<D>(i, j)] = Lanes((sum * (0.5 / mandel_scale(i, j))).0);
         }
     }
-    strain
+    sum
+}
+
+/// Which strain displacement gradients make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Strain {
+    /// Green-Lagrange strain `(H + H^T + H^T H)/2`, with relative accuracy at small strain.
+    Large,
+    /// Its linear part.
+    Linear,
+}
+
+impl Strain {
+    /// The strain in Mandel components; `hoop` is the third direction's displacement gradient where that is stretched.
+    #[inline(always)]
+    pub(super) fn of<const FMA: bool, const D: usize, const S: usize>(self, h: &[[Lanes<FMA>; D]; D], hoop: Lanes<FMA>) -> Components<S> {
+        let mut strain = [Lanes::ZERO; S];
+        for i in 0..D {
+            for j in i..D {
+                let mut sum = h[i][j] + h[j][i];
+                if self == Strain::Large {
+                    for row in h {
+                        sum = row[i].mul_add(row[j], sum);
+                    }
+                }
+                strain[if S == 4 && i != j { 3 } else { mandel_index::<D>(i, j) }] = Lanes((sum * (0.5 / mandel_scale(i, j))).0);
+            }
+        }
+        if S == 4 {
+            strain[2] = Lanes(self.around(hoop).0);
+        }
+        strain
+    }
+
+    /// The strain around an axis of such a displacement gradient.
+    #[inline(always)]
+    pub(super) fn around<const FMA: bool>(self, hoop: Lanes<FMA>) -> Lanes<FMA> {
+        if self == Strain::Large { hoop + hoop * hoop * 0.5 } else { hoop }
+    }
+
+    /// The deformation gradient by which a force is pulled forward: `I + H`, of a linear strain `I`.
+    #[inline(always)]
+    pub(super) fn frame<const FMA: bool, const D: usize>(self, h: &[[Lanes<FMA>; D]; D]) -> [[Lanes<FMA>; D]; D] {
+        match self {
+            Strain::Large => deformation_gradient(h),
+            Strain::Linear => deformation_gradient(&[[Lanes::ZERO; D]; D]),
+        }
+    }
+    /// The deformation gradient in space of one lane, by the strain across the plane where there is one; of a linear strain the identity.
+    pub(super) fn spatial_frame<const D: usize>(
+        self,
+        h: &[[Lanes<false>; D]; D],
+        strain: &Components<6>,
+        lane: usize,
+    ) -> nalgebra::Matrix3<f64> {
+        let mut frame = nalgebra::Matrix3::identity();
+        if self == Strain::Large {
+            if D == 2 {
+                frame.m33 = (1.0 + 2.0 * strain[2].0[lane]).sqrt();
+            }
+            for i in 0..D {
+                for j in 0..D {
+                    frame[(i, j)] += h[i][j].0[lane];
+                }
+            }
+        }
+        frame
+    }
 }

@@ -4,10 +4,20 @@
 //! material (a virtual call per batch) and time integrator (where to evaluate, and the discrete gradient).
 
 mod batch;
+mod cells;
+mod completion;
+mod dilatation;
 mod element_loop;
+mod formulation;
+mod kinds;
+mod physics;
 mod rounds;
+mod special;
+mod sums;
 mod surface_loads;
 mod workspace;
 
-pub use element_loop::{ElementLoop, Elements, Inverted, Projected, Space, Step};
-pub use surface_loads::{nodal_areas, torque_forces};
+pub use element_loop::{ElementLoop, Inverted, Projected, Step};
+pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
+pub use kinds::{Elements, Space};
+pub use surface_loads::{nodal_areas, pressure_shares, round_pressure, torque_forces};

@@ -1,44 +1,117 @@
 //! Nodal weights of boundaries and the forces of a torque.
 
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use super::formulation::Plane;
 use crate::mesh::{Boundary, Mesh};
 
-/// Nodes of a boundary and the share of its measure `[length]` (3D: area) that belongs to each: the integral of its shape function.
+/// Three Gauss points of an edge, `s` from -1 to 1, and their weights.
+fn edge_points() -> [(f64, f64); 3] {
+    [(-0.6f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)]
+}
+
+/// Shape functions of an edge and their slopes at `s`: its ends, then its middle node if it has one.
+fn edge_shapes(nodes: usize, s: f64) -> ([f64; 3], [f64; 3]) {
+    if nodes == 2 {
+        ([0.5 * (1.0 - s), 0.5 * (1.0 + s), 0.0], [-0.5, 0.5, 0.0])
+    } else {
+        ([0.5 * s * (s - 1.0), 0.5 * s * (s + 1.0), 1.0 - s * s], [s - 0.5, s + 0.5, -2.0 * s])
+    }
+}
+
+fn sum(shares: &[f64], values: impl Iterator<Item = f64>) -> f64 {
+    shares.iter().zip(values).map(|(share, value)| share * value).sum()
+}
+
+/// Nodes of a boundary and the share of its measure `[length]` (in space and of a body of revolution: area) that belongs to each: the
+/// integral of its shape function.
 ///
-/// Single points without facets have equal shares. Exact for the two-node facet; for the four-node facet by 2 x 2 Gauss points.
-pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary) -> Vec<(u32, f64)> {
+/// Single points without facets have equal shares. Exact for straight facets of two nodes and plane ones of three in space; for curved
+/// edges and those of bodies of revolution by three Gauss points, for the four-node facet by 2 x 2.
+pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary, plane: Plane) -> Vec<(u32, f64)> {
     if boundary.facets.is_empty() {
         return boundary.nodes.iter().map(|&node| (node, 1.0)).collect();
     }
-    let mut areas = std::collections::BTreeMap::new();
+    let mut areas = BTreeMap::new();
     for &facet in &boundary.facets {
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
         let points: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
-        match nodes.len() {
-            2 => {
-                let length = (points[1][0] - points[0][0]).hypot(points[1][1] - points[0][1]);
-                for node in nodes {
-                    *areas.entry(node).or_insert(0.0) += 0.5 * length;
-                }
+        let shares = match (mesh.dimension(), nodes.len()) {
+            (2, 2) if plane != Plane::Axisymmetric => vec![0.5 * (points[1][0] - points[0][0]).hypot(points[1][1] - points[0][1]); 2],
+            (2, _) => edge_shares(&points, plane),
+            (_, 3) => {
+                let edge = |k: usize| nalgebra::Vector3::from(points[k]) - nalgebra::Vector3::from(points[0]);
+                vec![edge(1).cross(&edge(2)).norm() / 6.0; 3]
             }
-            _ => {
-                let g = 1.0 / 3f64.sqrt();
-                for (xi, eta) in [(-g, -g), (g, -g), (g, g), (-g, g)] {
-                    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-                    let (mut along, mut across) = (nalgebra::Vector3::zeros(), nalgebra::Vector3::zeros());
-                    for (point, (a, b)) in points.iter().zip(corners) {
-                        let point = nalgebra::Vector3::from(*point);
-                        along += point * (0.25 * a * (1.0 + b * eta));
-                        across += point * (0.25 * b * (1.0 + a * xi));
-                    }
-                    let area = along.cross(&across).norm();
-                    for (&node, (a, b)) in nodes.iter().zip(corners) {
-                        *areas.entry(node).or_insert(0.0) += area * 0.25 * (1.0 + a * xi) * (1.0 + b * eta);
-                    }
-                }
-            }
+            _ => quadrilateral_shares(&points),
+        };
+        for (node, share) in nodes.into_iter().zip(shares) {
+            *areas.entry(node).or_insert(0.0) += share;
         }
     }
     areas.into_iter().collect()
+}
+
+fn edge_shares(points: &[[f64; 3]], plane: Plane) -> Vec<f64> {
+    let mut shares = vec![0.0; points.len()];
+    for (s, weight) in edge_points() {
+        let (shapes, slopes) = edge_shapes(points.len(), s);
+        let slope = |i: usize| sum(&slopes, points.iter().map(|point| point[i]));
+        let around = if plane == Plane::Axisymmetric { TAU * sum(&shapes, points.iter().map(|point| point[0])) } else { 1.0 };
+        let length = weight * slope(0).hypot(slope(1)) * around;
+        shares.iter_mut().zip(shapes).for_each(|(share, shape)| *share += length * shape);
+    }
+    shares
+}
+
+fn quadrilateral_shares(points: &[[f64; 3]]) -> Vec<f64> {
+    let g = 1.0 / 3f64.sqrt();
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let mut shares = vec![0.0; 4];
+    for (xi, eta) in [(-g, -g), (g, -g), (g, g), (-g, g)] {
+        let (mut along, mut across) = (nalgebra::Vector3::zeros(), nalgebra::Vector3::zeros());
+        for (point, (a, b)) in points.iter().zip(corners) {
+            let point = nalgebra::Vector3::from(*point);
+            along += point * (0.25 * a * (1.0 + b * eta));
+            across += point * (0.25 * b * (1.0 + a * xi));
+        }
+        let area = along.cross(&across).norm();
+        shares.iter_mut().zip(corners).for_each(|(share, (a, b))| *share += area * 0.25 * (1.0 + a * xi) * (1.0 + b * eta));
+    }
+    shares
+}
+
+/// Forces of a unit pressure on an edge of a body of revolution with its nodes there, `2 pi int N_a r z x dx`, and their derivative:
+/// `[a][b][i][k]` that of component `i` at node `a` with respect to `k` at `b`.
+pub fn round_pressure(nodes: &[[f64; 2]]) -> ([[f64; 2]; 3], [[[[f64; 2]; 2]; 3]; 3]) {
+    let (mut force, mut slope) = ([[0.0; 2]; 3], [[[[0.0; 2]; 2]; 3]; 3]);
+    for (s, weight) in edge_points() {
+        let (shapes, slopes) = edge_shapes(nodes.len(), s);
+        let radius = sum(&shapes, nodes.iter().map(|x| x[0]));
+        let along = [0, 1].map(|i| sum(&slopes, nodes.iter().map(|x| x[i])));
+        let turned = [-along[1], along[0]];
+        for a in 0..nodes.len() {
+            let share = TAU * weight * shapes[a];
+            for i in 0..2 {
+                force[a][i] += share * radius * turned[i];
+            }
+            for b in 0..nodes.len() {
+                slope[a][b][0][0] += share * shapes[b] * turned[0];
+                slope[a][b][1][0] += share * (shapes[b] * turned[1] + radius * slopes[b]);
+                slope[a][b][0][1] -= share * radius * slopes[b];
+            }
+        }
+    }
+    (force, slope)
+}
+
+/// How a uniform pressure on an edge with these many nodes (its ends, then its middle) pulls along them: `int N_a dN_b/ds ds`, row by row.
+/// A node's force is `p sum_b C_ab z x q_b`.
+pub fn pressure_shares(nodes: usize) -> &'static [&'static [f64]] {
+    const HALF: [&[f64]; 2] = [&[-0.5, 0.5], &[-0.5, 0.5]];
+    const SIXTHS: [&[f64]; 3] = [&[-0.5, -1.0 / 6.0, 2.0 / 3.0], &[1.0 / 6.0, 0.5, -2.0 / 3.0], &[-2.0 / 3.0, 2.0 / 3.0, 0.0]];
+    if nodes == 2 { &HALF } else { &SIXTHS }
 }
 
 /// Adds the nodal forces of a torque `moment` about the third axis: `moment w_a z x r_a / sum w |r|^2`, with `r` from the `w`-weighted

@@ -2,7 +2,7 @@
 //!
 //! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a) / 8` (Hughes, The Finite Element Method, 2000, section 3.5).
 
-use super::reference_cell::{CellRow, ReferenceCell, gradients, quadrature, shape};
+use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
 
 const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
@@ -20,8 +20,10 @@ const FACETS: [&[usize]; 6] = [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1,
 pub(super) static ROW: CellRow = CellRow {
     name: "hex8",
     summary: "trilinear hexahedron with 8 nodes and 2 x 2 x 2 Gauss points",
+    cell_shape: CellShape::Hexahedron,
     dimension: 3,
     nodes: 8,
+    node_places: &CORNERS,
     facets: &FACETS,
     exact_power: 3,
     vtk_type: 12,

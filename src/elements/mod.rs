@@ -5,29 +5,55 @@
 
 mod hex8;
 mod quad4;
+mod quad8;
+mod quad9;
 mod reference_cell;
+mod tet4;
+mod tri3;
+mod tri6;
 
 pub use hex8::Hex8;
 pub use quad4::Quad4;
-pub use reference_cell::{CellRow, ReferenceCell};
+pub use quad8::Quad8;
+pub use quad9::Quad9;
+pub use reference_cell::{CellRow, CellShape, ReferenceCell};
+pub use tet4::Tet4;
+pub use tri3::Tri3;
+pub use tri6::Tri6;
 
 /// The kinds of cells that bodies are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CellKind {
+    /// Linear triangle, 3 nodes counter-clockwise, 1 point.
+    Tri3,
     /// Bilinear quadrilateral, 4 nodes counter-clockwise, 2 x 2 Gauss points.
     Quad4,
+    /// Quadratic triangle, 6 nodes, 3 points.
+    Tri6,
+    /// Quadratic serendipity quadrilateral, 8 nodes, 3 x 3 Gauss points.
+    Quad8,
+    /// Biquadratic quadrilateral, 9 nodes, 3 x 3 Gauss points.
+    Quad9,
+    /// Linear tetrahedron, 4 nodes, 1 point.
+    Tet4,
     /// Trilinear hexahedron, 8 nodes, 2 x 2 x 2 Gauss points.
     Hex8,
 }
 
 impl CellKind {
     /// All kinds, in the order of the reference.
-    pub const ALL: &'static [CellKind] = &[CellKind::Quad4, CellKind::Hex8];
+    pub const ALL: &'static [CellKind] =
+        &[CellKind::Tri3, CellKind::Quad4, CellKind::Tri6, CellKind::Quad8, CellKind::Quad9, CellKind::Tet4, CellKind::Hex8];
 
     /// The kind's row of the catalogue.
     pub fn row(self) -> &'static CellRow {
         match self {
+            CellKind::Tri3 => &tri3::ROW,
             CellKind::Quad4 => &quad4::ROW,
+            CellKind::Tri6 => &tri6::ROW,
+            CellKind::Quad8 => &quad8::ROW,
+            CellKind::Quad9 => &quad9::ROW,
+            CellKind::Tet4 => &tet4::ROW,
             CellKind::Hex8 => &hex8::ROW,
         }
     }
@@ -52,7 +78,17 @@ impl CellKind {
         self.row().nodes
     }
 
-    /// Local node numbers of each facet (codimension one), outward oriented.
+    /// What a cell looks like.
+    pub fn shape(self) -> CellShape {
+        self.row().cell_shape
+    }
+
+    /// Whether cells have nodes in the middle of their edges.
+    pub fn is_quadratic(self) -> bool {
+        self.nodes() > self.shape().corners()
+    }
+
+    /// Local node numbers of each facet (codimension one), outward oriented; an edge's middle node follows its ends.
     pub fn facets(self) -> &'static [&'static [usize]] {
         self.row().facets
     }

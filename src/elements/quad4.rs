@@ -2,17 +2,21 @@
 //!
 //! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a) / 4` (Hughes, The Finite Element Method, 2000, section 3.2).
 
-use super::reference_cell::{CellRow, ReferenceCell, gradients, quadrature, shape};
+use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
 
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+const PLACES: [[f64; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
 
 const FACETS: [&[usize]; 4] = [&[0, 1], &[1, 2], &[2, 3], &[3, 0]];
 
 pub(super) static ROW: CellRow = CellRow {
     name: "quad4",
-    summary: "bilinear quadrilateral with 4 nodes and 2 x 2 Gauss points, plane strain",
+    summary: "bilinear quadrilateral with 4 nodes and 2 x 2 Gauss points",
+    cell_shape: CellShape::Quadrilateral,
     dimension: 2,
     nodes: 4,
+    node_places: &PLACES,
     facets: &FACETS,
     exact_power: 3,
     vtk_type: 9,

@@ -11,6 +11,56 @@ pub trait ReferenceCell<const D: usize, const A: usize, const Q: usize>: Send + 
     fn shape(xi: [f64; D]) -> [f64; A];
     /// Gradients of the shape functions with respect to the reference coordinates, `[node][direction]`.
     fn gradients(xi: [f64; D]) -> [[f64; D]; A];
+    /// Products `N_a N_b` at each quadrature point, from which the consistent mass is summed. A cell whose stiffness needs fewer points
+    /// than its mass gives what sums to the exact mass where the Jacobian is constant.
+    fn products() -> [[[f64; A]; A]; Q] {
+        let product = |shape: [f64; A]| shape.map(|a| shape.map(|b| a * b));
+        Self::quadrature().map(|(xi, _)| product(Self::shape(xi)))
+    }
+    /// Weights, positive and of the sum 1, by which a value at a reference point goes to the nodes when fields are smoothed: the shape
+    /// functions where these are positive.
+    fn smoothing(xi: [f64; D]) -> [f64; A] {
+        Self::shape(xi)
+    }
+}
+
+/// What a cell looks like: all of its kind have the same corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellShape {
+    /// Three corners.
+    Triangle,
+    /// Four corners in a plane.
+    Quadrilateral,
+    /// Four corners in space.
+    Tetrahedron,
+    /// Eight corners.
+    Hexahedron,
+}
+
+impl CellShape {
+    /// Whether reference coordinates run from 0 and sum up to at most 1, so that polynomials count by their total degree.
+    pub fn is_simplex(self) -> bool {
+        matches!(self, CellShape::Triangle | CellShape::Tetrahedron)
+    }
+
+    /// Number of corners, which come first among the nodes.
+    pub fn corners(self) -> usize {
+        match self {
+            CellShape::Triangle => 3,
+            CellShape::Quadrilateral | CellShape::Tetrahedron => 4,
+            CellShape::Hexahedron => 8,
+        }
+    }
+
+    /// Pairs of corners that an edge joins.
+    pub fn edges(self) -> &'static [[usize; 2]] {
+        match self {
+            CellShape::Triangle => &[[0, 1], [1, 2], [2, 0]],
+            CellShape::Quadrilateral => &[[0, 1], [1, 2], [2, 3], [3, 0]],
+            CellShape::Tetrahedron => &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
+            CellShape::Hexahedron => &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]],
+        }
+    }
 }
 
 /// A row of the catalogue of cell kinds.
@@ -20,13 +70,17 @@ pub struct CellRow {
     pub name: &'static str,
     /// One sentence for the reference.
     pub summary: &'static str,
+    /// Its shape.
+    pub cell_shape: CellShape,
     /// Space dimension.
     pub dimension: usize,
     /// Number of nodes of a cell.
     pub nodes: usize,
-    /// Local node numbers of each facet (codimension one), outward oriented.
+    /// Reference coordinates of the nodes; those beyond the dimension are zero.
+    pub node_places: &'static [[f64; 3]],
+    /// Local node numbers of each facet (codimension one), outward oriented; an edge's middle node follows its ends.
     pub facets: &'static [&'static [usize]],
-    /// Largest power of a coordinate that the quadrature integrates exactly.
+    /// Largest power of a coordinate that the quadrature integrates exactly; of a simplex, largest total degree.
     pub exact_power: usize,
     /// Number of the kind in VTK's files.
     pub vtk_type: u8,

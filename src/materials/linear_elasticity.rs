@@ -2,7 +2,7 @@
 //!
 //! `W = lambda/2 (tr e)^2 + mu e:e`, `e = sym(grad u)` (Hughes, The Finite Element Method, 2000, section 2.7): the formula of the Saint
 //! Venant-Kirchhoff law on another strain. Not invariant under rotations: a body that turns by 0.1 is strained by 0.005.
-//! No row of the catalogue: it asks the element loop for other kinematics.
+//! No row of the catalogue, whose laws rotations do not strain: a list of its own.
 
 use super::laws::{Kinematics, Laws};
 use super::material::{Material, MaterialError};

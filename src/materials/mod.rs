@@ -21,6 +21,7 @@ mod material;
 mod mooney_rivlin;
 mod neo_hookean;
 mod ogden;
+mod plane_stress;
 mod row;
 mod saint_venant_kirchhoff;
 mod soundness;
@@ -39,10 +40,14 @@ pub use laws::Kinematics;
 pub use linear_elasticity::LinearElasticity;
 pub use material::{HYPERELASTIC, Material, MaterialError};
 pub use neo_hookean::NeoHookean;
+pub use plane_stress::PlaneStress;
 pub use row::MaterialRow;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use soundness::Weakness;
 pub use split::{Split, VolumetricLaw};
+
+/// Laws of small displacements, which rotations strain: no rows of [`CATALOGUE`], whose laws are invariant under them.
+pub static LINEAR: &[MaterialRow] = &[linear_elasticity::ROW];
 
 /// The catalogue of materials.
 pub static CATALOGUE: &[MaterialRow] = &[

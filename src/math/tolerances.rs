@@ -43,6 +43,9 @@ pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
 /// round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
 
+/// Change of the strain across the plane at which its Newton iteration ends: the next one would be its square.
+pub const THICKNESS_STRAIN: f64 = 1e-10;
+
 /// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient may be under
 /// round-off.
 pub const INVARIANT_INCREMENT: f64 = 1e-5;
@@ -246,3 +249,9 @@ pub const FIT_LINEAR: f64 = 1e-10;
 
 /// Singular value, relative to the largest, below which a direction of a fit is not told by the data.
 pub const FIT_RANK: f64 = 1e-12;
+
+/// Distance of the end of an arc from its circle, relative to the radius, that is rounding of what was typed: three digits are.
+pub const ON_CIRCLE: f64 = 1e-3;
+
+/// Round-off of a sum of a thousand lengths, relative to it.
+pub const SUM_OF_LENGTHS: f64 = 1e-12;

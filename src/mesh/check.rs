@@ -3,13 +3,12 @@
 //! Soundness: a cell is refused when its Jacobian determinant is not positive at a quadrature point, since its integrals are
 //! meaningless then; nothing is turned round silently. Quality: the scaled Jacobian (P. Knupp, 2003; C. Stimpson et al., The Verdict
 //! Library Reference Manual, 2007, sections 4.13 and 6.12), the smallest over a cell's corners of the determinant of the edge vectors
-//! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond.
-//! Unlike Verdict, the center of a hexahedron is not sampled.
+//! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Triangles and tetrahedra count from
+//! the equilateral one, which has 1. Unlike Verdict, the center of a hexahedron is not sampled.
 
 use super::error::rounded;
-use super::topology::{corner, edges};
 use super::{Boundary, Facet, Mesh, MeshError};
-use crate::elements::CellKind;
+use crate::elements::{CellKind, CellShape};
 use crate::math::tolerances::DEGENERATE_CELL;
 
 /// How good the cells of a mesh are.
@@ -61,10 +60,9 @@ struct Samples {
 impl Samples {
     fn new(kind: CellKind) -> Samples {
         let row = kind.row();
-        let at_corner = |local: usize| (row.gradients)(corner(local).map(|is_far| if is_far { 1.0 } else { -1.0 }));
         Samples {
             quadrature: (row.quadrature)().into_iter().map(|(xi, weight)| (weight, (row.gradients)(xi))).collect(),
-            corners: (0..row.nodes).map(at_corner).collect(),
+            corners: row.node_places[..row.cell_shape.corners()].iter().map(|&place| (row.gradients)(place)).collect(),
         }
     }
 }
@@ -94,12 +92,37 @@ fn norm(a: [f64; 3]) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 
-fn determinant([a, b, c]: [[f64; 3]; 3]) -> f64 {
+pub(super) fn determinant([a, b, c]: [[f64; 3]; 3]) -> f64 {
     dot(cross(a, b), c)
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     norm([0, 1, 2].map(|i| b[i] - a[i]))
+}
+
+pub(super) fn between(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| b[i] - a[i])
+}
+
+/// Length of a quadratic edge by three Gauss points.
+fn edge_length(from: [f64; 3], to: [f64; 3], middle: [f64; 3]) -> f64 {
+    let slope = |s: f64| norm([0, 1, 2].map(|i| 0.5 * (to[i] - from[i]) + s * (from[i] + to[i] - 2.0 * middle[i])));
+    let s = 0.6f64.sqrt();
+    (5.0 * (slope(-s) + slope(s)) + 8.0 * slope(0.0)) / 9.0
+}
+
+/// Smallest scaled Jacobian of a triangle or tetrahedron with these corners: the determinant of the edges, the same at every corner, over
+/// the largest product of the lengths of edges that meet, relative to the equilateral cell.
+fn scaled_simplex(corners: &[[f64; 3]]) -> f64 {
+    let edges = |k: usize| (0..corners.len()).filter(move |&other| other != k).map(move |other| between(corners[k], corners[other]));
+    let largest = (0..corners.len()).map(|k| edges(k).map(norm).product::<f64>()).fold(0.0, f64::max);
+    let first: Vec<[f64; 3]> = edges(0).collect();
+    let (size, equilateral) = match first[..] {
+        [a, b] => (determinant([a, b, [0.0, 0.0, 1.0]]), 0.75f64.sqrt()),
+        [a, b, c] => (determinant([a, b, c]), 0.5f64.sqrt()),
+        _ => (0.0, 1.0),
+    };
+    if largest > 0.0 { size / (largest * equilateral) } else { 0.0 }
 }
 
 impl Mesh {
@@ -125,6 +148,8 @@ impl Mesh {
         let points: Vec<[f64; 3]> = self.facet_nodes(facet).map(|node| self.points[node as usize]).collect();
         match points[..] {
             [from, to] => distance(from, to),
+            [a, b, c] if self.dimension() == 3 => 0.5 * norm(cross(between(a, b), between(a, c))),
+            [from, to, middle] => edge_length(from, to, middle),
             _ => samples
                 .quadrature
                 .iter()
@@ -142,7 +167,7 @@ impl Mesh {
     /// How good the cells are; a mesh without cells has a quality of `NaN`.
     pub fn quality(&self) -> Quality {
         let samples = Samples::new(self.kind);
-        let edges = edges(self.kind);
+        let edges = self.kind.shape().edges();
         let mut quality = Quality {
             cells: self.cell_count(),
             nodes: self.points.len(),
@@ -164,7 +189,10 @@ impl Mesh {
                 // an edge of no length leaves no angle
                 if lengths > 0.0 { determinant(tangents) / lengths } else { 0.0 }
             });
-            let scaled = scaled.fold(f64::INFINITY, f64::min);
+            let scaled = match self.kind.shape() {
+                CellShape::Triangle | CellShape::Tetrahedron => scaled_simplex(&points[..samples.corners.len()]),
+                CellShape::Quadrilateral | CellShape::Hexahedron => scaled.fold(f64::INFINITY, f64::min),
+            };
             if quality.smallest_scaled_jacobian.is_nan() || scaled < quality.smallest_scaled_jacobian {
                 quality.smallest_scaled_jacobian = scaled;
                 quality.worst_cell = cell;
@@ -193,7 +221,7 @@ impl Mesh {
         let mut defects = self.coordinate_defects();
         defects.extend(self.cell_defects());
         for sides in self.sorted_facets().chunk_by(|a, b| a.0 == b.0).filter(|sides| sides.len() > 2) {
-            defects.push(MeshError::CrowdedFacet { line: None, cell: sides[0].1.cell.into(), sharing: sides.len() });
+            defects.push(MeshError::CrowdedFacet { at: None, cell: sides[0].1.cell.into(), sharing: sides.len() });
         }
         let mut used = vec![false; self.points.len()];
         self.connectivity.iter().for_each(|&node| used[node as usize] = true);
@@ -256,13 +284,13 @@ impl Mesh {
     /// Cells that name a node twice, that are inside out or that have no extent, with their indices.
     pub(super) fn cell_defects(&self) -> Vec<MeshError> {
         let samples = Samples::new(self.kind);
-        let edges = edges(self.kind);
+        let edges = self.kind.shape().edges();
         let mut defects = Vec::new();
         let mut inside_out = 0;
         let mut points = Vec::with_capacity(self.kind.nodes());
         for (index, nodes) in self.cells().enumerate() {
             if let Some(node) = repeated(nodes) {
-                defects.push(MeshError::RepeatedNode { line: None, cell: index as u64, node: node.into() });
+                defects.push(MeshError::RepeatedNode { at: None, cell: index as u64, node: node.into() });
                 continue;
             }
             self.cell_points_into(index, &mut points);
@@ -273,7 +301,7 @@ impl Mesh {
             if smallest < -least {
                 inside_out += 1;
                 defects.push(MeshError::InvertedCell {
-                    line: None,
+                    at: None,
                     cell: index as u64,
                     center: self.cell_center(index),
                     determinant: smallest,
@@ -282,7 +310,7 @@ impl Mesh {
                 });
             } else if smallest <= least {
                 let center = self.cell_center(index);
-                defects.push(MeshError::DegenerateCell { line: None, cell: index as u64, center, determinant: smallest });
+                defects.push(MeshError::DegenerateCell { at: None, cell: index as u64, center, determinant: smallest });
             }
         }
         for defect in &mut defects {

@@ -24,7 +24,19 @@ impl MeshError {
             }
             TooFewCells { least, .. } => format!("ask for {least} or more"),
             TooManyCells { .. } => "use a coarser mesh".into(),
+            NoConversion { .. } => {
+                "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become tet4; make the mesh of those"
+                    .into()
+            }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
+            Turn { .. } => "angles are in radians and grow counter-clockwise; for a full turn use `ring`".into(),
+            OffCircle { .. } => "give a center as far from the start as from the end, or a point `through` which the arc goes".into(),
+            StraightArc => "move the middle point off the line, or use a straight line".into(),
+            FewPoints { .. } => "name more points, each once; a closed spline ends at its first point".into(),
+            OpenOutline { .. } => "name the curves in their order around the outline".into(),
+            CrossingCurves { .. } => "let curves meet at their ends only; where they come close, smaller cells keep them apart".into(),
+            Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
+            Extruded { .. } => "extrude a plane mesh of quad4 or tri3 cells".into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
             NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
             UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {
@@ -44,31 +56,7 @@ impl MeshError {
             CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
-            Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script".into(),
-            NotText { .. } | Binary { .. } => "save it as ASCII: `Mesh.Binary = 0;` in Gmsh".into(),
-            OtherFormat { .. } => "open it in Gmsh and save it as MSH 4.1 ASCII (`Mesh.MshFileVersion = 4.1;`)".into(),
-            Version { .. } => "save it with `Mesh.MshFileVersion = 4.1;` (or 2.2) in Gmsh".into(),
-            Truncated { .. } | MissingSection { .. } => "the file is incomplete: write or copy it again".into(),
-            Count { .. } | RepeatedSection { .. } | DuplicateNode { .. } | MissingNode { .. } | UnknownEntity { .. } | Malformed { .. } => {
-                "the file is damaged or was edited by hand: write it again with Gmsh".into()
-            }
-            Partitioned { .. } => "save it as one piece: `UnpartitionMesh;` in Gmsh".into(),
-            Coordinate { .. } => "give every node finite coordinates".into(),
-            DuplicateCell { .. } => {
-                "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent".into()
-            }
-            UnsupportedCell { gmsh_type, .. } => unsupported_cure(*gmsh_type).into(),
-            MixedKinds { .. } => "save plane and solid bodies in files of their own".into(),
-            NoCells { .. } => "mesh surfaces with quadrilaterals (`Mesh.RecombineAll = 1;`, `Mesh 2;`) or volumes with hexahedra, and put \
-                 them into a physical group: Gmsh saves nothing else once there is one"
-                .into(),
-            StrayFacet { .. } => {
-                "take the element out of the group, or mesh the surface that it bounds; curves that are only drawn on top of \
-                 a surface are not part of its mesh"
-                    .into()
-            }
-            NotPlane { .. } => "move the mesh into the plane z = 0, or mesh a volume with hexahedra".into(),
-            AmbiguousName { .. } => "give each physical group its own name".into(),
+            File(error) => error.problem.cure(),
         }
     }
 }
@@ -79,17 +67,6 @@ fn nearest_name<'a>(name: &str, available: &'a [String]) -> Option<&'a str> {
     let (best, near) = available.iter().map(|other| (similarity(other), other)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     // half of the letters agree: `body1` finds `body_1`, unrelated words find nothing
     (best >= 0.5).then_some(near.as_str())
-}
-
-fn unsupported_cure(gmsh_type: u64) -> &'static str {
-    match gmsh_type {
-        2 => "recombine the triangles in Gmsh: `Mesh.RecombineAll = 1;`, and `Mesh.SubdivisionAlgorithm = 1;` where some are left over",
-        4 | 6 | 7 => {
-            "mesh with hexahedra in Gmsh: extrude a recombined surface (`Recombine;`), use transfinite volumes, or \
-             `Mesh.SubdivisionAlgorithm = 2;`"
-        }
-        _ => "mesh with first-order quadrilaterals or hexahedra in Gmsh: `Mesh.ElementOrder = 1;`, `Mesh.RecombineAll = 1;`",
-    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
-//! What can go wrong with a mesh: one sentence with the numbers that show it, the line of the file where there is one, and a cure.
+//! What can go wrong with a mesh: one sentence with the numbers that show it, the place in the file where there is one, and a cure.
 //!
 //! One type for generators, transforms, selections, checks and readers, since they hand the same meshes to each other.
 
-use std::path::PathBuf;
-
 use thiserror::Error;
+
+use super::file_error::{FileError, FileProblem, Place};
 
 /// A mesh that cannot be made, changed, found or read.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -94,6 +94,14 @@ pub enum MeshError {
         /// The limit.
         limit: usize,
     },
+    /// Cells that cannot be made of a mesh's cells.
+    #[error("cells of the kind {to} cannot be made of cells of the kind {from}")]
+    NoConversion {
+        /// Kind of the mesh.
+        from: &'static str,
+        /// Kind asked for.
+        to: &'static str,
+    },
     /// A ring whose inner radius is not below the outer one.
     #[error("the inner radius {inner} of a ring must be smaller than its outer radius {outer}")]
     Radii {
@@ -101,6 +109,69 @@ pub enum MeshError {
         inner: f64,
         /// Outer radius.
         outer: f64,
+    },
+    /// An arc whose end is not behind its start by less than a full turn.
+    #[error("an arc must end behind its start by less than a full turn, but goes from {start} to {end}")]
+    Turn {
+        /// Angle of the start `[rad]`.
+        start: f64,
+        /// Angle of the end `[rad]`.
+        end: f64,
+    },
+    /// The end of an arc that is not on its circle.
+    #[error("the arc starts {radius} from its center, but ends {distance} from it")]
+    OffCircle {
+        /// Distance of the start from the center `[length]`.
+        radius: f64,
+        /// Distance of the end from the center `[length]`.
+        distance: f64,
+    },
+    /// Three points of an arc on one line.
+    #[error("the three points of the arc are on one line")]
+    StraightArc,
+    /// A curve through too few points.
+    #[error("a spline needs at least {least} points, but has {count}")]
+    FewPoints {
+        /// How many it has.
+        count: usize,
+        /// How many it needs.
+        least: usize,
+    },
+    /// An outline that does not close, or whose curves do not follow each other.
+    #[error("curve {curve} of {what} begins at {}, but the one before it ends at {}", spot(.found), spot(.expected))]
+    OpenOutline {
+        /// The outline or a hole.
+        what: String,
+        /// Number of the curve, from 1.
+        curve: usize,
+        /// Where it begins.
+        found: [f64; 2],
+        /// Where the one before it ends.
+        expected: [f64; 2],
+    },
+    /// Two curves of outline and holes that have a point in common that is no end of both.
+    #[error("{first} and {second} touch or cross near {}", spot(.near))]
+    CrossingCurves {
+        /// The first curve.
+        first: String,
+        /// The second curve.
+        second: String,
+        /// About where.
+        near: [f64; 2],
+    },
+    /// Cells that grow so fast that some of them vanish.
+    #[error("{count} cells whose last is {ratio} times the first leave no room for some of them")]
+    Grading {
+        /// Ratio of the last to the first cell.
+        ratio: f64,
+        /// How many cells.
+        count: usize,
+    },
+    /// Cells that cannot be drawn out into space.
+    #[error("a mesh of {kind} cells cannot be extruded")]
+    Extruded {
+        /// Their kind.
+        kind: &'static str,
     },
     /// A transform that takes a plane mesh out of its plane.
     #[error("{what} takes the plane mesh out of its plane z = 0")]
@@ -134,11 +205,11 @@ pub enum MeshError {
     /// A cell whose nodes run the wrong way round or whose facets cross.
     #[error(
         "cell {cell} at {} is inside out: its Jacobian determinant is {} ({inverted} of {cells} cells are)",
-        place(.center), rounded(*.determinant)
+        spot(.center), rounded(*.determinant)
     )]
     InvertedCell {
-        /// Line of the file.
-        line: Option<usize>,
+        /// Place in the file.
+        at: Option<Place>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
         /// Mean of its nodes, one coordinate per dimension `[length]`.
@@ -151,10 +222,10 @@ pub enum MeshError {
         cells: usize,
     },
     /// A cell without area or volume.
-    #[error("cell {cell} at {} has no {}: its Jacobian determinant is {}", place(.center), extent(.center), rounded(*.determinant))]
+    #[error("cell {cell} at {} has no {}: its Jacobian determinant is {}", spot(.center), extent(.center), rounded(*.determinant))]
     DegenerateCell {
-        /// Line of the file.
-        line: Option<usize>,
+        /// Place in the file.
+        at: Option<Place>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
         /// Mean of its nodes, one coordinate per dimension `[length]`.
@@ -165,8 +236,8 @@ pub enum MeshError {
     /// A cell that names a node twice.
     #[error("cell {cell} names node {node} twice")]
     RepeatedNode {
-        /// Line of the file.
-        line: Option<usize>,
+        /// Place in the file.
+        at: Option<Place>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
         /// The node.
@@ -175,8 +246,8 @@ pub enum MeshError {
     /// A facet that more than two cells share.
     #[error("{sharing} cells share one facet of cell {cell}, but a facet has at most two sides")]
     CrowdedFacet {
-        /// Line of the file.
-        line: Option<usize>,
+        /// Place in the file.
+        at: Option<Place>,
         /// Number of the first of the cells in the file; its index in the mesh when no file was read.
         cell: u64,
         /// How many cells share the facet.
@@ -203,263 +274,36 @@ pub enum MeshError {
         count: usize,
     },
 
-    /// A file that cannot be opened or read.
-    #[error("the mesh file {} cannot be read: {reason}", path.display())]
-    Unreadable {
-        /// Path of the file.
-        path: PathBuf,
-        /// What the system says.
-        reason: String,
-    },
-    /// A file that is not text.
-    #[error("the mesh file is not text: line {line} holds bytes that are not UTF-8")]
-    NotText {
-        /// Line of the file.
-        line: usize,
-    },
-    /// A file of another format.
-    #[error("this is not a Gmsh mesh file but {found}")]
-    OtherFormat {
-        /// Line of the file.
-        line: usize,
-        /// What it looks like.
-        found: &'static str,
-    },
-    /// A binary Gmsh file.
-    #[error("this Gmsh mesh file is binary")]
-    Binary {
-        /// Line of the file.
-        line: usize,
-    },
-    /// A Gmsh version that is not read.
-    #[error("the file has Gmsh format version {version}, but versions 2.2 and 4.1 are read")]
-    Version {
-        /// Line of the file.
-        line: usize,
-        /// The version as written.
-        version: String,
-    },
-    /// A file that ends too early.
-    #[error("the file ends inside section ${section} that began in line {begin}: {found} of {announced} entries are there")]
-    Truncated {
-        /// Last line of the file.
-        line: usize,
-        /// Name of the section.
-        section: String,
-        /// Line of its first line.
-        begin: usize,
-        /// Entries read.
-        found: usize,
-        /// Entries announced; equal to `found` when only the closing line is missing.
-        announced: usize,
-    },
-    /// A section whose number of entries is not the one that it announces.
-    #[error("section ${section} announces {announced} entries but has {}", more_or(*.found, *.announced))]
-    Count {
-        /// Line where this shows.
-        line: usize,
-        /// Name of the section.
-        section: &'static str,
-        /// Entries announced.
-        announced: usize,
-        /// Entries found so far.
-        found: usize,
-    },
-    /// A section that must be there is not.
-    #[error("the file has no section ${section}")]
-    MissingSection {
-        /// Last line of the file.
-        line: usize,
-        /// Name of the section.
-        section: &'static str,
-    },
-    /// A section that is there twice.
-    #[error("section ${section} is there a second time")]
-    RepeatedSection {
-        /// Line of the file.
-        line: usize,
-        /// Name of the section.
-        section: String,
-    },
-    /// A section of a partitioned mesh.
-    #[error("the mesh is partitioned (section ${section})")]
-    Partitioned {
-        /// Line of the file.
-        line: usize,
-        /// Name of the section.
-        section: String,
-    },
-    /// A line that does not hold what belongs there.
-    #[error("expected {expected}, found \"{found}\"")]
-    Malformed {
-        /// Line of the file.
-        line: usize,
-        /// What belongs there.
-        expected: &'static str,
-        /// What is there, shortened.
-        found: String,
-    },
-    /// A node with a coordinate that is infinite or not a number.
-    #[error("node {node} has the coordinate {value}")]
-    Coordinate {
-        /// Line of the file.
-        line: usize,
-        /// Number of the node in the file.
-        node: u64,
-        /// The coordinate.
-        value: f64,
-    },
-    /// Two nodes with one number.
-    #[error("node {node} is there twice, first in line {first}")]
-    DuplicateNode {
-        /// Line of the second.
-        line: usize,
-        /// Number of the node in the file.
-        node: u64,
-        /// Line of the first.
-        first: usize,
-    },
-    /// An element that names a node that is not in the file.
-    #[error("element {element} names node {node}, but the file has no such node")]
-    MissingNode {
-        /// Line of the file.
-        line: usize,
-        /// Number of the element in the file.
-        element: u64,
-        /// Number of the node.
-        node: u64,
-    },
-    /// Two cells with the same nodes in the same physical group.
-    #[error("cells {first} and {cell} have the same nodes")]
-    DuplicateCell {
-        /// Line of the second.
-        line: usize,
-        /// Number of the second cell in the file.
-        cell: u64,
-        /// Number of the first.
-        first: u64,
-    },
-    /// A kind of element that bodies are not made of here.
-    #[error("element {element} is a {kind}, but quad4 and hex8 cells are read")]
-    UnsupportedCell {
-        /// Line of the file.
-        line: usize,
-        /// Number of the element in the file.
-        element: u64,
-        /// Gmsh's type number.
-        gmsh_type: u64,
-        /// Name of the kind.
-        kind: String,
-    },
-    /// Quadrilaterals that are not facets of the hexahedra in the same file.
-    #[error("the file mixes quad4 and hex8 cells: quad4 {element} touches no hex8")]
-    MixedKinds {
-        /// Line of the file.
-        line: usize,
-        /// Number of the quadrilateral in the file.
-        element: u64,
-    },
-    /// A file without quad4 or hex8 cells.
-    #[error("the file has no quad4 or hex8 cells, only {lines} line elements")]
-    NoCells {
-        /// Line of the section of elements.
-        line: usize,
-        /// How many line elements it has.
-        lines: usize,
-    },
-    /// An element of a boundary that is not a facet of any cell.
-    #[error("element {element} of boundary \"{boundary}\" is not a facet of any cell")]
-    StrayFacet {
-        /// Line of the file.
-        line: usize,
-        /// Number of the element in the file.
-        element: u64,
-        /// Name of the physical group.
-        boundary: String,
-    },
-    /// A node of a plane mesh that is not in the plane.
-    #[error("node {node} of the plane mesh has z = {z}, but must have z = 0")]
-    NotPlane {
-        /// Line of the file.
-        line: usize,
-        /// Number of the node in the file.
-        node: u64,
-        /// Its third coordinate.
-        z: f64,
-    },
-    /// A physical group that the entity table does not know.
-    #[error("there is no entity {entity} of dimension {dimension} in section $Entities")]
-    UnknownEntity {
-        /// Line of the file.
-        line: usize,
-        /// Dimension of the entity.
-        dimension: usize,
-        /// Its number.
-        entity: i64,
-    },
-    /// Two physical groups of one dimension with the same name.
-    #[error("two physical groups of dimension {dimension} have the name \"{name}\": {first} and {second}")]
-    AmbiguousName {
-        /// Line of the name of the second group.
-        line: usize,
-        /// Dimension of the groups.
-        dimension: usize,
-        /// The name.
-        name: String,
-        /// Number of the first group.
-        first: u64,
-        /// Number of the second group.
-        second: u64,
-    },
+    /// A mesh file that is refused.
+    #[error(transparent)]
+    File(#[from] FileError),
 }
 
 impl MeshError {
-    /// Line of the mesh file, counted from 1, where the error has one.
-    pub fn line(&self) -> Option<usize> {
+    /// Place in the mesh file, where the error has one.
+    pub fn place(&self) -> Option<Place> {
         use MeshError::*;
         match self {
-            InvertedCell { line, .. } | DegenerateCell { line, .. } | RepeatedNode { line, .. } | CrowdedFacet { line, .. } => *line,
-            NotText { line }
-            | OtherFormat { line, .. }
-            | Binary { line }
-            | Version { line, .. }
-            | Truncated { line, .. }
-            | Count { line, .. }
-            | MissingSection { line, .. }
-            | RepeatedSection { line, .. }
-            | Partitioned { line, .. }
-            | Malformed { line, .. }
-            | Coordinate { line, .. }
-            | DuplicateNode { line, .. }
-            | MissingNode { line, .. }
-            | DuplicateCell { line, .. }
-            | UnsupportedCell { line, .. }
-            | MixedKinds { line, .. }
-            | NoCells { line, .. }
-            | StrayFacet { line, .. }
-            | NotPlane { line, .. }
-            | UnknownEntity { line, .. }
-            | AmbiguousName { line, .. } => Some(*line),
-            NotPositive { .. }
-            | NotFinite { .. }
-            | TooFewCells { .. }
-            | NotMultiple { .. }
-            | FewCorners { .. }
-            | HoleOutside { .. }
-            | JoinedKinds { .. }
-            | NothingShared
-            | CrossingSides { .. }
-            | EmptySide { .. }
-            | NoTriangulation
-            | TooManyCells { .. }
-            | Radii { .. }
-            | LeavesPlane { .. }
-            | NoAxis { .. }
-            | UnknownPart { .. }
-            | BoundaryExists { .. }
-            | UnusedNodes { .. }
-            | BrokenReference { .. }
-            | Unreadable { .. } => None,
+            InvertedCell { at, .. } | DegenerateCell { at, .. } | RepeatedNode { at, .. } | CrowdedFacet { at, .. } => *at,
+            File(FileError { problem: FileProblem::Unreadable { .. }, .. }) => None,
+            File(error) => Some(error.at),
+            _ => None,
+        }
+    }
+
+    /// Line of the mesh file, counted from 1, where the error has one.
+    pub fn line(&self) -> Option<usize> {
+        match self.place() {
+            Some(Place::Line(line)) => Some(line),
+            _ => None,
+        }
+    }
+
+    /// Byte of the mesh file, counted from 0, where the error has one.
+    pub fn offset(&self) -> Option<usize> {
+        match self.place() {
+            Some(Place::Byte(byte)) => Some(byte),
+            _ => None,
         }
     }
 }
@@ -472,13 +316,8 @@ fn listed(names: &[String]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
-/// A count that falls short, or that there is more than announced.
-fn more_or(found: usize, announced: usize) -> String {
-    if found > announced { "more".into() } else { found.to_string() }
-}
-
 /// A point with six digits.
-fn place(point: &[f64]) -> String {
+fn spot(point: &[f64]) -> String {
     format!("({})", point.iter().map(|&x| rounded(x)).collect::<Vec<_>>().join(", "))
 }
 
@@ -505,6 +344,6 @@ mod tests {
         assert_eq!(rounded(0.0), "0");
         assert_eq!(rounded(-2.5e-9), "-2.5e-9");
         assert_eq!(rounded(f64::NAN), "NaN");
-        assert_eq!(place(&[0.1 + 0.2, -4.0]), "(0.3, -4)");
+        assert_eq!(spot(&[0.1 + 0.2, -4.0]), "(0.3, -4)");
     }
 }

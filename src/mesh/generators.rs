@@ -1,11 +1,10 @@
-//! Structured meshes of simple bodies: rectangle, block, ring, disk and half disk.
+//! Structured meshes with straight sides: rectangle and block.
 //!
-//! Each is a mapped grid of cells; the names of its boundaries are fixed. Plane boundaries are traversed with the body on the left,
-//! so that each facet begins where the one before it ends.
+//! Each is a grid of cells; the names of its boundaries are fixed. Plane boundaries are traversed with the body on the left, so that each
+//! facet begins where the one before it ends.
 
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, TAU};
-
-use super::{Boundary, CELL_LIMIT, Facet, Mesh, MeshError};
+use super::grid::{at_least, boundary, graded, limited, positive};
+use super::{Facet, Mesh, MeshError};
 use crate::elements::CellKind;
 
 /// A rectangle of quad4 cells, `size` and `origin` (its lower left corner) `[length]`; boundaries `left right bottom top`.
@@ -15,6 +14,14 @@ use crate::elements::CellKind;
 /// # Errors
 /// Sizes that are not positive, counts of zero, numbers that are not finite, too many cells.
 pub fn rectangle(size: [f64; 2], cells: [usize; 2], origin: [f64; 2]) -> Result<Mesh, MeshError> {
+    graded_rectangle(size, cells, origin, [1.0; 2])
+}
+
+/// [`rectangle`] with cells that grow in geometric progression: along the width and the height the last is `grading` times the first.
+///
+/// # Errors
+/// As those of [`rectangle`]; ratios that are not positive, or so far from 1 that cells vanish.
+pub fn graded_rectangle(size: [f64; 2], cells: [usize; 2], origin: [f64; 2], grading: [f64; 2]) -> Result<Mesh, MeshError> {
     positive("the width of a rectangle", size[0])?;
     positive("the height of a rectangle", size[1])?;
     at_least("along the width", cells[0], 1)?;
@@ -22,7 +29,8 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2], origin: [f64; 2]) -> Result<
     limited(&cells)?;
     let [nx, ny] = cells;
     let node = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
-    let points = grid(ny).flat_map(|y| grid(nx).map(move |x| [origin[0] + size[0] * x, origin[1] + size[1] * y, 0.0])).collect();
+    let (xs, ys) = (graded(nx, grading[0])?, graded(ny, grading[1])?);
+    let points = ys.iter().flat_map(|y| xs.iter().map(move |x| [origin[0] + size[0] * x, origin[1] + size[1] * y, 0.0])).collect();
     let connectivity =
         (0..ny).flat_map(|j| (0..nx).flat_map(move |i| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])).collect();
     let facet = |i: usize, j: usize, local: u8| Facet { cell: (j * nx + i) as u32, local };
@@ -43,6 +51,14 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2], origin: [f64; 2]) -> Result<
 /// # Errors
 /// Sizes that are not positive, counts of zero, numbers that are not finite, too many cells.
 pub fn block(size: [f64; 3], cells: [usize; 3], origin: [f64; 3]) -> Result<Mesh, MeshError> {
+    graded_block(size, cells, origin, [1.0; 3])
+}
+
+/// [`block`] with cells that grow in geometric progression: along each direction the last is `grading` times the first.
+///
+/// # Errors
+/// As those of [`block`]; ratios that are not positive, or so far from 1 that cells vanish.
+pub fn graded_block(size: [f64; 3], cells: [usize; 3], origin: [f64; 3], grading: [f64; 3]) -> Result<Mesh, MeshError> {
     for (what, value) in ["the width of a block", "the height of a block", "the depth of a block"].into_iter().zip(size) {
         positive(what, value)?;
     }
@@ -52,9 +68,10 @@ pub fn block(size: [f64; 3], cells: [usize; 3], origin: [f64; 3]) -> Result<Mesh
     limited(&cells)?;
     let [nx, ny, nz] = cells;
     let mut points = Vec::with_capacity((nx + 1) * (ny + 1) * (nz + 1));
-    for z in grid(nz) {
-        for y in grid(ny) {
-            points.extend(grid(nx).map(|x| [origin[0] + size[0] * x, origin[1] + size[1] * y, origin[2] + size[2] * z]));
+    let [xs, ys, zs] = [graded(nx, grading[0])?, graded(ny, grading[1])?, graded(nz, grading[2])?];
+    for z in &zs {
+        for y in &ys {
+            points.extend(xs.iter().map(|x| [origin[0] + size[0] * x, origin[1] + size[1] * y, origin[2] + size[2] * z]));
         }
     }
     let node = |i: usize, j: usize, k: usize| ((k * (ny + 1) + j) * (nx + 1) + i) as u32;
@@ -81,217 +98,11 @@ pub fn block(size: [f64; 3], cells: [usize; 3], origin: [f64; 3]) -> Result<Mesh
     Mesh { kind: CellKind::Hex8, points, connectivity, boundaries, parts: Vec::new() }.checked()
 }
 
-/// A closed ring of quad4 cells between two circles around `center` `[length]`, `cells` radially and around; boundaries `inner outer`.
-///
-/// All nodes lie on circles: layers from the inside out, counter-clockwise in each from `start_angle` `[rad]`.
-///
-/// # Errors
-/// Radii that are not positive or not in order, no cell radially, fewer than 3 around, numbers that are not finite, too many cells.
-pub fn ring(inner_radius: f64, outer_radius: f64, cells: [usize; 2], center: [f64; 2], start_angle: f64) -> Result<Mesh, MeshError> {
-    positive("the inner radius of a ring", inner_radius)?;
-    positive("the outer radius of a ring", outer_radius)?;
-    if inner_radius >= outer_radius {
-        return Err(MeshError::Radii { inner: inner_radius, outer: outer_radius });
-    }
-    at_least("along the radius", cells[0], 1)?;
-    at_least("around", cells[1], 3)?;
-    limited(&cells)?;
-    if !start_angle.is_finite() {
-        return Err(MeshError::NotFinite { what: "the start angle of a ring", value: start_angle });
-    }
-    let [radial, around] = cells;
-    // one sine and cosine per spoke: the nodes of a spoke are exactly in line
-    let spokes: Vec<(f64, f64)> = (0..around).map(|j| (start_angle + TAU * j as f64 / around as f64).sin_cos()).collect();
-    let points = grid(radial)
-        .flat_map(|share| {
-            // this form meets both radii exactly, at share 0 and 1
-            let radius = inner_radius * (1.0 - share) + outer_radius * share;
-            spokes.iter().map(move |&(sine, cosine)| [center[0] + radius * cosine, center[1] + radius * sine, 0.0])
-        })
-        .collect();
-    let node = |layer: usize, j: usize| (layer * around + j % around) as u32;
-    let connectivity =
-        (0..radial).flat_map(|i| (0..around).flat_map(move |j| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])).collect();
-    let facet = |layer: usize, j: usize, local: u8| Facet { cell: (layer * around + j) as u32, local };
-    let boundaries =
-        vec![boundary("inner", (0..around).rev().map(|j| facet(0, j, 3))), boundary("outer", (0..around).map(|j| facet(radial - 1, j, 1)))];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
-}
-
-/// Distance of the corners of a disk's square core from its center, over the radius: angles of the cells there stay near 120 degrees.
-const CORE: f64 = 0.55;
-
-/// A disk of quad4 cells around `center` `[length]`: a square core in a ring of `cells[0]` layers with `cells[1]` cells around; boundary
-/// `outer`.
-///
-/// Nodes: the core row by row from below, then the layers from the inside out, counter-clockwise in each from the lower left.
-///
-/// # Errors
-/// A radius that is not positive, a number of cells around that is no multiple of 4, numbers that are not finite, too many cells.
-pub fn disk(radius: f64, cells: [usize; 2], center: [f64; 2]) -> Result<Mesh, MeshError> {
-    positive("the radius of a disk", radius)?;
-    let [radial, around] = checked_round(cells)?;
-    let side = around / 4;
-    let half = CORE * radius * FRAC_1_SQRT_2;
-    let at = |x: f64, y: f64| [center[0] + x, center[1] + y, 0.0];
-    let mut points: Vec<[f64; 3]> =
-        grid(side).flat_map(|y| grid(side).map(move |x| [half * (2.0 * x - 1.0), half * (2.0 * y - 1.0)])).map(|[x, y]| at(x, y)).collect();
-    let core = |i: usize, j: usize| (j * (side + 1) + i) as u32;
-    // Around the core counter-clockwise from its lower left corner.
-    let rim = |k: usize| match (k / side % 4, k % side) {
-        (0, i) => core(i, 0),
-        (1, j) => core(side, j),
-        (2, i) => core(side - i, side),
-        (_, j) => core(0, side - j),
-    };
-    let first = points.len();
-    for layer in 1..=radial {
-        let share = layer as f64 / radial as f64;
-        for k in 0..around {
-            let inside = points[rim(k) as usize];
-            let (sine, cosine) = (-0.75 * PI + TAU * k as f64 / around as f64).sin_cos();
-            let outside = at(radius * cosine, radius * sine);
-            points.push([0, 1, 2].map(|i| inside[i] * (1.0 - share) + outside[i] * share));
-        }
-    }
-    let node = |layer: usize, k: usize| if layer == 0 { rim(k % around) } else { (first + (layer - 1) * around + k % around) as u32 };
-    let mut connectivity = core_cells(side, side);
-    connectivity.extend(
-        (0..radial).flat_map(|i| (0..around).flat_map(move |k| [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)])).map(|(i, k)| node(i, k)),
-    );
-    let facet = |k: usize| Facet { cell: (side * side + (radial - 1) * around + k) as u32, local: 1 };
-    let boundaries = vec![boundary("outer", (0..around).map(facet))];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
-}
-
-/// The lower half of a disk around `center` `[length]`, of quad4 cells: a core below the diameter, and `cells[0]` layers with `cells[1]`
-/// cells around it; boundaries `arc` and `flat`.
-///
-/// With `finest` `[length]` facets are that long at the lowest point and grow in geometric progression away from it, along the arc and into
-/// the body; without, or where even ones are smaller, they are even.
-///
-/// # Errors
-/// Lengths that are not positive, a number of cells around that is no multiple of 4, numbers that are not finite, too many cells.
-pub fn half_disk(radius: f64, cells: [usize; 2], center: [f64; 2], finest: Option<f64>) -> Result<Mesh, MeshError> {
-    positive("the radius of a half disk", radius)?;
-    if let Some(finest) = finest {
-        positive("the finest facet of a half disk", finest)?;
-    }
-    let [radial, around] = checked_round(cells)?;
-    let (width, side) = (around / 2, around / 4);
-    let half = CORE * radius * FRAC_1_SQRT_2;
-    let at = |x: f64, y: f64| [center[0] + x, center[1] + y, 0.0];
-    // Places along the lower quarter of the arc, -1 to 1, and across the layers, 0 to 1 at the arc.
-    let along = progression(side, FRAC_PI_4 * radius, finest);
-    let along: Vec<f64> = along.iter().rev().map(|s| -s).chain(along[1..].iter().copied()).collect();
-    let across: Vec<f64> = progression(radial, radius - half, finest).iter().rev().map(|s| 1.0 - s).collect();
-    let mut points: Vec<[f64; 3]> =
-        grid(side).flat_map(|y| along.iter().map(move |x| [half * x, half * (y - 1.0)])).map(|[x, y]| at(x, y)).collect();
-    let core = |i: usize, j: usize| (j * (width + 1) + i) as u32;
-    // Around the core counter-clockwise from its upper left corner to the upper right one.
-    let rim = |k: usize| match k {
-        _ if k <= side => core(0, side - k),
-        _ if k <= side + width => core(k - side, 0),
-        _ => core(width, k - side - width),
-    };
-    let angle = |k: usize| match k {
-        _ if k <= side => -PI + FRAC_PI_4 * k as f64 / side as f64,
-        _ if k <= side + width => -FRAC_PI_2 + FRAC_PI_4 * along[k - side],
-        _ => FRAC_PI_4 * (k as f64 - around as f64) / side as f64,
-    };
-    let first = points.len();
-    for share in &across[1..] {
-        for k in 0..=around {
-            let inside = points[rim(k) as usize];
-            // The ends of the arc lie exactly on the diameter.
-            let (sine, cosine) = if k == 0 {
-                (0.0, -1.0)
-            } else if k == around {
-                (0.0, 1.0)
-            } else {
-                angle(k).sin_cos()
-            };
-            let outside = at(radius * cosine, radius * sine);
-            points.push([0, 1, 2].map(|i| inside[i] * (1.0 - share) + outside[i] * share));
-        }
-    }
-    let node = |layer: usize, k: usize| if layer == 0 { rim(k) } else { (first + (layer - 1) * (around + 1) + k) as u32 };
-    let mut connectivity = core_cells(width, side);
-    connectivity.extend(
-        (0..radial).flat_map(|i| (0..around).flat_map(move |k| [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)])).map(|(i, k)| node(i, k)),
-    );
-    let facet = |layer: usize, k: usize, local: u8| Facet { cell: (width * side + layer * around + k) as u32, local };
-    let top = (0..width).rev().map(|i| Facet { cell: ((side - 1) * width + i) as u32, local: 2 });
-    let flat = (0..radial).rev().map(|layer| facet(layer, around - 1, 2)).chain(top).chain((0..radial).map(|layer| facet(layer, 0, 0)));
-    let boundaries = vec![boundary("arc", (0..around).map(|k| facet(radial - 1, k, 1))), boundary("flat", flat)];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
-}
-
-/// Cells of a core of `width` times `height`, row by row.
-fn core_cells(width: usize, height: usize) -> Vec<u32> {
-    let node = |i: usize, j: usize| (j * (width + 1) + i) as u32;
-    (0..height).flat_map(|j| (0..width).flat_map(move |i| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])).collect()
-}
-
-/// Counts of cells across the layers of a disk and around it.
-fn checked_round(cells: [usize; 2]) -> Result<[usize; 2], MeshError> {
-    at_least("along the radius", cells[0], 1)?;
-    limited(&cells)?;
-    let core = cells[1] / 4;
-    limited(&[core, core])?;
-    if cells[1] == 0 || !cells[1].is_multiple_of(4) {
-        return Err(MeshError::NotMultiple { direction: "around", count: cells[1], of: 4 });
-    }
-    Ok(cells)
-}
-
-/// `count + 1` numbers from 0 to 1, both met exactly, whose steps grow in geometric progression from `first / length`; even ones without
-/// a first step, or when even ones are smaller.
-fn progression(count: usize, length: f64, first: Option<f64>) -> Vec<f64> {
-    let Some(first) = first.map(|first| first / length).filter(|first| first * (count as f64) < 1.0 && count > 1) else {
-        return grid(count).collect();
-    };
-    let sum = |ratio: f64| (0..count).fold(0.0, |sum: f64, _| sum * ratio + first);
-    let (mut low, mut high) = (1.0, 1.0 / first);
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if sum(middle) < 1.0 { low = middle } else { high = middle }
-    }
-    let mut places: Vec<f64> = vec![0.0];
-    let mut step = first;
-    for _ in 1..count {
-        places.push(places[places.len() - 1] + step);
-        step *= low;
-    }
-    places.push(1.0);
-    places
-}
-
-/// `count + 1` numbers from 0 to 1, both met exactly.
-fn grid(count: usize) -> impl Iterator<Item = f64> {
-    (0..=count).map(move |i| i as f64 / count as f64)
-}
-
-fn boundary(name: &str, facets: impl Iterator<Item = Facet>) -> Boundary {
-    Boundary::of_facets(name, facets.collect())
-}
-
-fn positive(what: &'static str, value: f64) -> Result<(), MeshError> {
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(MeshError::NotPositive { what, value }) }
-}
-
-fn at_least(direction: &'static str, count: usize, least: usize) -> Result<(), MeshError> {
-    if count >= least { Ok(()) } else { Err(MeshError::TooFewCells { direction, count, least }) }
-}
-
-fn limited(cells: &[usize]) -> Result<(), MeshError> {
-    let total = cells.iter().fold(1, |product: usize, &count| product.saturating_mul(count));
-    if total <= CELL_LIMIT { Ok(()) } else { Err(MeshError::TooManyCells { cells: total, limit: CELL_LIMIT }) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{arc, disk, graded_ring, half_disk, ring};
+    use std::f64::consts::{PI, TAU};
 
     /// Round-off of sums of some hundred terms of order one.
     const ROUND_OFF: f64 = 1e-13;
@@ -461,5 +272,42 @@ mod tests {
         assert!(matches!(block([1.0; 3], [1000, 1000, 1000], [0.0; 3]), Err(MeshError::TooManyCells { .. })));
         // so far from the origin that neighboring nodes round to the same point
         assert!(matches!(rectangle([1.0, 1.0], [10, 10], [1e17, 0.0]), Err(MeshError::DegenerateCell { .. })));
+    }
+
+    #[test]
+    fn graded_cells_grow_by_one_factor() {
+        let mesh = graded_rectangle([2.0, 1.0], [4, 1], [0.0, 0.0], [8.0, 1.0]).unwrap();
+        let widths: Vec<f64> = (0..4).map(|i| mesh.points[i + 1][0] - mesh.points[i][0]).collect();
+        // 1 + 2 + 4 + 8 = 15 parts
+        for (width, parts) in widths.iter().zip([1.0, 2.0, 4.0, 8.0]) {
+            assert!((width - 2.0 * parts / 15.0).abs() < ROUND_OFF, "{widths:?}");
+        }
+        let tire = graded_ring(1.0, 2.0, [3, 12], [0.0, 0.0], 0.0, 0.25).unwrap();
+        let radii: Vec<f64> = (0..4).map(|i| tire.points[12 * i][0]).collect();
+        assert!((radii[1] - radii[0] - 4.0 * (radii[3] - radii[2])).abs() < ROUND_OFF && radii[3] == 2.0, "{radii:?}");
+        assert!((graded_block([1.0; 3], [2, 3, 2], [0.0; 3], [2.0, 1.0, 0.5]).unwrap().measure() - 1.0).abs() < ROUND_OFF);
+        assert!(matches!(graded_rectangle([1.0; 2], [9, 1], [0.0; 2], [1e-40, 1.0]), Err(MeshError::Grading { count: 9, .. })));
+        assert!(matches!(graded_rectangle([1.0; 2], [9, 1], [0.0; 2], [-1.0, 1.0]), Err(MeshError::NotPositive { .. })));
+    }
+
+    #[test]
+    fn an_arc_is_a_sector_of_a_ring() {
+        let (inner, outer, turn, cells) = (0.5, 1.5, 2.0, [3, 16]);
+        let mesh = arc([inner, outer], [0.3, 0.3 + turn], cells, [1.0, -1.0], [2.0, 1.0]).unwrap();
+        assert_eq!(names(&mesh), ["inner", "outer", "start", "end"]);
+        // triangles between the spokes of the two circles
+        let area = 16.0 / 2.0 * (turn / 16.0).sin() * (outer * outer - inner * inner);
+        assert!((mesh.measure() - area).abs() < ROUND_OFF);
+        let length = |name: &str| mesh.boundary_measure(mesh.boundary(name).unwrap());
+        assert!((length("start") - 1.0).abs() < ROUND_OFF && (length("end") - 1.0).abs() < ROUND_OFF);
+        assert!((length("outer") - 16.0 * 2.0 * outer * (turn / 32.0).sin()).abs() < ROUND_OFF);
+        let mut named: Vec<Facet> = mesh.boundaries.iter().flat_map(|b| b.facets.clone()).collect();
+        named.sort_unstable();
+        assert_eq!(mesh.hull(), named);
+        assert_eq!(mesh.defects(), []);
+        assert!(matches!(arc([0.5, 1.0], [1.0, 0.5], [1, 4], [0.0; 2], [1.0; 2]), Err(MeshError::Turn { .. })));
+        assert!(matches!(arc([0.5, 1.0], [0.0, TAU], [1, 4], [0.0; 2], [1.0; 2]), Err(MeshError::Turn { .. })));
+        assert!(matches!(arc([0.5, 1.0], [0.0, 6.0], [1, 2], [0.0; 2], [1.0; 2]), Err(MeshError::TooFewCells { least: 3, .. })));
+        assert!(matches!(arc([1.0, 0.5], [0.0, 1.0], [1, 2], [0.0; 2], [1.0; 2]), Err(MeshError::Radii { .. })));
     }
 }

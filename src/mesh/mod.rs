@@ -3,23 +3,41 @@
 //! A mesh is plain data whose dimension is that of its cell kind; points always carry three coordinates (the third is zero in the
 //! plane), so that readers, generators and writers need no dimension parameter. Kernels take what they need from it once.
 
+mod cell_size;
 mod check;
 mod cures;
+mod curved;
+mod curves;
+mod division;
 mod error;
+mod extrude;
+mod file_cures;
+mod file_error;
+mod files;
 mod generators;
-mod gmsh;
+mod grid;
 mod join;
+mod plane;
 mod polygon;
+mod region;
+mod round;
 mod selection;
 mod topology;
 mod transform;
+mod triangulation;
 
+pub use cell_size::CellSize;
 pub use check::Quality;
+pub use curved::Round;
+pub use curves::Curve;
 pub use error::MeshError;
-pub use generators::{block, disk, half_disk, rectangle, ring};
-pub use gmsh::{read_gmsh, read_gmsh_bytes, read_mesh};
-pub use polygon::polygon;
-pub(crate) use polygon::{cross, is_inside};
+pub use file_error::{FileError, FileProblem, Place};
+pub use files::{read_mesh, read_mesh_bytes};
+pub use generators::{block, graded_block, graded_rectangle, rectangle};
+pub(crate) use plane::{cross, is_inside};
+pub use polygon::{polygon, polygon_of};
+pub use region::{Side, region};
+pub use round::{arc, disk, graded_ring, half_disk, ring};
 pub use selection::SelectionError;
 
 use crate::elements::CellKind;

@@ -16,7 +16,7 @@ pub enum SelectionError<E> {
     Condition(E),
     /// The mesh refused the boundary.
     #[error(transparent)]
-    Mesh(MeshError),
+    Mesh(#[from] MeshError),
 }
 
 impl Mesh {

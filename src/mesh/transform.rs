@@ -1,13 +1,8 @@
-//! A mesh moved, turned, scaled or divided: each takes the mesh and returns another.
+//! A mesh moved, turned or scaled: each takes the mesh and returns another.
 //!
-//! Transforms move nodes only, so boundaries and parts stay as they are. Refinement splits each cell at the middle of its reference
-//! cell: the refined mesh covers the same set of points, and curved boundaries that the coarse mesh cut off are not recovered
-//! (generate a ring with more cells instead).
+//! Transforms move nodes only, so boundaries and parts stay as they are.
 
-use std::collections::HashMap;
-
-use super::topology::{FacetKey, corner, facet_key};
-use super::{Boundary, CELL_LIMIT, Facet, Mesh, MeshError};
+use super::{Mesh, MeshError};
 
 impl Mesh {
     /// The mesh moved by `offset` `[length]`.
@@ -75,62 +70,6 @@ impl Mesh {
         }
         self.checked()
     }
-
-    /// The mesh with every quad4 split into 4 and every hex8 into 8 at the middle of its reference cell; boundaries and parts kept.
-    ///
-    /// Old nodes keep their numbers. The children of cell `c` are the cells `2^D c ..`, each at the corner whose local number it has,
-    /// numbered like its parent: a child's facet has the same local number as the parent's facet of which it is a piece.
-    ///
-    /// # Errors
-    /// More cells than [`CELL_LIMIT`].
-    pub fn refine(&self) -> Result<Mesh, MeshError> {
-        let nodes = self.kind.nodes();
-        let children = nodes;
-        let cells = self.cell_count().saturating_mul(children);
-        if cells > CELL_LIMIT {
-            return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });
-        }
-        // node b of child a is the middle of the smallest face that holds the corners a and b: an edge, a facet or the whole cell
-        let faces: Vec<Vec<usize>> =
-            (0..nodes).flat_map(|a| (0..nodes).map(move |b| (a, b))).map(|(a, b)| common_face(a, b, nodes)).collect();
-        let mut points = self.points.clone();
-        let mut connectivity = Vec::with_capacity(self.connectivity.len() * children);
-        let mut middles: HashMap<FacetKey, u32> = HashMap::new();
-        for cell in self.cells() {
-            let mut center = None;
-            for face in &faces {
-                let middle = |points: &mut Vec<[f64; 3]>| {
-                    let sum = |i: usize| face.iter().map(|&a| self.points[cell[a] as usize][i]).sum::<f64>() / face.len() as f64;
-                    points.push([sum(0), sum(1), sum(2)]);
-                    (points.len() - 1) as u32
-                };
-                connectivity.push(if face.len() == 1 {
-                    cell[face[0]]
-                } else if face.len() == nodes {
-                    *center.get_or_insert_with(|| middle(&mut points))
-                } else {
-                    *middles.entry(facet_key(face.iter().map(|&a| cell[a]))).or_insert_with(|| middle(&mut points))
-                });
-            }
-        }
-        let pieces = |facet: &Facet| {
-            let Facet { cell, local } = *facet;
-            let corners = self.kind.facets()[local as usize];
-            corners.iter().map(move |&a| Facet { cell: cell * children as u32 + a as u32, local })
-        };
-        // Nodes keep their numbers.
-        let finer = |b: &Boundary| Boundary { facets: b.facets.iter().flat_map(pieces).collect(), ..b.clone() };
-        let boundaries = self.boundaries.iter().map(finer).collect();
-        let offspring = |&cell: &u32| (0..children as u32).map(move |child| cell * children as u32 + child);
-        let parts = self.parts.iter().map(|(name, cells)| (name.clone(), cells.iter().flat_map(offspring).collect())).collect();
-        Ok(Mesh { kind: self.kind, points, connectivity, boundaries, parts })
-    }
-}
-
-/// Local nodes of the smallest face of the reference cell with corners `a` and `b`.
-fn common_face(a: usize, b: usize, nodes: usize) -> Vec<usize> {
-    let shared = |other: usize| (0..3).all(|i| corner(a)[i] != corner(b)[i] || corner(other)[i] == corner(a)[i]);
-    (0..nodes).filter(|&other| shared(other)).collect()
 }
 
 fn all_finite(what: &'static str, values: &[f64]) -> Result<(), MeshError> {
@@ -145,7 +84,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
-    use crate::mesh::{block, rectangle, ring};
+    use crate::mesh::{CELL_LIMIT, Facet, block, rectangle, ring};
 
     /// Round-off of sums of some hundred terms of order one.
     const ROUND_OFF: f64 = 1e-13;

@@ -454,8 +454,12 @@ mod tests {
     #[test]
     fn inertia_is_that_of_the_meshes() {
         let material = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 2.0 }.material().unwrap();
-        let definition =
-            |body: crate::dynamics::BodyFields| BodyDefinition { name: body.name, mesh: body.mesh, material: material.clone() };
+        let definition = |body: crate::dynamics::BodyFields| BodyDefinition {
+            name: body.name,
+            mesh: body.mesh,
+            material: material.clone(),
+            formulation: Default::default(),
+        };
         let bodies = vec![definition(block([3, 2, 2], [3.0, 1.0, 0.5])), definition(block([1, 1, 1], [1.0, 1.0, 1.0]))];
         let found = Inertia::of(&Model { bodies, ..Model::default() });
         // Volumes 1.5 and 1 with density 2, by quadrature; the far corner of the first block.

@@ -1,7 +1,11 @@
-//! What every row of the catalogue of cell kinds promises: shape functions, quadrature and facets (Hughes, The Finite Element Method, 2000,
-//! chapter 3).
+//! What every row of the catalogue of cell kinds promises: shape functions, quadrature, mass and facets (Hughes, The Finite Element Method,
+//! 2000, chapter 3).
 
+use conserva::bodies::{Elements, Formulation, Space};
 use conserva::elements::{CellKind, CellRow};
+use conserva::linear::{NodeMatrix, Pattern};
+use conserva::materials::NeoHookean;
+use conserva::mesh::Mesh;
 use nalgebra::Vector3;
 
 use crate::common::Random;
@@ -9,23 +13,12 @@ use crate::common::Random;
 /// Sums of a few terms of order one.
 const ROUND_OFF: f64 = 1e-14;
 
-/// The corner of the reference cell `[-1, 1]^D` at which each node's shape function is one; what is beyond the dimension is zero.
-fn corners(row: &CellRow) -> Vec<[f64; 3]> {
-    let dimension = row.dimension;
-    let coordinate = |k: usize, i: usize| if i >= dimension { 0.0 } else { [-1.0, 1.0][k >> i & 1] };
-    let mut found = vec![[f64::NAN; 3]; row.nodes];
-    for corner in (0..1 << dimension).map(|k| std::array::from_fn(|i| coordinate(k, i))) {
-        let values = (row.shape)(corner);
-        let node = values.iter().position(|value| *value == 1.0).expect("one node stands at every corner");
-        assert!(values.iter().enumerate().all(|(a, value)| a == node || *value == 0.0), "no other reaches there");
-        found[node] = corner;
-    }
-    assert!(found.iter().all(|corner| corner[0].is_finite()), "every node stands at a corner");
-    found
-}
-
 fn shape_functions(row: &CellRow) {
-    let corners = corners(row);
+    for (node, &place) in row.node_places.iter().enumerate() {
+        for (a, value) in (row.shape)(place).into_iter().enumerate() {
+            assert_eq!(value, f64::from(u8::from(a == node)), "{}: one at its node, zero at the others", row.name);
+        }
+    }
     let mut random = Random(1);
     for _ in 0..20 {
         let xi: [f64; 3] = std::array::from_fn(|i| if i < row.dimension { random.next() } else { 0.0 });
@@ -33,57 +26,131 @@ fn shape_functions(row: &CellRow) {
         assert_eq!((values.len(), gradients.len()), (row.nodes, row.nodes));
         assert!((values.iter().sum::<f64>() - 1.0).abs() < ROUND_OFF, "partition of unity");
         for i in 0..row.dimension {
-            let interpolated: f64 = values.iter().zip(&corners).map(|(value, corner)| value * corner[i]).sum();
+            let interpolated: f64 = values.iter().zip(row.node_places).map(|(value, place)| value * place[i]).sum();
             assert!((interpolated - xi[i]).abs() < ROUND_OFF, "a linear field is represented");
             assert!(gradients.iter().map(|gradient| gradient[i]).sum::<f64>().abs() < ROUND_OFF, "gradients sum to zero");
-            // Linear in each coordinate, so that a difference of any size is exact.
+            // At most quadratic in each coordinate, so that a central difference of any size is exact.
             let (mut up, mut down) = (xi, xi);
             up[i] += 0.5;
             down[i] -= 0.5;
             for (a, (up, down)) in (row.shape)(up).iter().zip((row.shape)(down)).enumerate() {
-                assert!((up - down - gradients[a][i]).abs() < ROUND_OFF, "gradient {i} of node {a}");
+                assert!((up - down - gradients[a][i]).abs() < ROUND_OFF, "{}: gradient {i} of node {a}", row.name);
             }
         }
     }
 }
 
-/// Exact for every product of powers that the row promises, and not for the next even one.
+fn factorial(n: usize) -> f64 {
+    (1..=n).map(|k| k as f64).product()
+}
+
+/// Integral of a product of powers over the reference cell.
+fn exact(row: &CellRow, powers: &[usize]) -> f64 {
+    if row.cell_shape.is_simplex() {
+        powers.iter().map(|&power| factorial(power)).product::<f64>() / factorial(powers.iter().sum::<usize>() + row.dimension)
+    } else {
+        powers.iter().map(|&power| if power.is_multiple_of(2) { 2.0 / (power + 1) as f64 } else { 0.0 }).product()
+    }
+}
+
+/// Exact for every product of powers that the row promises, and not for the next one.
 fn quadrature(row: &CellRow) {
-    let (dimension, promised) = (row.dimension as u32, row.exact_power);
-    let exact = |power: usize| if power.is_multiple_of(2) { 2.0 / (power + 1) as f64 } else { 0.0 };
+    let (dimension, promised) = (row.dimension, row.exact_power);
     let rule = |powers: &[usize]| -> f64 {
         (row.quadrature)().iter().map(|(xi, w)| w * powers.iter().zip(xi).map(|(&power, x)| x.powi(power as i32)).product::<f64>()).sum()
     };
-    for k in 0..(promised + 1).pow(dimension) {
-        let powers: Vec<usize> = (0..dimension).map(|i| k / (promised + 1).pow(i) % (promised + 1)).collect();
-        let integral: f64 = powers.iter().map(|&power| exact(power)).product();
-        assert!((rule(&powers) - integral).abs() < ROUND_OFF, "{powers:?}");
+    for k in 0..(promised + 1).pow(dimension as u32) {
+        let powers: Vec<usize> = (0..dimension).map(|i| k / (promised + 1).pow(i as u32) % (promised + 1)).collect();
+        if !row.cell_shape.is_simplex() || powers.iter().sum::<usize>() <= promised {
+            assert!((rule(&powers) - exact(row, &powers)).abs() < ROUND_OFF, "{}: {powers:?}", row.name);
+        }
     }
-    let mut next = vec![0; row.dimension];
-    next[0] = (promised + 1).next_multiple_of(2);
-    assert!((rule(&next) - exact(next[0]) * 2f64.powi(dimension as i32 - 1)).abs() > 0.1);
+    let mut next = vec![0; dimension];
+    next[0] = if row.cell_shape.is_simplex() { promised + 1 } else { (promised + 1).next_multiple_of(2) };
+    assert!((rule(&next) - exact(row, &next)).abs() > 1e-4, "{}", row.name);
+}
+
+/// Points and weights over the reference cell, exact for the products of two shape functions: five Gauss points in each direction of a
+/// cube, folded into a simplex (Duffy 1982).
+fn fine_rule(row: &CellRow) -> Vec<([f64; 3], f64)> {
+    let gauss = [
+        (0.0, 128.0 / 225.0),
+        (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+        (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+        (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
+    ];
+    let mut rule = Vec::new();
+    for k in 0..5usize.pow(row.dimension as u32) {
+        let pick = |i: u32| gauss[k / 5usize.pow(i) % 5];
+        let mut weight: f64 = (0..row.dimension as u32).map(|i| pick(i).1).product();
+        let mut xi: [f64; 3] = std::array::from_fn(|i| if i < row.dimension { pick(i as u32).0 } else { 0.0 });
+        if row.cell_shape.is_simplex() {
+            let mut left = 1.0;
+            for (i, x) in xi.iter_mut().enumerate().take(row.dimension) {
+                let unit = 0.5 * (1.0 + *x);
+                *x = unit * left;
+                left *= 1.0 - unit;
+                weight *= 0.5 * (1.0 - unit).powi((row.dimension - 1 - i) as i32);
+            }
+        }
+        rule.push((xi, weight));
+    }
+    rule
+}
+
+/// The consistent mass of the reference cell itself.
+fn mass(kind: CellKind) {
+    let row = kind.row();
+    let connectivity: Vec<u32> = (0..row.nodes as u32).collect();
+    let mesh = Mesh { kind, points: row.node_places.to_vec(), connectivity, boundaries: Vec::new(), parts: Vec::new() };
+    let material = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.0, density: 3.0 }.material().expect("in range");
+    let pattern = |dimension: u8, cliques: &[Vec<u32>]| Pattern::new(&vec![dimension; row.nodes], cliques.iter().map(|clique| &clique[..]));
+    let mass = if row.dimension == 2 {
+        let elements = Space::<2>::elements(&mesh, &material, Formulation::default(), 0).expect("no cell is inside out");
+        let mut mass = NodeMatrix::new(&pattern(2, elements.cliques()), row.nodes);
+        elements.add_mass(&mut mass);
+        mass
+    } else {
+        let elements = Space::<3>::elements(&mesh, &material, Formulation::default(), 0).expect("no cell is inside out");
+        let mut mass = NodeMatrix::new(&pattern(3, elements.cliques()), row.nodes);
+        elements.add_mass(&mut mass);
+        mass
+    };
+    let rule = fine_rule(row);
+    for (a, b, entry) in mass.entries() {
+        let product = |xi: [f64; 3]| {
+            let shapes = (row.shape)(xi);
+            shapes[a as usize] * shapes[b as usize]
+        };
+        let expected: f64 = rule.iter().map(|&(xi, weight)| 3.0 * weight * product(xi)).sum();
+        assert!((entry - expected).abs() < 1e-13, "{}: mass ({a}, {b}) {entry} {expected}", row.name);
+    }
 }
 
 /// Facets tile the hull and look outward: with the cell on the left in the plane, by the right hand in space.
 fn facets(row: &CellRow) {
-    let (corners, dimension) = (corners(row), row.dimension);
-    assert_eq!(row.facets.len(), 2 * dimension);
-    let mut normals = Vec::new();
+    let corners = row.cell_shape.corners();
+    let place = |local: usize| Vector3::from(row.node_places[local]);
+    let (mut sum, mut volume) = (Vector3::zeros(), 0.0);
     for facet in row.facets {
-        assert_eq!(facet.len(), 1 << (dimension - 1));
-        let x = |local: usize| Vector3::from(corners[facet[local]]);
-        let area = if dimension == 2 {
-            let along = x(1) - x(0);
-            Vector3::new(along.y, -along.x, 0.0)
-        } else {
-            (x(2) - x(0)).cross(&(x(3) - x(1))) * 0.5
+        let ends: Vec<usize> = facet.iter().copied().filter(|&local| local < corners).collect();
+        let x = |k: usize| place(ends[k]);
+        let area = match (row.dimension, ends.len()) {
+            (2, _) => Vector3::new((x(1) - x(0)).y, -(x(1) - x(0)).x, 0.0),
+            (_, 3) => (x(1) - x(0)).cross(&(x(2) - x(0))) * 0.5,
+            _ => (x(2) - x(0)).cross(&(x(3) - x(1))) * 0.5,
         };
-        let center = (0..facet.len()).map(x).sum::<Vector3<f64>>() / facet.len() as f64;
-        // The facet of the cube [-1, 1]^D through `center` has measure 2^(D-1) and the normal `center`.
-        assert!((area - center * (1 << (dimension - 1)) as f64).norm() < ROUND_OFF, "facet {facet:?} looks outward");
-        normals.push(center);
+        let center = (0..ends.len()).map(x).sum::<Vector3<f64>>() / ends.len() as f64;
+        if let (2, &[from, to, middle]) = (row.dimension, *facet) {
+            assert!((place(middle) - (place(from) + place(to)) * 0.5).norm() < ROUND_OFF, "the middle node follows the ends");
+        }
+        sum += area;
+        volume += area.dot(&center) / row.dimension as f64;
     }
-    assert!(normals.iter().sum::<Vector3<f64>>().norm() < ROUND_OFF, "the hull is closed");
+    assert!(sum.norm() < ROUND_OFF, "{}: the hull is closed", row.name);
+    // By the divergence theorem, with every normal outward.
+    assert!((volume - exact(row, &[0; 3][..row.dimension])).abs() < ROUND_OFF, "{}: {volume}", row.name);
 }
 
 #[test]
@@ -92,6 +159,7 @@ fn every_cell_kind_fulfils_the_contract() {
         assert!(CellKind::ALL[..index].iter().all(|other| other.name() != kind.name()), "{} has a name of its own", kind.name());
         shape_functions(kind.row());
         quadrature(kind.row());
+        mass(*kind);
         facets(kind.row());
     }
 }

@@ -6,6 +6,7 @@ use super::amplitude::TimeFunction;
 use super::definitions::{BodyDefinition, InitialVelocity, Load, LoadKind, Model, Support};
 use super::error::ModelError;
 use super::interactions::{BodyBoundary, Interaction};
+use crate::bodies::Formulation;
 use crate::materials::Material;
 use crate::mesh::Mesh;
 
@@ -17,7 +18,12 @@ impl Model {
 
     /// Adds a body; returns its index.
     pub fn add_body(&mut self, name: &str, mesh: Mesh, material: &Material) -> usize {
-        self.bodies.push(BodyDefinition { name: name.into(), mesh: Arc::new(mesh), material: material.clone() });
+        self.add_formulated_body(name, mesh, material, Formulation::default())
+    }
+
+    /// Adds a body with a formulation; returns its index.
+    pub fn add_formulated_body(&mut self, name: &str, mesh: Mesh, material: &Material, formulation: Formulation) -> usize {
+        self.bodies.push(BodyDefinition { name: name.into(), mesh: Arc::new(mesh), material: material.clone(), formulation });
         self.bodies.len() - 1
     }
 

@@ -7,6 +7,7 @@ use super::amplitude::Amplitude;
 use super::error::ModelError;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use super::part::PartDefinition;
+use crate::bodies::{Formulation, Plane};
 use crate::materials::Material;
 use crate::mesh::Mesh;
 
@@ -19,6 +20,8 @@ pub struct BodyDefinition {
     pub mesh: Arc<Mesh>,
     /// Its material.
     pub material: Material,
+    /// How it is completed to space and takes the change of volume.
+    pub formulation: Formulation,
 }
 
 /// Nodes that do not move in some directions.
@@ -169,6 +172,33 @@ impl Model {
         points
     }
 
+    /// Whether its bodies are bodies of revolution.
+    pub fn is_axisymmetric(&self) -> bool {
+        self.bodies.iter().any(|body| body.formulation.plane == Plane::Axisymmetric)
+    }
+
+    /// What does not go with bodies of revolution, if there are any.
+    fn check_symmetry(&self) -> Result<(), ModelError> {
+        if !self.is_axisymmetric() {
+            return Ok(());
+        }
+        let is_round = |body: &&BodyDefinition| body.formulation.plane == Plane::Axisymmetric;
+        if let (Some(first), Some(second)) = (self.bodies.iter().find(is_round), self.bodies.iter().find(|body| !is_round(body))) {
+            return Err(ModelError::MixedSymmetry { first: first.name.clone(), second: second.name.clone() });
+        }
+        let breaks = |what: String| Err(ModelError::BreaksSymmetry { what });
+        if self.gravity[0] != 0.0 {
+            return breaks("gravity across the axis".into());
+        }
+        if let Some(load) = self.loads.iter().find(|load| load.kind == LoadKind::Torque) {
+            return breaks(format!("the torque on \"{}\"", self.boundary_name(&load.on)));
+        }
+        match self.initial_velocities.iter().find(|given| given.linear[0] != 0.0 || given.angular[2] != 0.0) {
+            Some(given) => breaks(format!("the initial velocity of body \"{}\"", self.bodies[given.body].name)),
+            None => Ok(()),
+        }
+    }
+
     /// Checks everything that can be said without computing: names, dimensions, empty boundaries, a surface in contact with itself.
     ///
     /// # Errors
@@ -179,6 +209,8 @@ impl Model {
             if self.bodies[..index].iter().any(|other| other.name == body.name) {
                 return Err(ModelError::DuplicateName { what: "body", name: body.name.clone() });
             }
+            let formulated = body.formulation.check(&body.mesh, &body.material);
+            formulated.map_err(|source| ModelError::Formulation { body: body.name.clone(), source })?;
             if body.mesh.dimension() != first.mesh.dimension() {
                 return Err(ModelError::MixedDimensions {
                     first: first.name.clone(),
@@ -188,6 +220,7 @@ impl Model {
                 });
             }
         }
+        self.check_symmetry()?;
         let held = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|prescription| &prescription.on));
         let forced = self.loads.iter().filter(|load| matches!(load.kind, LoadKind::Force(_))).map(|load| &load.on);
         for on in held.chain(forced) {

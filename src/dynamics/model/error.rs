@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::bodies::FormulationError;
+
 /// A model that cannot be simulated.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -100,6 +102,28 @@ pub enum ModelError {
         /// What did not fit.
         reason: String,
     },
+    /// A formulation that does not go with a body.
+    #[error("body \"{body}\": {source}")]
+    Formulation {
+        /// Name of the body.
+        body: String,
+        /// Why.
+        source: FormulationError,
+    },
+    /// Bodies of revolution beside others.
+    #[error("body \"{first}\" is axisymmetric and body \"{second}\" is not")]
+    MixedSymmetry {
+        /// The one.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// What turns or moves bodies of revolution out of their symmetry.
+    #[error("{what} does not keep the symmetry of the axisymmetric model")]
+    BreaksSymmetry {
+        /// What does.
+        what: String,
+    },
     /// A cell that is inside out or degenerate.
     #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
     InvertedCell {
@@ -139,6 +163,11 @@ impl ModelError {
             }
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
+            ModelError::Formulation { source, .. } => source.cure(),
+            ModelError::MixedSymmetry { .. } => "make all bodies of the model axisymmetric, or none".into(),
+            ModelError::BreaksSymmetry { .. } => {
+                "keep to motions along the axis, the second direction, and to loads that are even around it".into()
+            }
             ModelError::InvertedCell { .. } => {
                 "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into()
             }

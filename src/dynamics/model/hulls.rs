@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use super::boundaries::straight_pieces;
 use crate::mesh::{Mesh, cross, is_inside};
 
 /// Part of a facet that may overlap besides the rise of curved sides.
@@ -35,13 +36,10 @@ pub struct Inside {
     pub at: [f64; 2],
 }
 
-/// The end nodes of the facets of a mesh's hull.
+/// The end nodes of the straight pieces of the facets of a mesh's hull.
 pub fn hull_ends(mesh: &Mesh) -> Vec<[u32; 2]> {
-    let ends = |facet| {
-        let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
-        [nodes[0], nodes[1]]
-    };
-    mesh.hull().into_iter().map(ends).collect()
+    let ends = |facet| straight_pieces(&mesh.facet_nodes(facet).collect::<Vec<u32>>());
+    mesh.hull().into_iter().flat_map(ends).collect()
 }
 
 impl Hull {

@@ -143,7 +143,12 @@ mod tests {
 
     fn model(meshes: Vec<Mesh>) -> Model {
         let rubber = NeoHookean { youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
-        let body = |(k, mesh): (usize, Mesh)| BodyDefinition { name: format!("body {k}"), mesh: Arc::new(mesh), material: rubber.clone() };
+        let body = |(k, mesh): (usize, Mesh)| BodyDefinition {
+            name: format!("body {k}"),
+            mesh: Arc::new(mesh),
+            material: rubber.clone(),
+            formulation: Default::default(),
+        };
         Model { bodies: meshes.into_iter().enumerate().map(body).collect(), ..Model::default() }
     }
 

@@ -1,6 +1,6 @@
 //! Loads: forces on the nodes of a boundary whose size follows a time function.
 
-use crate::bodies::torque_forces;
+use crate::bodies::{Plane, pressure_shares, round_pressure, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
 use crate::dynamics::model::error::StepError;
@@ -13,8 +13,10 @@ pub struct NodalLoad<const D: usize> {
     pub kind: LoadKind,
     /// Nodes and their shares of the boundary.
     pub weights: Vec<(u32, f64)>,
-    /// Facets of a pressure with the places of their blocks, row by row.
-    pub facets: Vec<([u32; 2], [Block; 4])>,
+    /// Edges of a pressure, each by its ends and its middle node if it has one, with the places of their blocks, row by row.
+    pub facets: Vec<(Vec<u32>, Vec<Block>)>,
+    /// How the body is completed to space.
+    pub plane: Plane,
     /// Its size over time.
     pub amplitude: Amplitude,
     /// `body.boundary` on which it acts.
@@ -35,14 +37,26 @@ impl<const D: usize> NodalLoad<D> {
     /// Adds its forces with an amplitude.
     pub fn force_into(&self, amplitude: f64, q: &[f64], force: &mut [f64]) {
         match self.kind {
+            LoadKind::Pressure(pressure) if self.plane == Plane::Axisymmetric => {
+                let size = amplitude * pressure;
+                for (nodes, _) in &self.facets {
+                    for (&a, part) in nodes.iter().zip(round_pressure(&places(nodes, q)).0) {
+                        (0..2).for_each(|i| force[a as usize * D + i] += size * part[i]);
+                    }
+                }
+            }
             LoadKind::Pressure(pressure) => {
-                for ([a, b], _) in &self.facets {
-                    let (a, b) = (*a as usize * D, *b as usize * D);
-                    // Against the outward normal, which is the facet's direction turned to the right.
-                    let half = [-0.5 * amplitude * pressure * (q[b + 1] - q[a + 1]), 0.5 * amplitude * pressure * (q[b] - q[a])];
-                    for node in [a, b] {
-                        force[node] += half[0];
-                        force[node + 1] += half[1];
+                let size = amplitude * pressure;
+                for (nodes, _) in &self.facets {
+                    for (&a, shares) in nodes.iter().zip(pressure_shares(nodes.len())) {
+                        // The shares sum to zero, so that differences alone matter.
+                        let at = |node: u32, i: usize| q[node as usize * D + i];
+                        let along = |i: usize| {
+                            nodes[1..].iter().zip(&shares[1..]).map(|(&b, share)| share * (at(b, i) - at(nodes[0], i))).sum::<f64>()
+                        };
+                        // Against the outward normal, which is the edge's direction turned to the right.
+                        force[a as usize * D] -= size * along(1);
+                        force[a as usize * D + 1] += size * along(0);
                     }
                 }
             }
@@ -64,19 +78,32 @@ impl<const D: usize> NodalLoad<D> {
     }
 
     /// Subtracts the derivative of a pressure's forces, which turn with their facets; `share` is that of `q_1` in the configuration.
-    fn tangent_into(&self, amplitude: f64, share: f64, values: &mut [f64]) {
+    fn tangent_into(&self, amplitude: f64, share: f64, q: &[f64], values: &mut [f64]) {
         let LoadKind::Pressure(pressure) = self.kind else { return };
-        let half = 0.5 * share * pressure * amplitude;
-        for (_, blocks) in &self.facets {
-            for row in 0..2 {
-                for (column, sign) in [(0, -1.0), (1, 1.0)] {
-                    let block = blocks[2 * row + column];
-                    values[block.at(0, 1)] += sign * half;
-                    values[block.at(1, 0)] -= sign * half;
+        let size = share * pressure * amplitude;
+        if self.plane == Plane::Axisymmetric {
+            for (nodes, blocks) in &self.facets {
+                let slope = round_pressure(&places(nodes, q)).1;
+                for (k, block) in blocks.iter().enumerate() {
+                    let slope = slope[k / nodes.len()][k % nodes.len()];
+                    (0..4).for_each(|c| values[block.at(c / 2, c % 2)] -= size * slope[c / 2][c % 2]);
                 }
+            }
+            return;
+        }
+        for (nodes, blocks) in &self.facets {
+            let shares = pressure_shares(nodes.len()).iter().copied().flatten();
+            for (block, share) in blocks.iter().zip(shares) {
+                values[block.at(0, 1)] += share * size;
+                values[block.at(1, 0)] -= share * size;
             }
         }
     }
+}
+
+/// Where plane nodes are.
+fn places(nodes: &[u32], q: &[f64]) -> Vec<[f64; 2]> {
+    nodes.iter().map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
 }
 
 impl<const D: usize> Part for NodalLoad<D> {
@@ -86,7 +113,7 @@ impl<const D: usize> Part for NodalLoad<D> {
 
     fn place(&mut self, pattern: &Pattern) {
         for (facet, blocks) in &mut self.facets {
-            *blocks = std::array::from_fn(|k| pattern.block(facet[k / 2], facet[k % 2]));
+            *blocks = facet.iter().flat_map(|&a| facet.iter().map(move |&b| pattern.block(a, b))).collect();
         }
     }
 
@@ -94,7 +121,7 @@ impl<const D: usize> Part for NodalLoad<D> {
         let amplitude = self.amplitude(at.time).map_err(Refusal::Load)?;
         self.force_into(amplitude, at.q_test, sums.load);
         if let Some(values) = sums.tangent.as_deref_mut() {
-            self.tangent_into(amplitude, at.derivative.placement().share * at.weight, values);
+            self.tangent_into(amplitude, at.derivative.placement().share * at.weight, at.q_test, values);
         }
         Ok(())
     }

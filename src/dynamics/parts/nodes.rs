@@ -12,9 +12,11 @@ pub struct Nodes<const D: usize> {
     pub reference: Vec<f64>,
     /// The consistent mass.
     pub mass: NodeMatrix,
-    /// Mass of every node (row sums).
+    /// Mass of every node (row sums); of a cell of second order nothing or less at its corners.
     pub nodal_mass: Vec<f64>,
-    /// The largest of them.
+    /// The same for estimates of one node's motion, positive: at least the diagonal of the mass.
+    pub lumped_mass: Vec<f64>,
+    /// The largest nodal mass.
     pub largest_nodal_mass: f64,
     /// Mass of all bodies.
     pub total_mass: f64,
@@ -26,6 +28,8 @@ pub struct Nodes<const D: usize> {
     pub extent: f64,
     /// Pieces of connected nodes: number per node.
     pub pieces: Vec<u32>,
+    /// Whether the bodies are bodies of revolution.
+    pub is_axisymmetric: bool,
     /// Whether a piece holds no support.
     pub piece_is_free: Vec<bool>,
 }
@@ -48,6 +52,10 @@ impl<const D: usize> Nodes<D> {
             body.elements.add_mass(&mut mass);
         }
         let nodal_mass = mass.row_sums();
+        let mut lumped_mass = nodal_mass.clone();
+        for (row, _, diagonal) in mass.entries().filter(|(row, column, _)| row == column) {
+            lumped_mass[row as usize] = lumped_mass[row as usize].max(diagonal);
+        }
         let is_constant = model.gravity_amplitude.is_none();
         Nodes {
             mass,
@@ -55,9 +63,11 @@ impl<const D: usize> Nodes<D> {
             total_mass: nodal_mass.iter().sum(),
             weight: (0..reference.len()).map(|k| if is_constant { nodal_mass[k / D] * model.gravity[k % D] } else { 0.0 }).collect(),
             nodal_mass,
+            lumped_mass,
             modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
             extent: (0..D).map(along).fold(0.0, f64::max),
             pieces,
+            is_axisymmetric: model.is_axisymmetric(),
             piece_is_free,
             reference,
         }
@@ -85,10 +95,21 @@ impl<const D: usize> Nodes<D> {
         -q.iter().zip(&self.weight).map(|(q, w)| q * w).sum::<f64>()
     }
 
+    /// Linear momentum, or resultant of forces, of nodal vectors: of bodies of revolution that along the axis, the others cancel.
+    pub fn resultant(&self, vectors: &[f64]) -> [f64; 3] {
+        let sum = resultant::<D>(vectors);
+        if self.is_axisymmetric { [0.0, sum[1], 0.0] } else { sum }
+    }
+
+    /// Moment of nodal vectors about the origin: of bodies of revolution none.
+    pub fn moment(&self, q: &[f64], vectors: &[f64]) -> [f64; 3] {
+        if self.is_axisymmetric { [0.0; 3] } else { moment::<D>(q, vectors) }
+    }
+
     /// Linear and angular momentum about the origin.
     pub fn momenta(&self, q: &[f64], v: &[f64]) -> ([f64; 3], [f64; 3]) {
         let momenta = self.momenta_of(v);
-        (resultant::<D>(&momenta), moment::<D>(q, &momenta))
+        (self.resultant(&momenta), self.moment(q, &momenta))
     }
 }
 

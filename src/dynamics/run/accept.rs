@@ -8,7 +8,7 @@ use super::ledger::LedgerRow;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
-use crate::dynamics::parts::nodal::{add_force, add_moment, half_product, moment, resultant};
+use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
 use crate::dynamics::step::newton::Solution;
@@ -66,8 +66,8 @@ where
             reserve: reserve.iter().sum(),
             newton_iterations: iterations,
             active: system.touching(&active),
-            momentum: resultant::<D>(&momenta),
-            angular_momentum: moment::<D>(&at.q_1, &momenta),
+            momentum: system.nodes.resultant(&momenta),
+            angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             ..LedgerRow::default()
         };
         row.potential = system.nodes.potential_energy(&at.q_1) + system.penalty_energy(&felt) + system.stored_energy(&at.q_1) + row.reserve;
@@ -199,8 +199,11 @@ where
         let unexplained = |new: [f64; 3], old: [f64; 3], rate: [f64; 3], impulse: [f64; 3]| {
             (0..3).map(|i| (new[i] - old[i] - dt * rate[i] - impulse[i]).abs()).fold(0.0, f64::max)
         };
-        row.momentum_defect = unexplained(row.momentum, old.momentum, external, resultant::<D>(impulse));
-        let mut impulse = moment::<D>(&at.q_1, impulse);
+        if system.nodes.is_axisymmetric {
+            (external, turning) = ([0.0, external[1], 0.0], [0.0; 3]);
+        }
+        row.momentum_defect = unexplained(row.momentum, old.momentum, external, system.nodes.resultant(impulse));
+        let mut impulse = system.nodes.moment(&at.q_1, impulse);
         (0..3).for_each(|i| impulse[i] += outside.slip_moment[i]);
         row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, turning, impulse);
     }
@@ -219,6 +222,6 @@ where
             slip[k] = moved - dt * mean[k];
             work += inertia[k] * dt * mean[k] + (reaction - inertia[k]) * moved;
         }
-        (work, moment::<D>(&slip, &momentum))
+        (work, self.system.nodes.moment(&slip, &momentum))
     }
 }

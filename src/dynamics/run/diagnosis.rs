@@ -190,7 +190,7 @@ where
             for node in (0..self.system.nodes.count()).filter(|node| !self.system.supports.fixed[node * D]) {
                 let force = change[node * D..(node + 1) * D].iter().map(|f| f * f).sum::<f64>().sqrt();
                 let (size, modulus) = self.cell_of(node);
-                let inertial = 0.5 * force * self.dt * self.dt / self.system.nodes.nodal_mass[node];
+                let inertial = 0.5 * force * self.dt * self.dt / self.system.nodes.lumped_mass[node];
                 let elastic = force / (modulus * size.powi(D as i32 - 2));
                 note(&format!("the load on \"{}\"", load.name), node, inertial.min(elastic) / size);
             }

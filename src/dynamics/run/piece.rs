@@ -85,7 +85,7 @@ where
         let work = match self.system.loads_into(predicted, start.time + 0.5 * dt, &mut load) {
             // Kinetic energy that the loads give to nodes at rest within the step.
             Ok(_) => (0..load.len())
-                .map(|k| (load[k] + nodes.weight[k], nodes.nodal_mass[k / D]))
+                .map(|k| (load[k] + nodes.weight[k], nodes.lumped_mass[k / D]))
                 .filter(|(force, _)| *force != 0.0)
                 .map(|(force, mass)| force.powi(2) * dt * dt / mass)
                 .sum::<f64>(),

@@ -9,7 +9,7 @@ use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
-use crate::dynamics::parts::nodal::{add_force, add_moment, half_product, moment, resultant};
+use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::system::System;
 
 impl<const D: usize> Engine<D>
@@ -86,8 +86,8 @@ where
             kinetic: half_product(v, momenta),
             strain: elements.strain_energy(&state.positions),
             potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
-            momentum: resultant::<D>(momenta),
-            angular_momentum: moment::<D>(q, momenta),
+            momentum: system.nodes.resultant(momenta),
+            angular_momentum: system.nodes.moment(q, momenta),
             center,
         }
     }

@@ -45,7 +45,7 @@ impl<const D: usize> System<D> {
                 let inertia = pair.node_of(row).map_or(0.0, |node| {
                     let node = node as usize;
                     let body = self.bodies.iter().position(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
-                    start.inertia(body) * self.nodes.nodal_mass[node] / pair.kernel.weights()[local].powi(2)
+                    start.inertia(body) * self.nodes.lumped_mass[node] / pair.kernel.weights()[local].powi(2)
                 });
                 compliance[row] = 1.0 / (factor * (pair.c + inertia));
             }

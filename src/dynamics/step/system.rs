@@ -16,7 +16,7 @@ use super::counters::Counters;
 use super::iterate::Spare;
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
-use crate::bodies::{Elements, Inverted, Space, nodal_areas};
+use crate::bodies::{Elements, Inverted, Plane, Space, nodal_areas};
 use crate::contact::{Correction, Outlook};
 use crate::dynamics::model::boundaries::boundary_facets;
 use crate::dynamics::model::definitions::{LoadKind, Model};
@@ -28,7 +28,7 @@ use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
 use crate::dynamics::parts::supports::Supports;
-use crate::linear::{Block, LinearError, Watch, Work};
+use crate::linear::{LinearError, Watch, Work};
 use crate::math::workers::Workers;
 
 /// The equations of a model in `D` dimensions.
@@ -129,7 +129,7 @@ where
     let (mut bodies, mut reference): (Vec<Body<D>>, Vec<f64>) = (Vec::new(), Vec::new());
     for (number, body) in model.bodies.iter().enumerate() {
         let first = reference.len() / D;
-        let elements = Space::<D>::elements(&body.mesh, &body.material, first)
+        let elements = Space::<D>::elements(&body.mesh, &body.material, body.formulation, first)
             .map_err(|Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant })?;
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
         bodies.push(Body { name: body.name.clone(), number, nodes: first..reference.len() / D, elements });
@@ -143,6 +143,7 @@ fn varying_gravity<const D: usize>(model: &Model, masses: &[f64]) -> Option<Noda
         kind: LoadKind::Traction(model.gravity),
         weights: (0..).zip(masses.iter().copied()).collect(),
         facets: Vec::new(),
+        plane: Plane::Strain,
         amplitude: model.gravity_amplitude.clone()?,
         name: "gravity".into(),
     })
@@ -153,17 +154,19 @@ fn loads_of<const D: usize>(model: &Model, bodies: &[Body<D>]) -> Vec<NodalLoad<
     let first = |body: usize| bodies[body].nodes.start;
     let load = model.loads.iter().map(|load| NodalLoad {
         kind: load.kind,
-        weights: nodal_areas(&model.bodies[load.on.body].mesh, &load.on.boundary)
+        weights: nodal_areas(&model.bodies[load.on.body].mesh, &load.on.boundary, model.bodies[load.on.body].formulation.plane)
             .into_iter()
             .map(|(node, weight)| (node + first(load.on.body) as u32, weight))
             .collect(),
         facets: match load.kind {
             LoadKind::Pressure(_) => {
-                let facets = boundary_facets(model, &load.on, first(load.on.body)).into_iter();
-                facets.map(|facet| (facet, [Block::default(); 4])).collect()
+                let mesh = &model.bodies[load.on.body].mesh;
+                let nodes = |&facet| mesh.facet_nodes(facet).map(|node| node + first(load.on.body) as u32).collect();
+                load.on.boundary.facets.iter().map(|facet| (nodes(facet), Vec::new())).collect()
             }
             _ => Vec::new(),
         },
+        plane: model.bodies[load.on.body].formulation.plane,
         amplitude: load.amplitude.clone(),
         name: model.boundary_name(&load.on),
     });

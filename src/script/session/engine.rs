@@ -15,6 +15,7 @@ use crate::script::api::contacts::methods::ContactMethodHandle;
 use crate::script::api::contacts::obstacles::ObstacleHandle;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::api::meshes::regions::CurveHandle;
 use crate::script::api::models::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::script::api::simulations::contact_state::ContactHandle;
 use crate::script::api::simulations::fields::BodyStateHandle;
@@ -112,6 +113,7 @@ fn connect(engine: &mut Engine, host: &Rc<Host>) {
 fn types(engine: &mut Engine) -> Types {
     let mut types = Types::default();
     types.add::<MeshHandle>(engine);
+    types.add::<CurveHandle>(engine);
     types.add::<MaterialHandle>(engine);
     types.add::<ModelHandle>(engine);
     types.add::<BodyHandle>(engine);

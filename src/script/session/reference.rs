@@ -353,7 +353,8 @@ fn heading(function: &Function) -> String {
 }
 
 fn formula(function: &Function) -> Option<&'static str> {
-    let row = materials::CATALOGUE.iter().find(|row| function.topic == Topic::Materials && row.name == function.name);
+    let row =
+        materials::CATALOGUE.iter().chain(materials::LINEAR).find(|row| function.topic == Topic::Materials && row.name == function.name);
     row.map(|row| row.formula)
 }
 

@@ -290,7 +290,12 @@ impl Scene {
             mesh.boundaries.push(boundary.clone());
             hulls.push(BodyBoundary { body: k, boundary });
             let material = material(body.law, body.constants);
-            model.bodies.push(BodyDefinition { name: format!("body {k}"), mesh: Arc::new(mesh), material });
+            model.bodies.push(BodyDefinition {
+                name: format!("body {k}"),
+                mesh: Arc::new(mesh),
+                material,
+                formulation: Default::default(),
+            });
             let [x, y] = body.velocity;
             model.initial_velocities.push(InitialVelocity { body: k, linear: [x, y, 0.0], angular: [0.0, 0.0, body.spin] });
         }

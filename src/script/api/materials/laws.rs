@@ -3,7 +3,7 @@
 use rhai::Dynamic;
 
 use super::handle::MaterialHandle;
-use crate::materials::{CATALOGUE, Material, MaterialError, MaterialRow};
+use crate::materials::{CATALOGUE, LINEAR, Material, MaterialError, MaterialRow};
 use crate::math::catalogue::Parameter as Constant;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::number_text;
@@ -50,7 +50,7 @@ fn constructor(row: &'static MaterialRow) -> Function {
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
-    let mut all: Vec<Function> = CATALOGUE.iter().map(constructor).collect();
+    let mut all: Vec<Function> = CATALOGUE.iter().chain(LINEAR).map(constructor).collect();
     all.push(Function {
         name: "constant",
         form: Form::Column(MaterialHandle::receiver()),

@@ -1,10 +1,12 @@
 //! Meshes of simple shapes, from a few numbers.
 
 use super::handle::{MeshHandle, mesh_value, vector_or_zero};
+use super::kinds::{PLANE, SOLID, element, kind_of};
 use crate::math::catalogue::Interval;
-use crate::mesh;
-use crate::script::language::arguments::Arguments;
+use crate::mesh::{self, Round};
+use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::digits::number_text;
+use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -12,7 +14,7 @@ use crate::script::language::values::describe;
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![rectangle(), block(), ring(), disk(), polygon(), half_disk()]
+    vec![rectangle(), block(), ring(), arc(), disk(), polygon(), half_disk()]
 }
 
 fn rectangle() -> Function {
@@ -20,14 +22,18 @@ fn rectangle() -> Function {
         name: "rectangle",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a rectangle of quadrilaterals with the boundaries `left`, `right`, `bottom`, `top`",
+        summary: "a rectangle with the boundaries `left`, `right`, `bottom`, `top`",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
                 Parameter::new("size", Kind::Vector, "width and height").of("length").within(Interval::Positive),
                 Parameter::new("cells", Kind::Counts, "the number of cells along the width and the height"),
                 origin("[0, 0]"),
-                element(&["quad4"]),
+                grading(
+                    "the last cell over the first, along the width and the height; cells grow in geometric progression",
+                    "[1, 1], even cells",
+                ),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -36,10 +42,13 @@ fn rectangle() -> Function {
         see_also: &["ring", "block", "read_mesh"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (size, cells) = (options.argument("size").numbers_of(2)?, options.argument("cells").counts(2)?);
             let origin = vector_or_zero(&options, "origin", 2)?;
-            mesh_value(call, mesh::rectangle([size[0], size[1]], pair(&cells), [origin[0], origin[1]]))
+            let grading = ratios(&options, 2)?;
+            let (size, origin) = ([size[0], size[1]], [origin[0], origin[1]]);
+            let made = mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]]);
+            mesh_value(call, made.and_then(|mesh| mesh.with_cells(kind)))
         }),
     }
 }
@@ -49,14 +58,15 @@ fn block() -> Function {
         name: "block",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a block of hexahedra with the boundaries `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z)",
+        summary: "a block with the boundaries `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z)",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
                 Parameter::new("size", Kind::Vector, "width, height and depth").of("length").within(Interval::Positive),
                 Parameter::new("cells", Kind::Counts, "the number of cells along the width, the height and the depth"),
                 origin("[0, 0, 0]"),
-                element(&["hex8"]),
+                grading("the last cell over the first, along the width, the height and the depth", "[1, 1, 1], even cells"),
+                element(SOLID),
             ]),
             "shape and cells",
         )],
@@ -65,10 +75,14 @@ fn block() -> Function {
         see_also: &["rectangle"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (size, cells) = (options.argument("size").numbers_of(3)?, options.argument("cells").counts(3)?);
             let origin = vector_or_zero(&options, "origin", 3)?;
-            mesh_value(call, mesh::block([size[0], size[1], size[2]], [cells[0], cells[1], cells[2]], origin))
+            let (size, grading) = ([size[0], size[1], size[2]], ratios(&options, 3)?);
+            mesh_value(
+                call,
+                mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading).and_then(|mesh| mesh.with_cells(kind)),
+            )
         }),
     }
 }
@@ -78,7 +92,7 @@ fn ring() -> Function {
         name: "ring",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a closed ring of quadrilaterals with the boundaries `inner` and `outer`",
+        summary: "a closed ring with the boundaries `inner` and `outer`",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -88,7 +102,9 @@ fn ring() -> Function {
                 Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
                 Parameter::number("start_angle", "rad", Interval::Finite, "the direction of the first row of nodes")
                     .or(Absent::Number(0.0)),
-                element(&["quad4"]),
+                Parameter::number("grading", "1", Interval::Positive, "the outermost cell over the innermost, along the radius")
+                    .or(Absent::Number(1.0)),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -97,18 +113,51 @@ fn ring() -> Function {
         see_also: &["rectangle", "read_mesh"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (inner, outer) = (options.number("inner_radius")?, options.number("outer_radius")?);
-            if inner >= outer {
-                let argument = options.argument("outer_radius");
-                let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title()));
-                let failure =
-                    failure.label(format!("this is {}", number_text(outer))).cause(format!("`inner_radius` is {}", number_text(inner)));
-                return Err(failure.hint("swap the two radii, or make the ring thicker").into());
-            }
+            radii_in_order(&options, inner, outer)?;
             let cells = options.argument("cells").counts(2)?;
             let (center, start) = (vector_or_zero(&options, "center", 2)?, options.number("start_angle")?);
-            mesh_value(call, mesh::ring(inner, outer, pair(&cells), [center[0], center[1]], start))
+            let made = mesh::graded_ring(inner, outer, pair(&cells), [center[0], center[1]], start, options.number("grading")?);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::About([center[0], center[1]]))))
+        }),
+    }
+}
+
+fn arc() -> Function {
+    Function {
+        name: "arc",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a sector of a ring with the boundaries `inner`, `outer`, and `start` and `end` of the arc",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("inner_radius", "length", Interval::Positive, "the radius inside"),
+                Parameter::number("outer_radius", "length", Interval::Positive, "the radius outside"),
+                Parameter::number("end_angle", "rad", Interval::Finite, "the direction of its end, counter-clockwise from the start"),
+                Parameter::new("cells", Kind::Counts, "the number of cells along the radius and along the arc"),
+                Parameter::number("start_angle", "rad", Interval::Finite, "the direction of its start").or(Absent::Number(0.0)),
+                Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
+                grading("the last cell over the first, along the radius and along the arc", "[1, 1], even cells"),
+                element(PLANE),
+            ]),
+            "shape and cells",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let shoe = arc(#{ inner_radius: 1.0, outer_radius: 1.3, start_angle: deg(30), end_angle: deg(150), cells: [4, 24] });"
+            .into(),
+        see_also: &["ring", "region", "deg"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            let kind = kind_of(&options)?;
+            let (inner, outer) = (options.number("inner_radius")?, options.number("outer_radius")?);
+            radii_in_order(&options, inner, outer)?;
+            let cells = options.argument("cells").counts(2)?;
+            let (angles, grading) = ([options.number("start_angle")?, options.number("end_angle")?], ratios(&options, 2)?);
+            let center = vector_or_zero(&options, "center", 2)?;
+            let made = mesh::arc([inner, outer], angles, pair(&cells), [center[0], center[1]], [grading[0], grading[1]]);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::About([center[0], center[1]]))))
         }),
     }
 }
@@ -118,14 +167,14 @@ fn disk() -> Function {
         name: "disk",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a disk of quadrilaterals with the boundary `outer`: a square core in a ring of layers",
+        summary: "a disk with the boundary `outer`: a square core in a ring of layers",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
                 Parameter::number("radius", "length", Interval::Positive, "the radius"),
                 Parameter::new("cells", Kind::Counts, "the number of layers around the core, and of cells around (a multiple of 4)"),
                 Parameter::new("center", Kind::Vector, "the center").of("length").or(Absent::Means("[0, 0]")),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -134,10 +183,11 @@ fn disk() -> Function {
         see_also: &["half_disk", "ring"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
             let center = vector_or_zero(&options, "center", 2)?;
-            mesh_value(call, mesh::disk(radius, pair(&cells), [center[0], center[1]]))
+            let made = mesh::disk(radius, pair(&cells), [center[0], center[1]]);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::On([center[0], center[1]], radius))))
         }),
     }
 }
@@ -147,7 +197,7 @@ fn polygon() -> Function {
         name: "polygon",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a polygon of unstructured quadrilaterals with the boundaries `outer` and `side 1`, `side 2`, … or the names given",
+        summary: "a polygon of unstructured cells with the boundaries `outer` and `side 1`, `side 2`, … or the names given",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -158,7 +208,7 @@ fn polygon() -> Function {
                 Parameter::new("holes", Kind::Array, "holes, each an array of its corners; their boundaries are `hole 1`, `hole 2`, …")
                     .of("length")
                     .or(Absent::Means("none")),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -169,7 +219,7 @@ fn polygon() -> Function {
         see_also: &["rectangle", "read_mesh", "boundary_where"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let corners = options.argument("points").points()?;
             let argument = options.argument("names");
             let names: Vec<String> = if argument.is_given() {
@@ -185,7 +235,7 @@ fn polygon() -> Function {
             };
             let holes = options.argument("holes");
             let holes = if holes.is_given() { holes.lists_of_points()? } else { Vec::new() };
-            mesh_value(call, mesh::polygon(&corners, &holes, options.number("size")?, &names))
+            mesh_value(call, mesh::polygon_of(kind, &corners, &holes, options.number("size")?, &names))
         }),
     }
 }
@@ -195,7 +245,7 @@ fn half_disk() -> Function {
         name: "half_disk",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "the lower half of a disk of quadrilaterals with the boundaries `arc` and `flat`, finer towards its lowest point",
+        summary: "the lower half of a disk with the boundaries `arc` and `flat`, finer towards its lowest point",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -209,7 +259,7 @@ fn half_disk() -> Function {
                     "the length of the facets at the lowest point; they grow away from it in geometric progression",
                 )
                 .or(Absent::Means("even facets")),
-                element(&["quad4"]),
+                element(PLANE),
             ]),
             "shape and cells",
         )],
@@ -218,12 +268,38 @@ fn half_disk() -> Function {
         see_also: &["disk", "map"],
         body: body(|call| {
             let options = call.options("options")?;
-            options.text("element")?;
+            let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
             let (center, finest) = (vector_or_zero(&options, "center", 2)?, options.optional_number("finest")?);
-            mesh_value(call, mesh::half_disk(radius, pair(&cells), [center[0], center[1]], finest))
+            let made = mesh::half_disk(radius, pair(&cells), [center[0], center[1]], finest);
+            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::On([center[0], center[1]], radius))))
         }),
     }
+}
+
+/// The outer radius is the greater one.
+fn radii_in_order(options: &Options, inner: f64, outer: f64) -> Result<(), Failure> {
+    if inner >= outer {
+        let argument = options.argument("outer_radius");
+        let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title()));
+        let failure = failure.label(format!("this is {}", number_text(outer))).cause(format!("`inner_radius` is {}", number_text(inner)));
+        return Err(failure.hint("swap the two radii, or make the ring thicker"));
+    }
+    Ok(())
+}
+
+fn grading(summary: &'static str, absent: &'static str) -> Parameter {
+    Parameter::new("grading", Kind::Array, summary).of("1").within(Interval::Positive).or(Absent::Means(absent))
+}
+
+/// The ratios of the option `grading`, 1 where it is left out.
+fn ratios(options: &Options, count: usize) -> Result<[f64; 3], Failure> {
+    let argument = options.argument("grading");
+    let mut ratios = [1.0; 3];
+    if argument.is_given() {
+        ratios[..count].copy_from_slice(&argument.numbers_of(count)?);
+    }
+    Ok(ratios)
 }
 
 fn pair(counts: &[usize]) -> [usize; 2] {
@@ -232,8 +308,4 @@ fn pair(counts: &[usize]) -> [usize; 2] {
 
 fn origin(dimensions: &'static str) -> Parameter {
     Parameter::new("origin", Kind::Vector, "the corner of least coordinates").of("length").or(Absent::Means(dimensions))
-}
-
-fn element(kinds: &'static [&'static str]) -> Parameter {
-    Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(Absent::Text(kinds[0]))
 }

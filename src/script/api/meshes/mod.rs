@@ -5,15 +5,19 @@ use crate::script::language::function::Function;
 pub mod boundaries;
 pub mod generators;
 pub mod handle;
+pub mod kinds;
 pub mod properties;
 pub mod reader;
+pub mod regions;
 pub mod transforms;
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = generators::functions();
-    all.push(reader::reader());
+    all.extend(regions::functions());
+    all.extend(reader::functions());
     all.extend(transforms::functions());
+    all.push(kinds::with_elements());
     all.push(boundaries::boundary_where());
     all.extend(properties::functions());
     all

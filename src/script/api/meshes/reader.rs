@@ -1,4 +1,4 @@
-//! Meshes from files, with the line of the file in the message when it is wrong.
+//! Meshes from files and into files; when a file is wrong, with its line or byte in the message.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -7,24 +7,30 @@ use std::path::Path;
 use rhai::Dynamic;
 
 use super::handle::MeshHandle;
-use crate::mesh;
+use crate::mesh::{self, Place};
+use crate::script::api::simulations::writing::{path_parameter, write};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::{Details, Failure};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// `read_mesh`: a mesh from a Gmsh file, with the line of the file in the message when it is wrong.
-pub fn reader() -> Function {
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![reader(), writer()]
+}
+
+fn reader() -> Function {
     Function {
         name: "read_mesh",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a mesh from a Gmsh file (MSH 2.2 or 4.1, ASCII); its physical groups are parts and boundaries",
+        summary: "a mesh from a Gmsh file (MSH 2.2 or 4.1, ASCII or binary), whose physical groups are parts and boundaries, or from an \
+                  Abaqus or CalculiX input file (`.inp`), whose sets of elements are parts, and surfaces and sets of nodes boundaries",
         parameters: vec![Parameter::new("path", Kind::Text, "the file, below the script's folder or a folder that `--allow-read` names")],
         returns: MeshHandle::NAME,
         example: "expect_error(|| read_mesh(\"missing.msh\"), \"there is no file\");".into(),
-        see_also: &["part", "rectangle", "ring"],
+        see_also: &["write", "part", "rectangle", "ring"],
         body: body(|call| {
             let argument = call.argument("path");
             let path = argument.text()?;
@@ -38,13 +44,35 @@ pub fn reader() -> Function {
                 Ok(mesh) => Ok(Dynamic::from(MeshHandle::new(mesh))),
                 Err(error) => {
                     let failure = argument.fail(error.to_string()).label(format!("in the file \"{path}\""));
-                    let failure = match error.line().and_then(|number| file_line(&file, number).map(|text| (number, text))) {
-                        Some((number, text)) => failure.cause(format!("line {number} of the file reads `{text}`")),
+                    let failure = match error.place() {
                         None => failure,
+                        Some(Place::Byte(byte)) => failure.cause(format!("it shows at byte {byte} of the file")),
+                        Some(Place::Line(number)) => match file_line(&file, number) {
+                            Some(text) => failure.cause(format!("line {number} of the file reads `{text}`")),
+                            None => failure.cause(format!("it shows in line {number} of the file")),
+                        },
                     };
                     Err(failure.hint(error.cure()).into())
                 }
             }
+        }),
+    }
+}
+
+fn writer() -> Function {
+    Function {
+        name: "write",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "writes the mesh as a Gmsh file (MSH 4.1, ASCII); boundaries and parts become physical groups, and `read_mesh` gives the \
+                  same mesh again",
+        parameters: vec![path_parameter("a `.msh` file below the output folder")],
+        returns: "",
+        example: "rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).write(\"plate.msh\");".into(),
+        see_also: &["read_mesh"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            Ok(write(call, None, &[".msh"], || Ok(mesh.to_gmsh().into_bytes()))?)
         }),
     }
 }

@@ -14,7 +14,7 @@ use crate::script::language::values::{as_number, describe};
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![translate(), rotate(), scale(), map_function(), refine(), part(), join()]
+    vec![translate(), rotate(), scale(), map_function(), refine(), extrude(), part(), join()]
 }
 
 fn translate() -> Function {
@@ -172,6 +172,35 @@ fn refine() -> Function {
                 mesh = mesh.refine().map_err(|error| mesh_failure(call, &error))?;
             }
             Ok(Dynamic::from(MeshHandle::new(mesh)))
+        }),
+    }
+}
+
+fn extrude() -> Function {
+    Function {
+        name: "extrude",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the plane mesh drawn out along z as a solid one: hexahedra from `quad4`, tetrahedra from `tri3`; its boundaries become sides, with `bottom` at z = 0 and \
+                  `top` (`bottom_` and `top_` where the plane mesh has these names)",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("height", "length", Interval::Positive, "how far it is drawn out"),
+                Parameter::new("layers", Kind::Integer, "the number of cells along the height").within(Interval::Closed(1.0, 1e6)),
+                Parameter::number("grading", "1", Interval::Positive, "the last cell over the first, along the height")
+                    .or(Absent::Number(1.0)),
+            ]),
+            "height and layers",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let tube = ring(#{ inner_radius: 1.0, outer_radius: 1.5, cells: [2, 24] }).extrude(#{ height: 2.0, layers: 4 });".into(),
+        see_also: &["block", "refine"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let options = call.options("options")?;
+            let layers = options.integer("layers")? as usize;
+            mesh_value(call, mesh.extruded(options.number("height")?, layers, options.number("grading")?))
         }),
     }
 }

@@ -9,6 +9,7 @@ use super::arguments::body_of;
 use super::change::{change, change_without_bodies};
 use super::data::ModelData;
 use super::handle::{BodyHandle, ModelHandle};
+use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::contact::Finding;
 use crate::dynamics::{BodyDefinition, InitialDisplacement, InitialVelocity, Model};
 use crate::script::api::examples::plate_example;
@@ -51,23 +52,67 @@ pub fn add_body() -> Function {
             Parameter::new("name", Kind::Text, "its name, unique in the model"),
             Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its mesh at rest"),
             Parameter::new("material", Kind::Handle(MaterialHandle::NAME), "its material"),
+            Parameter::new("formulation", Kind::Options(formulation_keys()), "how its strains are taken")
+                .or(Absent::Means("as written there")),
         ],
         returns: BodyHandle::NAME,
-        example: plate_example("print(plate);"),
+        example: plate_example(
+            "let seal = rectangle(#{ size: [1.0, 1.0], cells: [4, 4], origin: [3.0, 0.0] });\n\
+             let rubber = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.4999, density: 1.0 });\n\
+             press.add_body(\"seal\", seal, rubber, #{ dilatation: \"mean\" });",
+        ),
         see_also: &["model", "fix", "add_contact"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let (name, mesh) = (call.text("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             let MaterialHandle(material) = call.handle("material")?;
+            let formulation = formulation_of(&call.options("formulation")?)?;
             if let Err(error) = mesh.check() {
                 let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
                 return Err(failure.hint(error.cure()).into());
             }
-            change(call, &model, |data| data.model.bodies.push(BodyDefinition { name, mesh, material }))?;
+            if let Err(error) = formulation.check(&mesh, &material) {
+                return Err(call.argument("formulation").fail(error.to_string()).hint(error.cure()).into());
+            }
+            change(call, &model, |data| data.model.bodies.push(BodyDefinition { name, mesh, material, formulation }))?;
             let index = model.0.borrow().model.bodies.len() - 1;
             Ok(Dynamic::from(BodyHandle { model, index }))
         }),
     }
+}
+
+/// Words for [`Plane`], the usual one first.
+const PLANES: [&str; 3] = ["strain", "stress", "axisymmetric"];
+
+/// Words for [`Dilatation`], the usual one first.
+const DILATATIONS: [&str; 2] = ["pointwise", "mean"];
+
+fn formulation_keys() -> Vec<Parameter> {
+    vec![
+        Parameter::new(
+            "plane",
+            Kind::Choice(&PLANES),
+            "how a plane body is completed to space: without stretch across the plane, without stress there (forces are per thickness), or as \
+             a body of revolution about the y axis with x as its radius (forces are those of the whole circumference)",
+        )
+        .or(Absent::Text(PLANES[0])),
+        Parameter::new(
+            "dilatation",
+            Kind::Choice(&DILATATIONS),
+            "the change of volume at every point, or one mean for each cell, which does not lock where the material hardly changes its volume",
+        )
+        .or(Absent::Text(DILATATIONS[0])),
+    ]
+}
+
+fn formulation_of(options: &Options) -> Result<Formulation, Failure> {
+    let plane = match options.text("plane")?.as_str() {
+        "stress" => Plane::Stress,
+        "axisymmetric" => Plane::Axisymmetric,
+        _ => Plane::Strain,
+    };
+    let dilatation = if options.text("dilatation")? == "mean" { Dilatation::Mean } else { Dilatation::Pointwise };
+    Ok(Formulation { plane, dilatation })
 }
 
 /// `gravity`: the acceleration of all bodies.

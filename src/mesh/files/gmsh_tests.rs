@@ -5,9 +5,11 @@ use std::fmt::Write;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 
-use super::*;
+use super::read::{read_mesh, read_mesh_bytes};
 use crate::elements::CellKind;
-use crate::mesh::{Boundary, Facet, block};
+use crate::mesh::file_error::FileProblem::*;
+use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::{Boundary, Facet, Mesh, MeshError, block};
 
 /// Two unit squares side by side, named groups, a node and a point that no cell uses.
 const SQUARES_2: &str = "$MeshFormat
@@ -127,6 +129,23 @@ fn solid_text() -> String {
     text
 }
 
+fn read_gmsh(text: &str) -> Result<Mesh, MeshError> {
+    read_mesh_bytes(text.as_bytes())
+}
+
+/// A problem in a line.
+fn in_line(line: usize, problem: FileProblem) -> MeshError {
+    FileError { at: Place::Line(line), problem }.into()
+}
+
+/// The problem of an error.
+fn problem(error: MeshError) -> FileProblem {
+    match error {
+        MeshError::File(error) => error.problem,
+        other => panic!("{other:?}"),
+    }
+}
+
 /// The error that a changed text gives.
 fn refusal(text: &str, from: &str, to: &str) -> MeshError {
     assert!(text.contains(from), "{from}");
@@ -205,7 +224,7 @@ fn a_cell_in_two_groups_is_one_cell() {
     assert_eq!(read_gmsh(&entity).unwrap().parts, mesh.parts);
     // but twice in one group is an overlap
     let twice = SQUARES_2.replace("$Elements\n7\n", "$Elements\n8\n").replace("$EndElements", "8 3 2 2 2 2 3 16 15\n$EndElements");
-    assert_eq!(read_gmsh(&twice).unwrap_err(), MeshError::DuplicateCell { line: line_of(&twice, "8 3 2 2 2"), cell: 8, first: 7 });
+    assert_eq!(read_gmsh(&twice).unwrap_err(), in_line(line_of(&twice, "8 3 2 2 2"), DuplicateCell { cell: 8, first: 7 }));
 }
 
 #[test]
@@ -216,20 +235,21 @@ fn other_formats_are_recognized() {
         ("# vtk DataFile Version 3.0\n", "a legacy VTK file"),
         ("<?xml version=\"1.0\"?>\n", "an XML file"),
         ("solid part\nfacet normal 0 0 1\n", "an STL file"),
-        ("*HEADING\n", "an Abaqus or LS-DYNA input file"),
-        ("lorem ipsum", "something that does not begin with $MeshFormat"),
+        ("*KEYWORD\n", "an LS-DYNA input file"),
+        ("lorem ipsum", "something that begins like no known mesh file"),
         ("SetFactory(\"OpenCASCADE\");", "a Gmsh geometry (`.geo`), which has to be meshed first"),
     ] {
         let error = read_gmsh(text).unwrap_err();
-        assert!(matches!(error, MeshError::OtherFormat { found: f, .. } if f == found), "{text:?}: {error:?}");
-        assert_eq!(error.line(), Some(1));
+        assert_eq!(error.line(), Some(1), "{text:?}: {error:?}");
+        assert_eq!(problem(error), OtherFormat { found });
     }
-    assert_eq!(read_gmsh("$NOD\n1\n").unwrap_err(), MeshError::Version { line: 1, version: "1".into() });
-    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4 0 8"), MeshError::Version { line: 2, version: "4".into() });
-    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 8"), MeshError::Binary { line: 2 });
-    assert_eq!(read_gmsh_bytes(b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\xff\xfe\n$EndMeshFormat\n").unwrap_err(), MeshError::Binary { line: 2 });
-    assert_eq!(read_gmsh_bytes(b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\xff").unwrap_err(), MeshError::NotText { line: 4 });
-    assert!(read_gmsh_bytes(SQUARES_2.as_bytes()).is_ok());
+    assert_eq!(read_gmsh("$NOD\n1\n").unwrap_err(), in_line(1, Version { version: "1".into() }));
+    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4 0 8"), in_line(2, Version { version: "4".into() }));
+    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 8"), FileError { at: Place::Byte(20), problem: ByteOrder }.into());
+    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 7"), FileError { at: Place::Byte(20), problem: NumberSize { bytes: 7 } }.into());
+    let strange = read_mesh_bytes(b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\xff").unwrap_err();
+    assert_eq!(strange, in_line(4, NotText));
+    assert!(read_mesh_bytes(SQUARES_2.as_bytes()).is_ok());
 }
 
 #[test]
@@ -259,16 +279,17 @@ fn missing_and_repeated_sections_are_named() {
     for text in [SQUARES_2, SQUARES_4] {
         for name in ["Nodes", "Elements", "MeshFormat"] {
             let error = without(text, name).unwrap_err();
-            assert!(matches!(error, MeshError::MissingSection { section, .. } if section == name), "{name}: {error:?}");
+            assert!(matches!(problem(error), MissingSection { section } if section.strip_prefix('$') == Some(name)), "{name}");
         }
         // groups without names are called by their numbers
         assert_eq!(without(text, "PhysicalNames").unwrap().parts[0].0, "1");
     }
-    assert!(matches!(without(SQUARES_4, "Entities"), Err(MeshError::MissingSection { section: "Entities", .. })));
+    assert!(matches!(problem(without(SQUARES_4, "Entities").unwrap_err()), MissingSection { section: "$Entities" }));
     let twice = format!("{SQUARES_2}$Nodes\n0\n$EndNodes\n");
-    assert_eq!(read_gmsh(&twice).unwrap_err(), MeshError::RepeatedSection { line: 30, section: "Nodes".into() });
-    assert!(matches!(refusal(SQUARES_4, "$Comments", "$PartitionedEntities"), MeshError::Partitioned { .. }));
-    assert!(matches!(refusal(SQUARES_2, "$EndNodes\n", "$EndNodes\nstray\n"), MeshError::Malformed { line: 20, .. }));
+    assert_eq!(read_gmsh(&twice).unwrap_err(), in_line(30, RepeatedSection { section: "$Nodes".into() }));
+    assert!(matches!(problem(refusal(SQUARES_4, "$Comments", "$PartitionedEntities")), Partitioned { .. }));
+    let stray = refusal(SQUARES_2, "$EndNodes\n", "$EndNodes\nstray\n");
+    assert!(stray.line() == Some(20) && matches!(problem(stray), Malformed { .. }));
 }
 
 #[test]
@@ -287,7 +308,7 @@ fn absurd_counts_take_no_memory() {
         (SQUARES_4, "2 2 3 1", format!("2 2 3 {huge}")),
     ] {
         let error = refusal(text, from, &to);
-        assert!(matches!(error, MeshError::Count { .. } | MeshError::Malformed { .. }), "{to}: {error:?}");
+        assert!(matches!(problem(error), Count { .. } | Malformed { .. }), "{to}");
     }
     // a node number that would make a table of 2^64 entries
     let text = SQUARES_2.replace("99", &huge);
@@ -299,13 +320,15 @@ fn absurd_counts_take_no_memory() {
 
 #[test]
 fn wrong_numbers_are_refused_in_their_line() {
-    assert!(matches!(refusal(SQUARES_2, "15 1 1 0", "15 1 nan 0"), MeshError::Coordinate { line: 16, node: 15, value } if value.is_nan()));
-    assert!(matches!(refusal(SQUARES_4, "\n2 1 0\n$End", "\n2 -inf 0\n$End"), MeshError::Coordinate { line: 37, node: 16, .. }));
-    assert_eq!(refusal(SQUARES_2, "15 1 1 0", "14 1 1 0"), MeshError::DuplicateNode { line: 16, node: 14, first: 15 });
-    assert_eq!(refusal(SQUARES_2, "99 5 5", "16 5 5"), MeshError::DuplicateNode { line: 18, node: 16, first: 17 });
-    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 17 15"), MeshError::MissingNode { line: 28, element: 7, node: 17 });
-    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 3 15"), MeshError::RepeatedNode { line: Some(28), cell: 7, node: 3 });
-    assert_eq!(refusal(SQUARES_2, "1 1 0\n16", "1 1 1e-3\n16"), MeshError::NotPlane { line: 16, node: 15, z: 1e-3 });
+    let nan = refusal(SQUARES_2, "15 1 1 0", "15 1 nan 0");
+    assert_eq!(nan.line(), Some(16));
+    assert!(matches!(problem(nan), Coordinate { node: 15, value } if value.is_nan()));
+    assert_eq!(refusal(SQUARES_4, "\n2 1 0\n$End", "\n2 -inf 0\n$End"), in_line(37, Coordinate { node: 16, value: f64::NEG_INFINITY }));
+    assert_eq!(refusal(SQUARES_2, "15 1 1 0", "14 1 1 0"), in_line(16, DuplicateNode { node: 14, first: Place::Line(15) }));
+    assert_eq!(refusal(SQUARES_2, "99 5 5", "16 5 5"), in_line(18, DuplicateNode { node: 16, first: Place::Line(17) }));
+    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 17 15"), in_line(28, MissingNode { element: 7, node: 17 }));
+    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 3 15"), MeshError::RepeatedNode { at: Some(Place::Line(28)), cell: 7, node: 3 });
+    assert_eq!(refusal(SQUARES_2, "1 1 0\n16", "1 1 1e-3\n16"), in_line(16, NotPlane { node: 15, z: 1e-3 }));
     // the unused node may be anywhere
     assert!(read_gmsh(&SQUARES_2.replace("99 5 5 0", "99 5 5 7")).is_ok());
     for (text, from, to) in [
@@ -319,18 +342,15 @@ fn wrong_numbers_are_refused_in_their_line() {
         (SQUARES_2, "2 1 \"left body\"", "2 1 \"left body"),
         (SQUARES_4, "0 1 0 1\n99", "0 1 0\n99"),
     ] {
-        assert!(matches!(refusal(text, from, to), MeshError::Malformed { .. }), "{to}");
+        assert!(matches!(problem(refusal(text, from, to)), Malformed { .. }), "{to}");
     }
     assert_eq!(
         refusal(SQUARES_2, "15 1 1 0", "15 1 1").to_string(),
         "expected a node with its number and three coordinates, found \"15 1 1\""
     );
-    assert_eq!(
-        refusal(SQUARES_4, "2 2 3 1", "2 5 3 1"),
-        MeshError::UnknownEntity { line: line_of(SQUARES_4, "2 2 3 1"), dimension: 2, entity: 5 }
-    );
+    assert_eq!(refusal(SQUARES_4, "2 2 3 1", "2 5 3 1"), in_line(line_of(SQUARES_4, "2 2 3 1"), UnknownEntity { dimension: 2, entity: 5 }));
     let names = refusal(SQUARES_2, "1 7 \"low\"", "2 2 \"left body\"");
-    assert_eq!(names, MeshError::AmbiguousName { line: 7, dimension: 2, name: "left body".into(), first: 1, second: 2 });
+    assert_eq!(names, in_line(7, AmbiguousName { dimension: 2, name: "left body".into(), first: 1, second: 2 }));
 }
 
 #[test]
@@ -342,34 +362,35 @@ fn inside_out_cells_are_an_error_with_place_and_cure() {
     assert_eq!((all.line(), all.cure().starts_with("the nodes of all cells run the wrong way round")), (Some(27), true));
     // all four nodes on the line x = 1
     let flat = refusal(&SQUARES_2.replace("3 2 0 0", "3 1 0.3 0"), "16 2 1 0", "16 1 0.6 0");
-    assert!(matches!(flat, MeshError::DegenerateCell { line: Some(28), cell: 7, .. }), "{flat:?}");
+    assert!(matches!(flat, MeshError::DegenerateCell { at: Some(Place::Line(28)), cell: 7, .. }), "{flat:?}");
 }
 
 #[test]
 fn other_cells_are_refused_with_the_cure() {
-    let triangle = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 2 2 2 2 2 3 16");
-    assert_eq!(triangle.to_string(), "element 7 is a 3-node triangle, but quad4 and hex8 cells are read");
-    assert_eq!(triangle.line(), Some(28));
-    assert!(triangle.cure().contains("Mesh.RecombineAll = 1;"));
-    let second_order = refusal(SQUARES_4, "1 1 1 2", "1 1 8 2");
-    assert!(second_order.to_string().contains("3-node line (second order)") && second_order.cure().contains("Mesh.ElementOrder = 1;"));
-    assert!(matches!(refusal(SQUARES_2, "7 3 2 2 2", "7 1234 2 2 2"), MeshError::UnsupportedCell { gmsh_type: 1234, .. }));
+    let prism = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 6 2 2 2 2 3 16 15 1 99");
+    assert!(prism.to_string().starts_with("element 7 is a 6-node prism, but cells read are "), "{prism}");
+    assert_eq!(prism.line(), Some(28));
+    assert!(prism.cure().contains("prisms"), "{}", prism.cure());
+    let second_order = refusal(SQUARES_4, "2 2 3 1", "2 2 12 1");
+    assert!(second_order.to_string().contains("27-node hexahedron (second order)"), "{second_order}");
+    assert!(second_order.cure().contains("Mesh.ElementOrder = 1;"), "{}", second_order.cure());
+    assert!(matches!(problem(refusal(SQUARES_2, "7 3 2 2 2", "7 1234 2 2 2")), UnsupportedCell { element: 7, .. }));
     let lines_only =
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n";
-    assert_eq!(read_gmsh(lines_only).unwrap_err(), MeshError::NoCells { line: 9, lines: 1 });
+    assert_eq!(read_gmsh(lines_only).unwrap_err(), in_line(9, NoCells { lines: 1 }));
 }
 
 #[test]
 fn facets_without_cells_and_mixed_kinds_are_refused() {
     let stray = refusal(SQUARES_2, "3 1 2 7 1 2 3", "3 1 2 7 1 2 16");
-    assert_eq!(stray, MeshError::StrayFacet { line: 24, element: 3, boundary: "low".into() });
+    assert_eq!(stray, in_line(24, StrayFacet { element: 3, boundary: "low".into() }));
     let text = solid_text();
     let mixed = text
         .replace("$Nodes\n12\n", "$Nodes\n16\n13 5 0 0\n14 6 0 0\n15 6 1 0\n16 5 1 0\n")
         .replace("$Elements\n13\n", "$Elements\n14\n99 3 2 1 1 13 14 15 16\n");
-    assert!(matches!(read_gmsh(&mixed).unwrap_err(), MeshError::MixedKinds { element: 99, .. }));
+    assert!(matches!(problem(read_gmsh(&mixed).unwrap_err()), MixedDimensions { element: 99, .. }));
     let across = text.replace("$Elements\n13\n", "$Elements\n14\n99 3 2 1 1 1 2 11 10\n");
-    assert!(matches!(read_gmsh(&across).unwrap_err(), MeshError::StrayFacet { element: 99, .. }));
+    assert!(matches!(problem(read_gmsh(&across).unwrap_err()), StrayFacet { element: 99, .. }));
 }
 
 #[test]
@@ -379,7 +400,7 @@ fn three_cells_on_one_facet_are_refused() {
         .replace("$Nodes\n7\n", "$Nodes\n9\n20 3 -1 0\n21 3 3 0\n")
         .replace("$EndElements", "8 3 2 2 2 2 20 21 15\n$EndElements");
     let error = read_gmsh(&text).unwrap_err();
-    assert_eq!(error, MeshError::CrowdedFacet { line: Some(29), cell: 6, sharing: 3 });
+    assert_eq!(error, MeshError::CrowdedFacet { at: Some(Place::Line(29)), cell: 6, sharing: 3 });
 }
 
 #[test]
@@ -390,7 +411,7 @@ fn a_file_that_is_not_there_says_so() {
 
 /// What the reader returns must be sound, whatever it was given.
 fn survives(content: &[u8]) {
-    match read_gmsh_bytes(content) {
+    match read_mesh_bytes(content) {
         Ok(mesh) => assert_eq!(mesh.defects(), []),
         Err(error) => assert!(!error.cure().is_empty() && !error.to_string().is_empty()),
     }

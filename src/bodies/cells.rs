@@ -1,0 +1,455 @@
+//! The loop over the cells of one body.
+//!
+//! Per point, with displacement gradient `H`, `F = I + H`, Green-Lagrange strain `E = (H + H^T + H^T H)/2` (relative accuracy at small
+//! strain), algorithmic stress `S` and its derivative `T = dS/dE_1` from the step's `Derivative`,
+//!
+//! ```text
+//! force    f_a   = w F_test S G_a
+//! tangent  K_ab  = w G_a . A . G_b,   A_iJkL = (F_test)_iM T_MJNL (F_trial)_kN + share S_JL delta_ik
+//! ```
+//!
+//! (method: Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000), to which the consistent mass is added as the time integration weights it.
+//! What a batch of eight cells computes is in `batch.rs` and `workspace.rs`; here is where it goes. What is left over in the last batch
+//! repeats its first cell and is not scattered.
+
+use std::ops::Range;
+
+use super::batch::{Batch, Table, many};
+use super::completion::Share;
+use super::element_loop::{ElementLoop, Inverted, Projected, Step};
+use super::physics::Physics;
+use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
+use super::special::{Answer, SpecialPoints};
+use super::workspace::Workspace;
+use crate::elements::ReferenceCell;
+use crate::integrators::Derivative;
+use crate::linear::{Block, NodeMatrix, Pattern};
+use crate::materials::Components;
+use crate::math::lanes::{Lanes, WIDTH, relabel_rows};
+use crate::math::simd::{Kernel, dispatch};
+use crate::math::tensor::{mandel_index, mandel_scale};
+use crate::math::workers::Workers;
+use crate::mesh::Mesh;
+
+/// Where the blocks of a cell stand in the array of values.
+#[derive(Clone, Copy)]
+struct Places<const A: usize> {
+    /// Per node, the columns of its unknowns: place of the first value, and length.
+    columns: [Block; A],
+    /// Place of the block of node `a` inside a column of node `b`: `rows[b][a]`.
+    rows: [[u32; A]; A],
+}
+
+/// The cells of a body.
+pub(super) struct Cells<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
+    physics: Physics<S, L>,
+    cliques: Vec<Vec<u32>>,
+    table: Table<D, A, Q>,
+    batches: Vec<Batch<D, A>>,
+    places: Vec<Places<A>>,
+    rounds: Vec<Vec<PlacedRun<D>>>,
+}
+
+/// A run of cells with the places of the matrix columns of its nodes.
+struct PlacedRun<const D: usize> {
+    run: Run,
+    values: Range<usize>,
+    fresh_values: Vec<Range<usize>>,
+}
+
+impl<const D: usize> PlacedRun<D> {
+    fn unknowns(&self) -> Range<usize> {
+        self.run.nodes.start * D..self.run.nodes.end * D
+    }
+}
+
+impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
+    /// The cells of a mesh, whose nodes begin at `first_node` of the model.
+    ///
+    /// # Errors
+    /// The first cell that is inside out.
+    pub(super) fn new<C: ReferenceCell<D, A, Q>>(mesh: &Mesh, physics: Physics<S, L>, first_node: usize) -> Result<Self, Inverted> {
+        let cells: Vec<&[u32]> = mesh.cells().collect();
+        let elements = Cells {
+            physics,
+            cliques: cells.iter().map(|cell| cell.iter().map(|&node| node + first_node as u32).collect()).collect(),
+            table: Table::new::<C>(),
+            batches: cells.chunks(WIDTH).map(|chunk| Batch::new(chunk, &mesh.points, first_node)).collect(),
+            places: Vec::new(),
+            rounds: Vec::new(),
+        };
+        for (index, batch) in elements.batches.iter().enumerate() {
+            let volumes = elements.deform(batch, None).volumes;
+            for lane in 0..batch.count {
+                let smallest =
+                    volumes.iter().map(|volume| volume.0[lane]).fold(f64::INFINITY, |least, v| if v >= least { least } else { v });
+                if smallest.is_nan() || smallest <= 0.0 {
+                    return Err(Inverted { cell: index * WIDTH + lane, determinant: smallest });
+                }
+            }
+        }
+        Ok(elements)
+    }
+
+    /// Volumes, displacement gradients and strains of a batch at its points; those of rest without positions.
+    fn deform(&self, batch: &Batch<D, A>, q: Option<&[f64]>) -> Deformation<D, S, Q> {
+        dispatch(Deform { cells: self, batch, q })
+    }
+
+    /// Sets, or adds to what earlier rounds left, forces and values of the span of nodes of a run.
+    fn assemble_run(&self, step: &Step, placed: &PlacedRun<D>, force: &mut [f64], mut values: Option<&mut [f64]>) -> Result<(), Inverted> {
+        let PlacedRun { run, values: places, fresh_values } = placed;
+        let (first_unknown, first_value) = (run.nodes.start * D, places.start);
+        for nodes in &run.fresh {
+            force[nodes.start * D - first_unknown..nodes.end * D - first_unknown].fill(0.0);
+        }
+        if let Some(values) = &mut values {
+            for places in fresh_values {
+                values[places.start - first_value..places.end - first_value].fill(0.0);
+            }
+        }
+        let sums = Sums { force, values, first_unknown, first_value };
+        let batches = run.cells.start / WIDTH..run.cells.end.div_ceil(WIDTH);
+        dispatch(Assemble { cells: self, step, batches, sums }).map_err(|batch| {
+            let determinants = self.deform(&self.batches[batch], Some(step.q_1)).smallest_determinants;
+            let lane = (0..WIDTH).find(|&lane| determinants[lane].is_nan() || determinants[lane] <= 0.0).unwrap_or_default();
+            Inverted { cell: batch * WIDTH + lane, determinant: determinants[lane] }
+        })
+    }
+
+    /// The nodes of a cell of a batch.
+    fn nodes(&self, batch: usize, lane: usize) -> &[u32] {
+        &self.cliques[batch * WIDTH + lane]
+    }
+
+    /// Adds the force of the cells of a batch.
+    #[inline(always)]
+    fn scatter_force<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, sums: &mut Sums) {
+        let batch = &self.batches[index];
+        for lane in 0..batch.count {
+            for a in 0..many::<A>() {
+                let force = &mut sums.force[batch.nodes[a][lane] as usize * D - sums.first_unknown..][..D];
+                for i in 0..D {
+                    force[i] += work.force[a][i].0[lane];
+                }
+            }
+        }
+    }
+
+    /// Adds the tangent of the cells of a batch to values whose first stands at `first_value`.
+    #[inline(always)]
+    fn scatter_tangent<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, values: &mut [f64], first_value: usize) {
+        let count = self.batches[index].count;
+        for (lane, places) in self.places[index * WIDTH..][..count].iter().enumerate() {
+            for b in 0..many::<A>() {
+                let Block { start, stride } = places.columns[b];
+                for k in 0..D {
+                    let column = &mut values[start as usize + k * stride as usize - first_value..][..stride as usize];
+                    for a in 0..many::<A>() {
+                        let values = &mut column[places.rows[b][a] as usize..][..D];
+                        for i in 0..D {
+                            values[i] += work.tangent[b][k][a][i].0[lane];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A batch at its points.
+struct Deformation<const D: usize, const S: usize, const Q: usize> {
+    volumes: [Lanes<false>; Q],
+    gradient: [[[Lanes<false>; D]; D]; Q],
+    strain: [Components<S>; Q],
+    /// What a special stress needs to know, where there is one.
+    special: Option<SpecialPoints<D>>,
+    smallest_determinants: [f64; WIDTH],
+}
+
+struct Deform<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
+    cells: &'a Cells<D, S, L, A, Q>,
+    batch: &'a Batch<D, A>,
+    q: Option<&'a [f64]>,
+}
+
+impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Deform<'_, D, S, L, A, Q> {
+    type Output = Deformation<D, S, Q>;
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) -> Deformation<D, S, Q> {
+        let table = &self.cells.table;
+        let mut work = Workspace::<FMA, D, S, A, Q>::new(self.cells.physics.strain);
+        work.set_points(self.batch, table);
+        let is_round = self.cells.physics.is_round();
+        if is_round {
+            work.revolve(self.batch, table);
+        }
+        if let Some(q) = self.q {
+            work.set_end(self.batch, q);
+        }
+        let mut deformation = Deformation {
+            volumes: std::array::from_fn(|q| Lanes(work.points[q].volume.0)),
+            gradient: std::array::from_fn(|q| relabel_rows(&work.gradient_1[q])),
+            strain: work.strain_1,
+            smallest_determinants: work.smallest_determinants().0,
+            special: None,
+        };
+        if self.cells.physics.special.is_some() {
+            let points = work.special_points(self.batch, table, [None, self.q.filter(|_| is_round)]);
+            for hoop in &points.hoop[1][..Q] {
+                for lane in 0..WIDTH {
+                    // A body of revolution that crosses its axis is inside out, too.
+                    let least = &mut deformation.smallest_determinants[lane];
+                    *least = least.min(*least * (1.0 + hoop.0[lane])).min(1.0 + hoop.0[lane]);
+                }
+            }
+            deformation.special = Some(points);
+        }
+        deformation
+    }
+}
+
+/// Force and, where they are wanted, values of a span of nodes, to be added to.
+struct Sums<'a> {
+    force: &'a mut [f64],
+    values: Option<&'a mut [f64]>,
+    first_unknown: usize,
+    first_value: usize,
+}
+
+/// Force and tangent of a range of batches.
+struct Assemble<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
+    cells: &'a Cells<D, S, L, A, Q>,
+    step: &'a Step<'a>,
+    batches: Range<usize>,
+    sums: Sums<'a>,
+}
+
+impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, L, A, Q> {
+    /// The first batch with a cell that is inside out.
+    type Output = Result<(), usize>;
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) -> Result<(), usize> {
+        let Assemble { cells, step, batches, mut sums } = self;
+        let (table, physics) = (&cells.table, &cells.physics);
+        let mut work = Workspace::<FMA, D, S, A, Q>::new(physics.strain);
+        let (is_round, mut answer) = (physics.is_round(), Answer::EMPTY);
+        for index in batches {
+            let batch = &cells.batches[index];
+            work.set_points(batch, table);
+            if is_round {
+                work.revolve(batch, table);
+            }
+            work.set_start(batch, step.q_0);
+            work.set_end(batch, step.q_1);
+            if work.is_inside_out() {
+                return Err(index);
+            }
+            let special = physics.special.as_ref().map(|special| {
+                let around = [Some(step.q_0), Some(step.q_1)].map(|q| q.filter(|_| is_round));
+                let points = work.special_points(batch, table, around);
+                special.respond(&points, step.derivative, &mut answer);
+                work.take(&answer);
+                points
+            });
+            if special.is_none() {
+                work.respond(&*physics.law, step.derivative);
+            }
+            if sums.values.is_some() {
+                work.integrate(step.derivative, step.weight);
+                work.add_mass(table, step.inertia * physics.density);
+            } else {
+                work.integrate_force(step.derivative, step.weight);
+            }
+            if let Some(points) = special {
+                // Around the axis nothing may turn inside out either.
+                if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
+                    return Err(index);
+                }
+                let geometric = work.geometric_share(step.derivative.placement().share);
+                let Step { derivative, weight, .. } = *step;
+                let share = Share { derivative, weight, with_tangent: sums.values.is_some(), geometric };
+                work.complete(&answer, &points, table, is_round, share);
+            }
+            if let Some(values) = &mut sums.values {
+                cells.scatter_tangent(index, &work, values, sums.first_value);
+            }
+            cells.scatter_force(index, &work, &mut sums);
+        }
+        Ok(())
+    }
+}
+
+/// Mass and material stiffness of all batches.
+struct AssembleMaterialStiffness<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
+    cells: &'a Cells<D, S, L, A, Q>,
+    q: &'a [f64],
+    factor: f64,
+    values: &'a mut [f64],
+}
+
+impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel
+    for AssembleMaterialStiffness<'_, D, S, L, A, Q>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let cells = self.cells;
+        let (table, physics) = (&cells.table, &cells.physics);
+        let mut work = Workspace::<FMA, D, S, A, Q>::new(physics.strain);
+        let (is_round, mut answer) = (physics.is_round(), Answer::EMPTY);
+        for (index, batch) in cells.batches.iter().enumerate() {
+            work.set_points(batch, table);
+            if is_round {
+                work.revolve(batch, table);
+            }
+            work.set_end(batch, self.q);
+            let special = physics.special.as_ref().map(|special| {
+                let points = work.special_points(batch, table, [None, Some(self.q).filter(|_| is_round)]);
+                special.respond(&points, Derivative::AT_END, &mut answer);
+                work.take(&answer);
+                points
+            });
+            if special.is_none() {
+                work.respond(&*physics.law, Derivative::AT_END);
+            }
+            work.integrate_material_stiffness(self.factor);
+            if let Some(points) = special {
+                let share = Share { derivative: Derivative::AT_END, weight: self.factor, with_tangent: true, geometric: 0.0 };
+                work.complete(&answer, &points, table, is_round, share);
+            }
+            work.add_mass(table, physics.density);
+            cells.scatter_tangent(index, &work, self.values, 0);
+        }
+    }
+}
+
+impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> ElementLoop<D> for Cells<D, S, L, A, Q> {
+    fn cliques(&self) -> &[Vec<u32>] {
+        &self.cliques
+    }
+
+    fn place(&mut self, pattern: &Pattern) {
+        let columns = |node: u32| pattern.block(pattern.neighbors(node as usize)[0], node);
+        let places = |nodes: &Vec<u32>| Places {
+            columns: std::array::from_fn(|b| columns(nodes[b])),
+            rows: std::array::from_fn(|b| std::array::from_fn(|a| pattern.block(nodes[a], nodes[b]).start - columns(nodes[b]).start)),
+        };
+        self.places = self.cliques.iter().map(places).collect();
+        let before = |node: usize| columns(node as u32).start as usize;
+        let after = |node: usize| before(node) + D * columns(node as u32).stride as usize;
+        let values = |nodes: &Range<usize>| before(nodes.start)..after(nodes.end - 1);
+        let place = |run: Run| PlacedRun { values: values(&run.nodes), fresh_values: run.fresh.iter().map(values).collect(), run };
+        self.rounds = rounds(&self.cliques, WIDTH).into_iter().map(|round| round.into_iter().map(place).collect()).collect();
+    }
+
+    fn add_mass(&self, mass: &mut NodeMatrix) {
+        let products = &self.table.products;
+        for (index, batch) in self.batches.iter().enumerate() {
+            let volumes = self.deform(batch, None).volumes;
+            for lane in 0..batch.count {
+                let nodes = self.nodes(index, lane);
+                for a in 0..many::<A>() {
+                    for b in 0..many::<A>() {
+                        let sum: f64 = (0..Q).map(|q| volumes[q].0[lane] * products[q][a][b]).sum();
+                        mass.add(nodes[a], nodes[b], self.physics.density * sum);
+                    }
+                }
+            }
+        }
+    }
+
+    fn assemble(&self, step: &Step, force: &mut [f64], mut values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted> {
+        let is_shared = workers.are_many() && self.cliques.len() >= LEAST_CELLS_FOR_THREADS;
+        for round in &self.rounds {
+            if !is_shared {
+                for placed in round {
+                    let values = values.as_deref_mut().map(|values| &mut values[placed.values.clone()]);
+                    self.assemble_run(step, placed, &mut force[placed.unknowns()], values)?;
+                }
+                continue;
+            }
+            let forces = pieces(force, round.iter().map(PlacedRun::unknowns));
+            let values = values.as_deref_mut().map(|values| pieces(values, round.iter().map(|placed| placed.values.clone())));
+            let mut values = values.unwrap_or_default().into_iter();
+            let mut tasks: Vec<_> = round.iter().zip(forces).map(|(placed, force)| (placed, force, values.next(), Ok(()))).collect();
+            workers.for_each(&mut tasks, 1, |_, (placed, force, values, outcome)| {
+                *outcome = self.assemble_run(step, placed, force, values.as_deref_mut());
+            });
+            tasks.into_iter().try_for_each(|(.., outcome)| outcome)?;
+        }
+        Ok(())
+    }
+
+    fn add_material_stiffness(&self, q: &[f64], factor: f64, values: &mut [f64]) {
+        dispatch(AssembleMaterialStiffness { cells: self, q, factor, values });
+    }
+
+    fn strain_energy(&self, q: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for batch in &self.batches {
+            let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(q));
+            if let (Some(special), Some(points)) = (&self.physics.special, points) {
+                sum += special.energy(&points).0[..batch.count].iter().sum::<f64>();
+                continue;
+            }
+            let mut energy = [Lanes::ZERO; Q];
+            self.physics.law.energies_into(&strain, &mut energy);
+            for lane in 0..batch.count {
+                sum += (0..Q).map(|q| volumes[q].0[lane] * energy[q].0[lane]).sum::<f64>();
+            }
+        }
+        sum
+    }
+
+    fn smallest_determinant(&self, q: &[f64]) -> Inverted {
+        let mut least = Inverted { cell: 0, determinant: f64::INFINITY };
+        for (index, batch) in self.batches.iter().enumerate() {
+            let determinants = self.deform(batch, Some(q)).smallest_determinants;
+            for (lane, &determinant) in determinants.iter().enumerate().take(batch.count) {
+                if determinant.is_nan() || determinant < least.determinant {
+                    least = Inverted { cell: index * WIDTH + lane, determinant };
+                }
+            }
+        }
+        least
+    }
+
+    fn project(&self, q: &[f64], sums: &mut Projected) {
+        let smoothing = &self.table.smoothing;
+        for (index, batch) in self.batches.iter().enumerate() {
+            let deformation = self.deform(batch, Some(q));
+            let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
+            let pressure = special.map_or(Lanes::ZERO, |(special, points)| special.pressure(points));
+            for point in 0..Q {
+                // The spatial law also knows the stress across the plane.
+                let strain = self
+                    .physics
+                    .spatial_strain(&deformation.strain[point], special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]));
+                let mut second_piola = [[Lanes::ZERO; 6]];
+                self.physics.spatial_law.stresses_into(&[strain], &mut second_piola);
+                for lane in 0..batch.count {
+                    let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &strain, lane);
+                    let s = nalgebra::Matrix3::from_fn(|i, j| second_piola[0][mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
+                    let pressure = nalgebra::Matrix3::identity() * pressure.0[lane];
+                    let cauchy = f * s * f.transpose() / f.determinant() + pressure;
+                    let cauchy = [cauchy.m11, cauchy.m22, cauchy.m33, cauchy.m12, cauchy.m23, cauchy.m13];
+                    let green = |i: usize, j: usize| strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
+                    let green = [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)];
+                    for (a, &node) in self.nodes(index, lane).iter().enumerate() {
+                        let share = deformation.volumes[point].0[lane] * smoothing[point][a];
+                        sums.weight[node as usize] += share;
+                        let add = |sum: &mut [f64; 6], values: [f64; 6]| {
+                            sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value)
+                        };
+                        add(&mut sums.stress[node as usize], cauchy);
+                        add(&mut sums.strain[node as usize], green);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! What a special stress does beyond the components of its cells: forces around an axis, and the change of a mean dilatation's pressure.
+//!
+//! See `special.rs` for the formulas.
+
+use super::batch::{Table, cast, many};
+use super::special::{Answer, SpecialPoints};
+use super::sums::{add_force, finish_force};
+use super::workspace::{Workspace, own};
+use crate::integrators::{Configuration, Derivative, Placement};
+use crate::math::lanes::{Lanes, Real};
+use crate::math::tensor::{mandel_index, mandel_scale};
+
+/// How a step takes what is added.
+#[derive(Clone, Copy)]
+pub(super) struct Share {
+    pub(super) derivative: Derivative,
+    /// Weight of the force.
+    pub(super) weight: f64,
+    /// Whether the derivative of the force is wanted, too.
+    pub(super) with_tangent: bool,
+    /// Share of the end of the step in the configuration of the forces; 0 leaves out what belongs to the stress itself.
+    pub(super) geometric: f64,
+}
+
+impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: usize> Workspace<FMA, D, S, A, Q> {
+    /// Adds all of it.
+    #[inline(always)]
+    pub(super) fn complete<const L: usize>(
+        &mut self,
+        answer: &Answer<L>,
+        points: &SpecialPoints<D>,
+        table: &Table<D, A, Q>,
+        is_round: bool,
+        share: Share,
+    ) {
+        let Placement { test, trial, .. } = share.derivative.placement();
+        let stretch = |q: usize, at: Configuration| match at {
+            Configuration::Middle => self.frame_around((points.hoop[0][q] + points.hoop[1][q]) * 0.5),
+            Configuration::End => self.frame_around(points.hoop[1][q]),
+        };
+        let mut around = [[Lanes::<FMA>::ZERO; 2]; Q];
+        for q in 0..many::<Q>() {
+            if is_round {
+                around[q] = [stretch(q, test), stretch(q, trial)];
+            }
+        }
+        if is_round {
+            self.add_around(answer, table, &around, share);
+        }
+        if share.with_tangent
+            && let Some(slope) = answer.slope
+        {
+            self.add_pressure(answer, table, &around, share, cast(slope));
+        }
+    }
+
+    /// Adds the forces around the axis and their derivative, and what the stretch there changes of the others.
+    #[inline(always)]
+    fn add_around<const L: usize>(&mut self, answer: &Answer<L>, table: &Table<D, A, Q>, around: &[[Lanes<FMA>; 2]; Q], share: Share) {
+        let Placement { test, trial, .. } = share.derivative.placement();
+        for q in 0..many::<Q>() {
+            let (response, [around_test, around_trial]) = (&answer.responses[q], around[q]);
+            let (volume, curvature) = (self.points[q].volume * share.weight, self.points[q].curvature);
+            let stress = cast::<FMA>(response.stress[2]);
+            let pull = stress * around_test * volume * curvature;
+            for a in 0..many::<A>() {
+                self.force[a][0] = pull.mul_add(Lanes::splat(table.shapes[q][a]), self.force[a][0]);
+            }
+            if !share.with_tangent {
+                continue;
+            }
+            let mut gradients = self.points[q].gradients;
+            finish_force(&mut gradients);
+            let (f_test, f_trial) = (self.deformation_gradient(q, test), self.deformation_gradient(q, trial));
+            // Derivatives of the stress in the plane with respect to the stretch around, and the other way round.
+            let (mut to_plane, mut from_plane) = ([[Lanes::<FMA>::ZERO; D]; D], [[Lanes::<FMA>::ZERO; D]; D]);
+            for i in 0..D {
+                for j in 0..D {
+                    for m in 0..D {
+                        let (c, scale) = (own::<S>(mandel_index::<D>(m, j)), mandel_scale(m, j));
+                        to_plane[i][j] = (f_test[i][m] * scale).mul_add(cast(response.tangent[c][2]), to_plane[i][j]);
+                        from_plane[i][j] = (f_trial[i][m] * scale).mul_add(cast(response.tangent[2][c]), from_plane[i][j]);
+                    }
+                }
+            }
+            let stiffness = (around_test * cast(response.tangent[2][2]) * around_trial + stress * share.geometric) * volume;
+            for a in 0..many::<A>() {
+                for b in 0..many::<A>() {
+                    let (near_a, near_b) = (curvature * table.shapes[q][a], curvature * table.shapes[q][b]);
+                    for i in 0..D {
+                        let (mut down, mut across) = (Lanes::<FMA>::ZERO, Lanes::<FMA>::ZERO);
+                        for j in 0..D {
+                            down = gradients[a][j].mul_add(to_plane[i][j], down);
+                            across = gradients[b][j].mul_add(from_plane[i][j], across);
+                        }
+                        self.tangent[b][0][a][i] = (down * around_trial * volume).mul_add(near_b, self.tangent[b][0][a][i]);
+                        self.tangent[b][i][a][0] = (across * around_test * volume).mul_add(near_a, self.tangent[b][i][a][0]);
+                    }
+                    self.tangent[b][0][a][0] = (stiffness * near_a).mul_add(near_b, self.tangent[b][0][a][0]);
+                }
+            }
+        }
+    }
+
+    /// Adds what the pressure of the mean dilatation changes: a matrix of rank one.
+    #[inline(always)]
+    fn add_pressure<const L: usize>(
+        &mut self,
+        answer: &Answer<L>,
+        table: &Table<D, A, Q>,
+        around: &[[Lanes<FMA>; 2]; Q],
+        share: Share,
+        slope: Lanes<FMA>,
+    ) {
+        let Placement { test, trial, .. } = share.derivative.placement();
+        let mut whole = Lanes::ZERO;
+        for q in 0..many::<Q>() {
+            whole = whole + self.points[q].volume;
+        }
+        let per_volume = slope / whole;
+        // The left factor of the forces, the right one of the mean dilatation.
+        let mut sides = [[[Lanes::ZERO; D]; A]; 2];
+        for side in 0..2 {
+            let (at, factor) = if side == 0 { (test, Lanes::splat(share.weight)) } else { (trial, per_volume) };
+            for q in 0..many::<Q>() {
+                let mut ratio = [Lanes::<FMA>::ZERO; S];
+                for k in 0..S {
+                    ratio[k] = cast(answer.ratios[q][side][own::<S>(k)]);
+                }
+                let volume = self.points[q].volume * factor;
+                add_force(&self.points[q].gradients, &self.deformation_gradient(q, at), &ratio, volume, &mut sides[side]);
+            }
+            finish_force(&mut sides[side]);
+            for q in 0..many::<Q>() {
+                let pull =
+                    cast::<FMA>(answer.ratios[q][side][2]) * around[q][side] * self.points[q].curvature * self.points[q].volume * factor;
+                for a in 0..many::<A>() {
+                    sides[side][a][0] = pull.mul_add(Lanes::splat(table.shapes[q][a]), sides[side][a][0]);
+                }
+            }
+        }
+        for b in 0..many::<A>() {
+            for k in 0..D {
+                for a in 0..many::<A>() {
+                    for i in 0..D {
+                        self.tangent[b][k][a][i] = sides[0][a][i].mul_add(sides[1][b][k], self.tangent[b][k][a][i]);
+                    }
+                }
+            }
+        }
+    }
+}

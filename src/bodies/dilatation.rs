@@ -1,0 +1,200 @@
+//! The mean dilatation of an element and what of it conserves.
+//!
+//! The energy of an element is `sum_g w_g W_d(C_g) + V U(theta)` with the mean volume ratio `theta = sum_g w_g J_g / V`. `J^2 = det C` is a
+//! polynomial in the quadratic invariants `C`, so its discrete gradient is exact:
+//!
+//! ```text
+//! plane  DG[J] = 2 cof(C_mid) / (J_0 + J_1)                                        C_mid = (C_0 + C_1)/2, with respect to E
+//! space  DG[J] = 2 (cof C_0 + 4 cof C_mid + cof C_1) / (6 (J_0 + J_1))             Simpson's rule on a cubic
+//! p = (U(theta_1) - U(theta_0)) / (theta_1 - theta_0),     S = DG[W_d] + p DG[J]
+//! ```
+//!
+//! `S` is symmetric, so the angular momentum is kept, and `p` times the change of `theta` is that of `U`. (Mean dilatation:
+//! Nagtegaal, Parks and Rice, CMAME 4, 1974; Simo, Taylor and Pister, CMAME 51, 1985. Their conserving form is ours.)
+
+use super::batch::cast;
+use crate::integrators::{Configuration, Derivative};
+use crate::materials::{Components, VolumetricLaw};
+use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::tolerances::STRAIN_QUOTIENT;
+
+/// The pressure of a step and its derivative with respect to `theta` at the configuration where that counts.
+#[derive(Clone, Copy)]
+pub(super) struct Pressure {
+    pub(super) value: Lanes<false>,
+    pub(super) slope: Lanes<false>,
+}
+
+/// Five Gauss points of the unit interval and their weights.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
+    (0.5, 0.284_444_444_444_444_44),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+impl Pressure {
+    /// `U'` and `U''` at a mean change of volume `theta - 1`.
+    pub(super) fn at(law: &dyn VolumetricLaw, change: Lanes<false>) -> Self {
+        let mut response = [[Lanes::ZERO; 2]];
+        law.responses_into(&[change], &mut response);
+        Pressure { value: response[0][0], slope: response[0][1] }
+    }
+
+    /// The discrete gradient of `U` and its derivative with respect to the end: a Gauss rule for the line integrals of `U'` and `U''`,
+    /// and the quotient where the step is too large for it.
+    pub(super) fn between(law: &dyn VolumetricLaw, from: Lanes<false>, to: Lanes<false>) -> Self {
+        let step = to - from;
+        let changes = GAUSS.map(|(s, _)| from + step * s);
+        let mut responses = [[Lanes::ZERO; 2]; 5];
+        law.responses_into(&changes, &mut responses);
+        let mut pressure = Pressure { value: Lanes::ZERO, slope: Lanes::ZERO };
+        for ((s, weight), [first, second]) in GAUSS.into_iter().zip(responses) {
+            pressure.value = pressure.value + first * weight;
+            pressure.slope = pressure.slope + second * (weight * s);
+        }
+        if step.0.iter().any(|step| step.abs() > STRAIN_QUOTIENT) {
+            let mut energies = [Lanes::ZERO; 2];
+            law.energies_into(&[from, to], &mut energies);
+            let end = Pressure::at(law, to).value;
+            for lane in 0..WIDTH {
+                let step = step.0[lane];
+                if step.abs() > STRAIN_QUOTIENT {
+                    let value = (energies[1].0[lane] - energies[0].0[lane]) / step;
+                    pressure.value.0[lane] = value;
+                    pressure.slope.0[lane] = (end.0[lane] - value) / step;
+                }
+            }
+        }
+        pressure
+    }
+}
+
+/// `DG[J]` with respect to the strain, its derivative with respect to the strain at the trial configuration, and `dJ/dE` there.
+pub(super) struct VolumeRatio<const FMA: bool, const S: usize> {
+    pub(super) gradient: [Lanes<FMA>; S],
+    pub(super) hessian: [[Lanes<FMA>; S]; S],
+    pub(super) trial: [Lanes<FMA>; S],
+}
+
+/// `C = I + 2 E`, all six components.
+#[inline(always)]
+fn stretch<const FMA: bool, const S: usize>(strain: &Components<S>) -> [Lanes<FMA>; 6] {
+    let mut c = [Lanes::ZERO; 6];
+    for k in 0..S {
+        c[place::<S>(k)] = cast::<FMA>(strain[k]) * 2.0;
+    }
+    for component in c.iter_mut().take(3) {
+        *component = *component + 1.0;
+    }
+    c
+}
+
+/// Where a component of a strain stands among six.
+#[inline(always)]
+fn place<const S: usize>(component: usize) -> usize {
+    if S == 3 && component == 2 { 3 } else { component }
+}
+
+/// Cofactor of a symmetric tensor.
+#[inline(always)]
+fn cofactor<const FMA: bool, const S: usize>([xx, yy, zz, xy, yz, xz]: [Lanes<FMA>; 6]) -> [Lanes<FMA>; S] {
+    let root = std::f64::consts::FRAC_1_SQRT_2;
+    let all = [
+        yy * zz - yz * yz * 0.5,
+        xx * zz - xz * xz * 0.5,
+        xx * yy - xy * xy * 0.5,
+        xz * yz * root - xy * zz,
+        xy * xz * root - yz * xx,
+        xy * yz * root - xz * yy,
+    ];
+    let mut result = [Lanes::ZERO; S];
+    for k in 0..S {
+        result[k] = all[place::<S>(k)];
+    }
+    result
+}
+
+/// Derivative of the cofactor with respect to the tensor.
+#[inline(always)]
+fn cofactor_slope<const FMA: bool, const S: usize>([xx, yy, zz, xy, yz, xz]: [Lanes<FMA>; 6]) -> [[Lanes<FMA>; S]; S] {
+    let (o, r) = (Lanes::ZERO, std::f64::consts::FRAC_1_SQRT_2);
+    let all = [
+        [o, zz, yy, o, -yz, o],
+        [zz, o, xx, o, o, -xz],
+        [yy, xx, o, -xy, o, o],
+        [o, o, -xy, -zz, xz * r, yz * r],
+        [-yz, o, o, xz * r, -xx, xy * r],
+        [o, -xz, o, yz * r, xy * r, -yy],
+    ];
+    let mut result = [[Lanes::ZERO; S]; S];
+    for k in 0..S {
+        for l in 0..S {
+            result[k][l] = all[place::<S>(k)][place::<S>(l)];
+        }
+    }
+    result
+}
+
+impl<const FMA: bool, const S: usize> VolumeRatio<FMA, S> {
+    /// Of a step between two strains with these volume ratios less 1, or at the strain in its middle (`strain_mid`, `change_mid`).
+    #[inline(always)]
+    pub(super) fn new(
+        derivative: Derivative,
+        strains: [&Components<S>; 2],
+        changes: [Lanes<FMA>; 2],
+        middle: (&Components<S>, Lanes<FMA>),
+    ) -> Self {
+        match derivative {
+            Derivative::DiscreteGradient => VolumeRatio::of_step(strains, changes),
+            Derivative::Gradient(Configuration::Middle) => VolumeRatio::at(middle.0, middle.1, 0.5),
+            Derivative::Gradient(Configuration::End) => VolumeRatio::at(strains[1], changes[1], 1.0),
+        }
+    }
+
+    #[inline(always)]
+    fn of_step(strains: [&Components<S>; 2], changes: [Lanes<FMA>; 2]) -> Self {
+        let [c_0, c_1] = strains.map(stretch::<FMA, S>);
+        let mut mid = c_0;
+        for k in 0..6 {
+            mid[k] = (c_0[k] + c_1[k]) * 0.5;
+        }
+        let inverse = Lanes::splat(1.0) / (changes[0] + changes[1] + 2.0);
+        let per_end = Lanes::splat(1.0) / (changes[1] + 1.0);
+        let (at_0, at_mid, at_1): ([_; S], [_; S], [_; S]) = (cofactor(c_0), cofactor(mid), cofactor(c_1));
+        let (slope_mid, slope_1): ([[_; S]; S], [[_; S]; S]) = (cofactor_slope(mid), cofactor_slope(c_1));
+        let (mut gradient, mut hessian, mut trial) = ([Lanes::ZERO; S], [[Lanes::ZERO; S]; S], [Lanes::ZERO; S]);
+        for k in 0..S {
+            gradient[k] = (at_0[k] + at_mid[k] * 4.0 + at_1[k]) * inverse * (1.0 / 3.0);
+            trial[k] = at_1[k] * per_end;
+        }
+        for k in 0..S {
+            for l in 0..S {
+                // dC_mid = dE_1, dC_1 = 2 dE_1.
+                let slope = (slope_mid[k][l] * 4.0 + slope_1[k][l] * 2.0) * inverse * (1.0 / 3.0);
+                hessian[k][l] = slope - gradient[k] * trial[l] * inverse;
+            }
+        }
+        VolumeRatio { gradient, hessian, trial }
+    }
+
+    /// The gradient at one strain; `share` is the derivative of the strain there with respect to that at the end.
+    #[inline(always)]
+    fn at(strain: &Components<S>, change: Lanes<FMA>, share: f64) -> Self {
+        let c = stretch::<FMA, S>(strain);
+        let inverse = Lanes::splat(1.0) / (change + 1.0);
+        let (cofactor, slope): ([_; S], [[_; S]; S]) = (cofactor(c), cofactor_slope(c));
+        let (mut gradient, mut hessian, mut trial) = ([Lanes::ZERO; S], [[Lanes::ZERO; S]; S], [Lanes::ZERO; S]);
+        for k in 0..S {
+            gradient[k] = cofactor[k] * inverse;
+            trial[k] = gradient[k] * share;
+        }
+        for k in 0..S {
+            for l in 0..S {
+                hessian[k][l] = (slope[k][l] * 2.0 - gradient[k] * gradient[l]) * inverse * share;
+            }
+        }
+        VolumeRatio { gradient, hessian, trial }
+    }
+}

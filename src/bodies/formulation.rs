@@ -1,0 +1,117 @@
+//! What a body's strains are: how a plane body is completed to space, and how its change of volume is taken.
+
+use thiserror::Error;
+
+use crate::materials::{Kinematics, Material};
+use crate::mesh::Mesh;
+
+/// How a body of plane cells is completed to space. Bodies in space do not ask.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Plane {
+    /// No stretch across the plane.
+    #[default]
+    Strain,
+    /// No stress across the plane: the stretch there is solved for. Forces are per thickness.
+    Stress,
+    /// A body of revolution about the second axis, of which the cells are half a section: the first coordinate is the radius. Volumes,
+    /// masses and forces are those of the whole circumference.
+    Axisymmetric,
+}
+
+/// How an element takes the change of volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dilatation {
+    /// At every quadrature point its own: stiff where the material hardly changes its volume.
+    #[default]
+    Pointwise,
+    /// One mean for the element (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985), which does not lock.
+    Mean,
+}
+
+/// The formulation of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Formulation {
+    /// How it is completed to space.
+    pub plane: Plane,
+    /// How it takes the change of volume.
+    pub dilatation: Dilatation,
+}
+
+/// A formulation that does not go with its material or mesh.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FormulationError {
+    /// An energy that is not written as a function of the volume and a rest.
+    #[error("a mean dilatation needs a law with a volumetric part, and `{law}` has none")]
+    NoVolumetricPart {
+        /// The law.
+        law: &'static str,
+    },
+    /// Two conditions for one stretch.
+    #[error("a mean dilatation does not go with plane stress, which leaves the volume free anyway")]
+    MeanInPlaneStress,
+    /// A plane condition of a body in space.
+    #[error("a body of `{cells}` cells is in space: it is neither plane nor axisymmetric")]
+    NotPlane {
+        /// Its cells.
+        cells: &'static str,
+    },
+    /// A body of revolution that crosses its axis.
+    #[error("a node of an axisymmetric body is at x = {x}, on the other side of the axis x = 0")]
+    BeyondAxis {
+        /// Smallest first coordinate `[length]`.
+        x: f64,
+    },
+    /// Strains that a formulation is not made for.
+    #[error("a mean dilatation is one of large strains, and `{law}` is linear")]
+    MeanOfLinear {
+        /// The law.
+        law: &'static str,
+    },
+}
+
+impl FormulationError {
+    /// How to mend it.
+    pub fn cure(&self) -> String {
+        use FormulationError::*;
+        match self {
+            NoVolumetricPart { .. } => {
+                "take `neo_hookean` or another law with a bulk modulus, or `hyperelastic` with the key `volumetric` for the part in J"
+                    .into()
+            }
+            MeanInPlaneStress => "leave one of the two out".into(),
+            NotPlane { .. } => "leave `plane` out".into(),
+            BeyondAxis { .. } => "mesh one half of the section, with x >= 0 as the radius".into(),
+            MeanOfLinear { .. } => "take `neo_hookean`, whose small strains are those of linear elasticity".into(),
+        }
+    }
+}
+
+impl Formulation {
+    /// Whether it goes with a material and a mesh.
+    ///
+    /// # Errors
+    /// What does not go together.
+    pub fn check(&self, mesh: &Mesh, material: &Material) -> Result<(), FormulationError> {
+        let law = material.name();
+        if mesh.dimension() == 3 && self.plane != Plane::Strain {
+            return Err(FormulationError::NotPlane { cells: mesh.kind.name() });
+        }
+        if self.dilatation == Dilatation::Mean {
+            if self.plane == Plane::Stress {
+                return Err(FormulationError::MeanInPlaneStress);
+            }
+            if material.kinematics() == Kinematics::Linear {
+                return Err(FormulationError::MeanOfLinear { law });
+            }
+            if material.split().is_none() {
+                return Err(FormulationError::NoVolumetricPart { law });
+            }
+        }
+        let least = mesh.points.iter().map(|point| point[0]).fold(f64::INFINITY, f64::min);
+        if self.plane == Plane::Axisymmetric && least < 0.0 {
+            return Err(FormulationError::BeyondAxis { x: least });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,67 @@
+//! Which loop goes over which cells: the one place that joins cell kinds, formulations and laws.
+
+use super::cells::Cells;
+use super::element_loop::{ElementLoop, Inverted};
+use super::formulation::Formulation;
+use super::physics::Physics;
+use crate::elements::{CellKind, Hex8, Quad4, Quad8, Quad9, ReferenceCell, Tet4, Tri3, Tri6};
+use crate::materials::Material;
+use crate::mesh::Mesh;
+
+/// A space dimension for which there are cells.
+pub struct Space<const D: usize>;
+
+/// Chooses the cells of a mesh by its cell kind.
+pub trait Elements<const D: usize> {
+    /// The loop over the cells of `mesh`, whose nodes begin at `first_node` of the model, by a formulation that goes with mesh and material
+    /// ([`Formulation::check`]).
+    ///
+    /// # Errors
+    /// The first cell that is inside out in the mesh.
+    fn elements(mesh: &Mesh, material: &Material, formulation: Formulation, first_node: usize)
+    -> Result<Box<dyn ElementLoop<D>>, Inverted>;
+}
+
+/// A loop over cells of one kind.
+fn cells<C: ReferenceCell<D, A, Q>, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize>(
+    mesh: &Mesh,
+    physics: Physics<S, L>,
+    first_node: usize,
+) -> Result<Box<dyn ElementLoop<D>>, Inverted> {
+    Ok(Box::new(Cells::<D, S, L, A, Q>::new::<C>(mesh, physics, first_node)?))
+}
+
+impl Elements<2> for Space<2> {
+    fn elements(
+        mesh: &Mesh,
+        material: &Material,
+        formulation: Formulation,
+        first_node: usize,
+    ) -> Result<Box<dyn ElementLoop<2>>, Inverted> {
+        let physics = Physics::of_plane(material, formulation);
+        match mesh.kind {
+            CellKind::Tri3 => cells::<Tri3, 2, 3, 4, 3, 1>(mesh, physics, first_node),
+            CellKind::Quad4 => cells::<Quad4, 2, 3, 4, 4, 4>(mesh, physics, first_node),
+            CellKind::Tri6 => cells::<Tri6, 2, 3, 4, 6, 3>(mesh, physics, first_node),
+            CellKind::Quad8 => cells::<Quad8, 2, 3, 4, 8, 9>(mesh, physics, first_node),
+            CellKind::Quad9 => cells::<Quad9, 2, 3, 4, 9, 9>(mesh, physics, first_node),
+            CellKind::Tet4 | CellKind::Hex8 => unreachable!("a model has bodies of one dimension"),
+        }
+    }
+}
+
+impl Elements<3> for Space<3> {
+    fn elements(
+        mesh: &Mesh,
+        material: &Material,
+        formulation: Formulation,
+        first_node: usize,
+    ) -> Result<Box<dyn ElementLoop<3>>, Inverted> {
+        let physics = Physics::of_space(material, formulation);
+        match mesh.kind {
+            CellKind::Tet4 => cells::<Tet4, 3, 6, 6, 4, 1>(mesh, physics, first_node),
+            CellKind::Hex8 => cells::<Hex8, 3, 6, 6, 8, 8>(mesh, physics, first_node),
+            _ => unreachable!("a model has bodies of one dimension"),
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! What a batch computes where a point's stress is more than its law's answer to its own strain in the cell's components: bodies of
+//! revolution, which are stretched around their axis, too, and cells with a mean dilatation.
+//!
+//! Kept apart from the loop that all cells share, because most bodies need none of it. The stress of a step comes from here as it is wanted,
+//! and what it does beyond the cell's own components is added when the others are summed:
+//!
+//! ```text
+//! around the axis   f_a,1 = w F_33 S_33 N_a / R                     (Hughes, The Finite Element Method, 2000, section 2.12)
+//! mean dilatation   K_ab += p' (sum_g w DG[J] : B_a) (sum_g w/V dJ/dE : B_b)
+//! ```
+
+use std::sync::Arc;
+
+use super::batch::{Strain, cast, mean, volume_change};
+use super::dilatation::{Pressure, VolumeRatio};
+use crate::integrators::{Configuration, Derivative, discrete_gradient};
+use crate::materials::{BatchedLaw, Components, IncrementResponse, Response, VolumetricLaw};
+use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
+use crate::math::simd::{Kernel, dispatch};
+use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
+
+/// Most quadrature points of a cell.
+pub(super) const MOST_POINTS: usize = 9;
+
+/// A law of `L` components, four in the plane with the direction across it, and the energy of a mean dilatation.
+pub(super) struct Special<const L: usize> {
+    /// The law of the points; with a mean dilatation, without its volumetric part.
+    pub(super) law: Arc<dyn BatchedLaw<L>>,
+    /// The volumetric part, where the dilatation is a mean.
+    pub(super) volumetric: Option<Arc<dyn VolumetricLaw>>,
+    /// Which strain it is.
+    pub(super) strain: Strain,
+    /// Whether the body is stretched around an axis.
+    pub(super) is_round: bool,
+}
+
+/// What is known of a batch at its points: volumes, and the displacement gradients of start and end.
+pub(super) struct SpecialPoints<const D: usize> {
+    pub(super) count: usize,
+    pub(super) volume: [Lanes<false>; MOST_POINTS],
+    pub(super) gradients: [[[[Lanes<false>; D]; D]; MOST_POINTS]; 2],
+    /// Around the axis.
+    pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],
+}
+
+/// Stresses of a step with their derivatives with respect to the strains at the end, and what a mean dilatation adds.
+pub(super) struct Answer<const L: usize> {
+    pub(super) responses: [Response<L>; MOST_POINTS],
+    /// `DG[J]` and, at the trial configuration, `dJ/dE`.
+    pub(super) ratios: [[Components<L>; 2]; MOST_POINTS],
+    /// Derivative of the pressure of the mean dilatation, where there is one.
+    pub(super) slope: Option<Lanes<false>>,
+}
+
+impl<const L: usize> Answer<L> {
+    pub(super) const EMPTY: Self =
+        Answer { responses: [Response::ZERO; MOST_POINTS], ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS], slope: None };
+}
+
+impl<const L: usize> Special<L> {
+    /// The stresses of a step, into `answer`.
+    pub(super) fn respond<const D: usize>(&self, points: &SpecialPoints<D>, derivative: Derivative, answer: &mut Answer<L>) {
+        dispatch(Respond { special: self, points, derivative, answer });
+    }
+
+    /// Energy of each cell at the end of a step.
+    pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>) -> Lanes<false> {
+        let count = points.count;
+        let (mut strains, mut energies) = ([[Lanes::ZERO; L]; MOST_POINTS], [Lanes::ZERO; MOST_POINTS]);
+        for q in 0..count {
+            strains[q] = self.strain.of(&points.gradients[1][q], points.hoop[1][q]);
+        }
+        self.law.energies_into(&strains[..count], &mut energies[..count]);
+        let mut volumetric = [Lanes::ZERO];
+        if let Some(law) = &self.volumetric {
+            law.energies_into(&[points.mean_change()], &mut volumetric);
+        }
+        let mut sum = Lanes::ZERO;
+        for q in 0..count {
+            sum = sum + points.volume[q] * (energies[q] + volumetric[0]);
+        }
+        sum
+    }
+
+    /// The pressure of the mean dilatation at the end of a step.
+    pub(super) fn pressure<const D: usize>(&self, points: &SpecialPoints<D>) -> Lanes<false> {
+        self.volumetric.as_ref().map_or(Lanes::ZERO, |law| Pressure::at(&**law, points.mean_change()).value)
+    }
+}
+
+impl<const D: usize> SpecialPoints<D> {
+    /// Mean volume ratio less 1 at the end of the step.
+    fn mean_change(&self) -> Lanes<false> {
+        self.mean(|q| change(&self.gradients[1][q], self.hoop[1][q]))
+    }
+
+    #[inline(always)]
+    fn mean(&self, value: impl Fn(usize) -> Lanes<false>) -> Lanes<false> {
+        let (mut sum, mut volume) = (Lanes::ZERO, Lanes::ZERO);
+        for q in 0..self.count {
+            sum = sum + self.volume[q] * value(q);
+            volume = volume + self.volume[q];
+        }
+        sum / volume
+    }
+}
+
+/// Volume ratio less 1; `hoop` is zero in plane strain and in space.
+#[inline(always)]
+fn change<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D]; D], hoop: Lanes<FMA>) -> Lanes<FMA> {
+    let inner = volume_change(h);
+    hoop.mul_add(inner, inner + hoop)
+}
+
+struct Respond<'a, const D: usize, const L: usize> {
+    special: &'a Special<L>,
+    points: &'a SpecialPoints<D>,
+    derivative: Derivative,
+    answer: &'a mut Answer<L>,
+}
+
+impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Respond { special, points, derivative, answer } = self;
+        let count = points.count;
+        // At start, end and middle.
+        let mut strains = [[[Lanes::ZERO; L]; MOST_POINTS]; 3];
+        let mut changes = [[Lanes::ZERO; MOST_POINTS]; 3];
+        for q in 0..count {
+            let middle = (mean(&points.gradients[0][q], &points.gradients[1][q]), (points.hoop[0][q] + points.hoop[1][q]) * 0.5);
+            let all = [(points.gradients[0][q], points.hoop[0][q]), (points.gradients[1][q], points.hoop[1][q]), middle];
+            for (k, (h, hoop)) in all.iter().enumerate() {
+                strains[k][q] = special.strain.of(h, *hoop);
+                changes[k][q] = change(h, *hoop);
+            }
+        }
+        law_responses::<FMA, L>(special, &strains, count, derivative, answer);
+        answer.slope = None;
+        let Some(law) = &special.volumetric else { return };
+        let theta = |k: usize| points.mean(|q| changes[k][q]);
+        let pressure = match derivative {
+            Derivative::DiscreteGradient => Pressure::between(&**law, theta(0), theta(1)),
+            Derivative::Gradient(Configuration::Middle) => Pressure::at(&**law, theta(2)),
+            Derivative::Gradient(Configuration::End) => Pressure::at(&**law, theta(1)),
+        };
+        answer.slope = Some(pressure.slope);
+        let p = cast::<FMA>(pressure.value);
+        for q in 0..count {
+            let change = |k: usize| cast::<FMA>(changes[k][q]);
+            let ratio = VolumeRatio::new(derivative, [&strains[0][q], &strains[1][q]], [change(0), change(1)], (&strains[2][q], change(2)));
+            let Response { stress, tangent } = &mut answer.responses[q];
+            for k in 0..L {
+                stress[k] = Lanes(p.mul_add(ratio.gradient[k], cast(stress[k])).0);
+                for l in 0..L {
+                    tangent[k][l] = Lanes(p.mul_add(ratio.hessian[k][l], cast(tangent[k][l])).0);
+                }
+            }
+            answer.ratios[q] = [relabel(&ratio.gradient), relabel(&ratio.trial)];
+        }
+    }
+}
+
+/// The law's part of the stresses and of their derivatives.
+#[inline(always)]
+fn law_responses<const FMA: bool, const L: usize>(
+    special: &Special<L>,
+    strains: &[[Components<L>; MOST_POINTS]; 3],
+    count: usize,
+    derivative: Derivative,
+    answer: &mut Answer<L>,
+) {
+    let (law, responses) = (&special.law, &mut answer.responses[..count]);
+    match derivative {
+        Derivative::DiscreteGradient => {
+            let mut increments = [IncrementResponse::ZERO; MOST_POINTS];
+            law.increments_into(&strains[0][..count], &strains[1][..count], &mut increments[..count]);
+            for q in 0..count {
+                let mut d = [Lanes::<FMA>::ZERO; L];
+                for k in 0..L {
+                    d[k] = cast::<FMA>(strains[1][q][k]) - cast(strains[0][q][k]);
+                }
+                let IncrementResponse { mean, stress_end, remainder } = &increments[q];
+                let (gradient, hessian) = (relabel(&mean.stress), relabel_rows(&mean.tangent));
+                let (stress, tangent) =
+                    discrete_gradient(&d, &gradient, &hessian, &relabel(stress_end), cast(*remainder), STRAIN_INCREMENT_SQUARED);
+                responses[q] = Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) };
+            }
+        }
+        Derivative::Gradient(Configuration::Middle) => {
+            law.responses_into(&strains[2][..count], responses);
+            for component in responses.iter_mut().flat_map(|response| response.tangent.iter_mut().flatten()) {
+                *component = *component * 0.5;
+            }
+        }
+        Derivative::Gradient(Configuration::End) => law.responses_into(&strains[1][..count], responses),
+    }
+}

@@ -1,0 +1,80 @@
+//! Biquadratic quadrilateral: corners as in `quad4`, the middles of the edges 1-2, 2-3, 3-4, 4-1, the center; 3 x 3 Gauss points.
+//!
+//! Shape functions are products of the quadratic ones of an interval, `x (x - 1)/2`, `1 - x^2`, `x (x + 1)/2` (Hughes, The Finite Element
+//! Method, 2000, section 3.6).
+
+use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
+
+const PLACES: [[f64; 3]; 9] = [
+    [-1.0, -1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [-1.0, 1.0, 0.0],
+    [0.0, -1.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [-1.0, 0.0, 0.0],
+    [0.0, 0.0, 0.0],
+];
+
+pub(super) const FACETS: [&[usize]; 4] = [&[0, 1, 4], &[1, 2, 5], &[2, 3, 6], &[3, 0, 7]];
+
+pub(super) static ROW: CellRow = CellRow {
+    name: "quad9",
+    summary: "biquadratic quadrilateral with 9 nodes and 3 x 3 Gauss points",
+    cell_shape: CellShape::Quadrilateral,
+    dimension: 2,
+    nodes: 9,
+    node_places: &PLACES,
+    facets: &FACETS,
+    exact_power: 5,
+    vtk_type: 28,
+    quadrature: quadrature::<Quad9, 2, 9, 9>,
+    shape: shape::<Quad9, 2, 9, 9>,
+    gradients: gradients::<Quad9, 2, 9, 9>,
+};
+
+/// The biquadratic quadrilateral.
+pub struct Quad9;
+
+/// The quadratic function of an interval that is one at `at`, and its slope.
+fn quadratic(at: f64, x: f64) -> (f64, f64) {
+    if at == 0.0 { (1.0 - x * x, -2.0 * x) } else { (0.5 * x * (x + at), x + 0.5 * at) }
+}
+
+/// 3 x 3 Gauss points.
+pub(super) fn gauss() -> [([f64; 2], f64); 9] {
+    let points = [(-0.6f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)];
+    std::array::from_fn(|q| {
+        let ((x, v), (y, w)) = (points[q % 3], points[q / 3]);
+        ([x, y], v * w)
+    })
+}
+
+/// Weights of the corners of a quadrilateral and of places between, of the sum 1.
+pub(super) fn nearness<const A: usize>(places: &[[f64; 3]], xi: [f64; 2]) -> [f64; A] {
+    let near = |a: usize| (1.0 + xi[0] * places[a][0]) * (1.0 + xi[1] * places[a][1]);
+    let sum: f64 = (0..A).map(near).sum();
+    std::array::from_fn(|a| near(a) / sum)
+}
+
+impl ReferenceCell<2, 9, 9> for Quad9 {
+    fn quadrature() -> [([f64; 2], f64); 9] {
+        gauss()
+    }
+
+    fn shape(xi: [f64; 2]) -> [f64; 9] {
+        std::array::from_fn(|a| quadratic(PLACES[a][0], xi[0]).0 * quadratic(PLACES[a][1], xi[1]).0)
+    }
+
+    fn gradients(xi: [f64; 2]) -> [[f64; 2]; 9] {
+        std::array::from_fn(|a| {
+            let ((f, df), (g, dg)) = (quadratic(PLACES[a][0], xi[0]), quadratic(PLACES[a][1], xi[1]));
+            [df * g, f * dg]
+        })
+    }
+
+    fn smoothing(xi: [f64; 2]) -> [f64; 9] {
+        nearness(&PLACES, xi)
+    }
+}

@@ -1,0 +1,127 @@
+//! A law without stress across the plane: the strain there is solved for.
+//!
+//! `W(E) = min over E_33 of W(E, E_33)`, so `S_33 = 0`; the stress is that of the law with this strain, and the tangent is condensed,
+//! `T - T_3 (x) T_3 / T_33`. The minimum is an energy like any other, so a discrete gradient of it conserves (after Simo and Taylor, IJNME 22,
+//! 1986, who condense an elastoplastic law so). Its remainder is that of [`Law::remainder`](super::Law::remainder)'s default.
+
+use std::sync::Arc;
+
+use super::batched::{BatchedLaw, Components, IncrementResponse, Response};
+use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::tolerances::{STRAIN_QUOTIENT, THICKNESS_STRAIN};
+
+/// Most iterations for the strain across the plane: Newton's method needs four to six.
+const ITERATIONS: usize = 40;
+
+/// A law with `E_33` solved for.
+pub struct PlaneStress(pub Arc<dyn BatchedLaw<4>>);
+
+/// A place of the four components for each of the three.
+const PLACES: [usize; 3] = [0, 1, 3];
+
+impl PlaneStress {
+    /// The strain across the plane where the stress there vanishes, for strains in the plane.
+    pub fn thickness_strain(&self, strain: &Components<3>) -> Lanes<false> {
+        self.solved(strain).0[2]
+    }
+
+    /// All four strains, and the law's response there.
+    fn solved(&self, strain: &Components<3>) -> (Components<4>, Response<4>) {
+        let mut all = [strain[0], strain[1], Lanes::ZERO, strain[2]];
+        let mut response = [Response::ZERO];
+        for _ in 0..ITERATIONS {
+            self.0.responses_into(&[all], &mut response);
+            let mut largest = 0.0f64;
+            for lane in 0..WIDTH {
+                let change = -response[0].stress[2].0[lane] / response[0].tangent[2][2].0[lane];
+                // No more than to a fifth of the thickness in one step.
+                let squared = 1.0 + 2.0 * all[2].0[lane];
+                let change = change.max(-0.48 * squared);
+                all[2].0[lane] += change;
+                largest = largest.max(change.abs());
+            }
+            if largest <= THICKNESS_STRAIN || largest.is_nan() {
+                break;
+            }
+        }
+        self.0.responses_into(&[all], &mut response);
+        (all, response[0])
+    }
+
+    fn energy(&self, strain: &Components<3>) -> Lanes<false> {
+        let mut energy = [Lanes::ZERO];
+        self.0.energies_into(&[self.solved(strain).0], &mut energy);
+        energy[0]
+    }
+
+    fn response(&self, strain: &Components<3>) -> Response<3> {
+        let (_, Response { stress, tangent }) = self.solved(strain);
+        let mut condensed = Response::ZERO;
+        for (k, &row) in PLACES.iter().enumerate() {
+            condensed.stress[k] = stress[row];
+            for (l, &column) in PLACES.iter().enumerate() {
+                condensed.tangent[k][l] = tangent[row][column] - tangent[row][2] * tangent[2][column] / tangent[2][2];
+            }
+        }
+        condensed
+    }
+
+    /// `W(E1) - W(E0) - S((E0 + E1)/2):(E1 - E0)`; `end` is the stress at `E1`.
+    fn remainder(&self, n: &Components<3>, n1: &Components<3>, middle: &Components<3>, end: &Components<3>) -> Lanes<false> {
+        let at = |s: f64| {
+            let mut strain = *n;
+            for k in 0..3 {
+                strain[k] = (n[k] + n1[k]) * 0.5 + (n1[k] - n[k]) * s;
+            }
+            strain
+        };
+        let work = |stress: &Components<3>, less: &Components<3>| {
+            let mut sum = Lanes::ZERO;
+            for k in 0..3 {
+                sum = sum + (stress[k] - less[k]) * (n1[k] - n[k]);
+            }
+            sum
+        };
+        let s = 0.5 * (3.0f64 / 7.0).sqrt();
+        let slope = |s: f64| work(&self.response(&at(s)).stress, middle);
+        let line = (slope(-0.5) + work(end, middle)) * 0.05 + (slope(-s) + slope(s)) * (49.0 / 180.0);
+        let difference = self.energy(n1) - self.energy(n) - work(middle, &[Lanes::ZERO; 3]);
+        let mut square = Lanes::ZERO;
+        for k in 0..3 {
+            square = square + (n1[k] - n[k]) * (n1[k] - n[k]);
+        }
+        line + square.if_above(STRAIN_QUOTIENT * STRAIN_QUOTIENT, difference - line)
+    }
+}
+
+impl BatchedLaw<3> for PlaneStress {
+    fn energies_into(&self, strain: &[Components<3>], energy: &mut [Lanes<false>]) {
+        for (strain, energy) in strain.iter().zip(energy) {
+            *energy = self.energy(strain);
+        }
+    }
+
+    fn stresses_into(&self, strain: &[Components<3>], stress: &mut [Components<3>]) {
+        for (strain, stress) in strain.iter().zip(stress) {
+            *stress = self.response(strain).stress;
+        }
+    }
+
+    fn responses_into(&self, strain: &[Components<3>], responses: &mut [Response<3>]) {
+        for (strain, response) in strain.iter().zip(responses) {
+            *response = self.response(strain);
+        }
+    }
+
+    fn increments_into(&self, strain_n: &[Components<3>], strain_n1: &[Components<3>], increments: &mut [IncrementResponse<3>]) {
+        for ((n, n1), increment) in strain_n.iter().zip(strain_n1).zip(increments) {
+            let mut middle = *n;
+            for k in 0..3 {
+                middle[k] = (n[k] + n1[k]) * 0.5;
+            }
+            increment.mean = self.response(&middle);
+            increment.stress_end = self.response(n1).stress;
+            increment.remainder = self.remainder(n, n1, &increment.mean.stress, &increment.stress_end);
+        }
+    }
+}

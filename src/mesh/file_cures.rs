@@ -1,0 +1,56 @@
+//! How to mend a mesh file, one sentence for each problem.
+
+use super::file_error::FileProblem;
+
+impl FileProblem {
+    /// How to mend it, one sentence.
+    pub fn cure(&self) -> String {
+        use FileProblem::*;
+        match self {
+            Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script",
+            NotText => "save the file again as ASCII or as binary: a text file must be UTF-8",
+            OtherFormat { .. } => "save it as Gmsh MSH 4.1 (`Mesh.MshFileVersion = 4.1;`) or as an Abaqus or CalculiX input file (`.inp`)",
+            NumberSize { .. } | ByteOrder => "the file is damaged: write it again, or as ASCII (`Mesh.Binary = 0;` in Gmsh)",
+            Version { .. } => "save it with `Mesh.MshFileVersion = 4.1;` (or 2.2) in Gmsh",
+            Truncated { .. } | MissingSection { .. } => "the file is incomplete: write or copy it again",
+            Count { .. } | RepeatedSection { .. } | DuplicateNode { .. } | MissingNode { .. } | UnknownEntity { .. } | Malformed { .. } => {
+                "the file is damaged or was edited by hand: write it again with the program that made it"
+            }
+            DuplicateElement { .. } => "number the elements of all parts without repetition, or write each part into a file of its own",
+            Partitioned { .. } => "save it as one piece: `UnpartitionMesh;` in Gmsh",
+            Coordinate { .. } => "give every node finite coordinates",
+            DuplicateCell { .. } => "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent",
+            UnsupportedCell { kind, .. } if kind.contains("second order") || kind.contains("27-node") => {
+                "mesh with first-order cells (`Mesh.ElementOrder = 1;` in Gmsh), or with one of these kinds"
+            }
+            UnsupportedCell { .. } => {
+                "mesh surfaces with triangles or quadrilaterals and volumes with hexahedra or tetrahedra: prisms and pyramids come from \
+                 extruded triangles and from mixed meshes"
+            }
+            UnsupportedType { .. } => {
+                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4 or C3D8, and T3D2 or T3D3 for lines of boundaries"
+            }
+            MixedCells { .. } => {
+                "mesh with one kind: in Gmsh `Mesh.RecombineAll = 1;` with `Mesh.SubdivisionAlgorithm = 1;` leaves quadrilaterals alone, \
+                 and without them there are triangles alone"
+            }
+            MixedDimensions { .. } => "save plane and solid bodies in files of their own",
+            NoCells { .. } => {
+                "mesh surfaces (`Mesh 2;` in Gmsh) or volumes (`Mesh 3;`), and put them into a physical group: Gmsh saves nothing else \
+                 once there is one"
+            }
+            StrayFacet { .. } => {
+                "take the element out of the group, or mesh the surface that it bounds; curves that are only drawn on top of a surface are \
+                 not part of its mesh, and its elements must be of the cells' order"
+            }
+            NotPlane { .. } => "move the mesh into the plane z = 0, or mesh a volume",
+            AmbiguousName { .. } => "give each physical group its own name",
+            Keyword { .. } => "write one part without instances that are moved, in one file",
+            MissingParameter { .. } => "write the parameter behind the keyword, such as `*ELEMENT, TYPE=CPS4`",
+            UnknownSet { .. } => "define the set before it is used, or correct its name",
+            UnknownMember { .. } => "correct the number, or write the file again with the program that made it",
+            UnknownSide { .. } => "sides of plane cells are S1 to S4, of solid cells S1 to S6 (tetrahedra: S4)",
+        }
+        .into()
+    }
+}

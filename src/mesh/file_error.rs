@@ -1,0 +1,303 @@
+//! What can be wrong with a mesh file, and where: a line of a text file, a byte of a binary one.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// A place in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Line of a text, counted from 1.
+    Line(usize),
+    /// Byte of a binary file, counted from 0.
+    Byte(usize),
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Place::Line(line) => write!(out, "in line {line}"),
+            Place::Byte(byte) => write!(out, "at byte {byte}"),
+        }
+    }
+}
+
+/// A mesh file that is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{problem}")]
+pub struct FileError {
+    /// Where it shows.
+    pub at: Place,
+    /// What is wrong there.
+    pub problem: FileProblem,
+}
+
+/// What is wrong with a mesh file.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FileProblem {
+    /// A file that cannot be opened or read.
+    #[error("the mesh file {} cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// Path of the file.
+        path: PathBuf,
+        /// What the system says.
+        reason: String,
+    },
+    /// A line that is not text.
+    #[error("the mesh file is not text here: the line holds bytes that are not UTF-8")]
+    NotText,
+    /// A file of another format.
+    #[error("this is not a mesh file that is read here but {found}")]
+    OtherFormat {
+        /// What it looks like.
+        found: &'static str,
+    },
+    /// A binary file whose numbers have a size that is not read.
+    #[error("the binary file says that its sizes have {bytes} bytes, but 4 and 8 are read")]
+    NumberSize {
+        /// The size as written.
+        bytes: u64,
+    },
+    /// A binary file that does not hold the number 1 where it must.
+    #[error("the binary file has no number 1 behind its version, in neither order of bytes")]
+    ByteOrder,
+    /// A Gmsh version that is not read.
+    #[error("the file has Gmsh format version {version}, but versions 2.2 and 4.1 are read")]
+    Version {
+        /// The version as written.
+        version: String,
+    },
+    /// A file that ends too early.
+    #[error("the file ends inside section {section} that began {begin}: {found} of {announced} entries are there")]
+    Truncated {
+        /// Name of the section.
+        section: String,
+        /// Where it begins.
+        begin: Place,
+        /// Entries read.
+        found: usize,
+        /// Entries announced; equal to `found` when only the closing line is missing.
+        announced: usize,
+    },
+    /// A section whose number of entries is not the one that it announces.
+    #[error("section {section} announces {announced} entries but has {}", more_or(*.found, *.announced))]
+    Count {
+        /// Name of the section.
+        section: &'static str,
+        /// Entries announced.
+        announced: usize,
+        /// Entries found so far.
+        found: usize,
+    },
+    /// A section that must be there is not.
+    #[error("the file has no section {section}")]
+    MissingSection {
+        /// Name of the section.
+        section: &'static str,
+    },
+    /// A section that is there twice.
+    #[error("section {section} is there a second time")]
+    RepeatedSection {
+        /// Name of the section.
+        section: String,
+    },
+    /// A section of a partitioned mesh.
+    #[error("the mesh is partitioned (section {section})")]
+    Partitioned {
+        /// Name of the section.
+        section: String,
+    },
+    /// A place that does not hold what belongs there.
+    #[error("expected {expected}, found \"{found}\"")]
+    Malformed {
+        /// What belongs there.
+        expected: &'static str,
+        /// What is there, shortened.
+        found: String,
+    },
+    /// A node with a coordinate that is infinite or not a number.
+    #[error("node {node} has the coordinate {value}")]
+    Coordinate {
+        /// Number of the node in the file.
+        node: u64,
+        /// The coordinate.
+        value: f64,
+    },
+    /// Two nodes with one number.
+    #[error("node {node} is there twice, first {first}")]
+    DuplicateNode {
+        /// Number of the node in the file.
+        node: u64,
+        /// Where the first is.
+        first: Place,
+    },
+    /// Two elements with one number.
+    #[error("element {element} is there twice, first {first}")]
+    DuplicateElement {
+        /// Number of the element in the file.
+        element: u64,
+        /// Where the first is.
+        first: Place,
+    },
+    /// An element that names a node that is not in the file.
+    #[error("element {element} names node {node}, but the file has no such node")]
+    MissingNode {
+        /// Number of the element in the file.
+        element: u64,
+        /// Number of the node.
+        node: u64,
+    },
+    /// Two cells with the same nodes in the same group.
+    #[error("cells {first} and {cell} have the same nodes")]
+    DuplicateCell {
+        /// Number of the second cell in the file.
+        cell: u64,
+        /// Number of the first.
+        first: u64,
+    },
+    /// A kind of element that bodies are not made of here.
+    #[error("element {element} is a {kind}, but cells read are {}", readable_cells())]
+    UnsupportedCell {
+        /// Number of the element in the file.
+        element: u64,
+        /// Name of the kind.
+        kind: String,
+    },
+    /// A type of elements that is not known.
+    #[error("elements of the type {name} are not read here")]
+    UnsupportedType {
+        /// Name of the type as written.
+        name: String,
+    },
+    /// Cells of two kinds.
+    #[error(
+        "the file mixes cells: {count} {kind} and {others} {other}, but a mesh has cells of one kind; the first {other} is element \
+         {element}"
+    )]
+    MixedCells {
+        /// The kind that most cells are of.
+        kind: &'static str,
+        /// How many.
+        count: usize,
+        /// Another kind.
+        other: &'static str,
+        /// How many.
+        others: usize,
+        /// Number of the first of them in the file.
+        element: u64,
+    },
+    /// Plane cells that are not facets of the solid cells in the same file.
+    #[error("the file mixes plane and solid cells: {kind} {element} touches no {solid}")]
+    MixedDimensions {
+        /// Kind of the plane cell.
+        kind: &'static str,
+        /// Kind of the solid cells.
+        solid: &'static str,
+        /// Number of the plane cell in the file.
+        element: u64,
+    },
+    /// A file without cells.
+    #[error("the file has no cells, only {lines} line elements")]
+    NoCells {
+        /// How many line elements it has.
+        lines: usize,
+    },
+    /// An element of a boundary that is not a facet of any cell.
+    #[error("element {element} of boundary \"{boundary}\" is not a facet of any cell")]
+    StrayFacet {
+        /// Number of the element in the file.
+        element: u64,
+        /// Name of the group.
+        boundary: String,
+    },
+    /// A node of a plane mesh that is not in the plane.
+    #[error("node {node} of the plane mesh has z = {z}, but must have z = 0")]
+    NotPlane {
+        /// Number of the node in the file.
+        node: u64,
+        /// Its third coordinate.
+        z: f64,
+    },
+    /// An entity that the table of entities does not know.
+    #[error("there is no entity {entity} of dimension {dimension} in section $Entities")]
+    UnknownEntity {
+        /// Dimension of the entity.
+        dimension: usize,
+        /// Its number.
+        entity: i64,
+    },
+    /// Two physical groups of one dimension with the same name.
+    #[error("two physical groups of dimension {dimension} have the name \"{name}\": {first} and {second}")]
+    AmbiguousName {
+        /// Dimension of the groups.
+        dimension: usize,
+        /// The name.
+        name: String,
+        /// Number of the first group.
+        first: u64,
+        /// Number of the second group.
+        second: u64,
+    },
+    /// A keyword of an Abaqus file that changes the mesh in a way that is not followed here.
+    #[error("the keyword *{keyword} is not read here: {reason}")]
+    Keyword {
+        /// The keyword.
+        keyword: String,
+        /// What it would do.
+        reason: &'static str,
+    },
+    /// A keyword without a parameter that it needs.
+    #[error("the keyword *{keyword} needs the parameter {parameter}")]
+    MissingParameter {
+        /// The keyword.
+        keyword: String,
+        /// The parameter.
+        parameter: &'static str,
+    },
+    /// A set that the file does not have.
+    #[error("there is no {kind} \"{name}\" in the file")]
+    UnknownSet {
+        /// What kind of set it is.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+    },
+    /// An element or node of a set or surface that the file does not have.
+    #[error("{owner} \"{name}\" names the {kind} {number}, but the file has none of that number")]
+    UnknownMember {
+        /// Set or surface.
+        owner: &'static str,
+        /// Its name.
+        name: String,
+        /// Node or element.
+        kind: &'static str,
+        /// Its number.
+        number: u64,
+    },
+    /// A side that elements do not have.
+    #[error("surface \"{name}\" names the side {side}, which {kind} elements do not have")]
+    UnknownSide {
+        /// Name of the surface.
+        name: String,
+        /// The side as written.
+        side: String,
+        /// Kind of the cells.
+        kind: &'static str,
+    },
+}
+
+/// Names of the cells that are read.
+fn readable_cells() -> String {
+    let names: Vec<&str> = crate::elements::CellKind::ALL.iter().map(|kind| kind.name()).collect();
+    match names.split_last() {
+        Some((last, [])) => (*last).into(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+/// A count that falls short, or that there is more than announced.
+fn more_or(found: usize, announced: usize) -> String {
+    if found > announced { "more".into() } else { found.to_string() }
+}

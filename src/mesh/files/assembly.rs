@@ -1,0 +1,253 @@
+//! From the tables of a file to a mesh: numbers become indices, groups become parts and boundaries.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use super::numbering::Numbering;
+use super::sets::{attach_node_sets, attach_surfaces};
+use super::tables::{Elements, Shape, Tables};
+use crate::elements::CellKind;
+use crate::math::tolerances::PLANE;
+use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::topology::{FacetKey, facet_key};
+use crate::mesh::{Boundary, Facet, Mesh, MeshError};
+
+/// The mesh of a file.
+pub(super) fn assemble(tables: &Tables) -> Result<Mesh, MeshError> {
+    let numbering = Numbering::new(tables)?;
+    let kind = kind_of(tables)?;
+    let (mut mesh, origins) = cells(kind, tables, &numbering)?;
+    attach_boundaries(&mut mesh, tables, &numbering)?;
+    let used = take_used_nodes(&mut mesh, tables);
+    attach_points(&mut mesh, tables, &numbering, &used)?;
+    if mesh.dimension() == 2 {
+        flatten(&mut mesh, tables, &used)?;
+    }
+    if let Some(defect) = mesh.defects().into_iter().next() {
+        return Err(placed(defect, &origins, tables, &used));
+    }
+    if !tables.surfaces.is_empty() {
+        let cells = origins.iter().zip(0..).map(|(origin, cell)| (origin.number, cell)).collect();
+        attach_surfaces(&mut mesh, tables, &cells)?;
+    }
+    attach_node_sets(&mut mesh, tables, |number| {
+        let index = numbering.index(number)?;
+        Some(used.binary_search(&index).ok().map(|node| node as u32))
+    })?;
+    Ok(mesh)
+}
+
+/// The kind of the cells: solid ones where there are any.
+fn kind_of(tables: &Tables) -> Result<CellKind, MeshError> {
+    let kinds = |dimension: usize| {
+        tables.elements.iter().filter_map(move |(shape, elements)| match shape {
+            Shape::Cell(kind) if kind.dimension() == dimension && !elements.numbers.is_empty() => Some((*kind, elements)),
+            _ => None,
+        })
+    };
+    let dimension = if kinds(3).next().is_some() { 3 } else { 2 };
+    let Some((kind, most)) = kinds(dimension).max_by_key(|(_, elements)| elements.numbers.len()) else {
+        let lines = tables.elements.iter().filter(|(shape, _)| shape.dimension() == 1).map(|(_, elements)| elements.numbers.len()).sum();
+        let at = tables.elements_begin.unwrap_or(Place::Line(1));
+        return Err(FileError { at, problem: FileProblem::NoCells { lines } }.into());
+    };
+    match kinds(dimension).find(|(other, _)| *other != kind) {
+        None => Ok(kind),
+        Some((other, elements)) => {
+            let (count, others, element) = (most.numbers.len(), elements.numbers.len(), elements.numbers[0]);
+            let problem = FileProblem::MixedCells { kind: kind.name(), count, other: other.name(), others, element };
+            Err(FileError { at: tables.element_place(elements, 0), problem }.into())
+        }
+    }
+}
+
+/// Where a cell stands in the file.
+struct Origin {
+    number: u64,
+    at: Place,
+}
+
+/// The sorted nodes of a cell, filled up.
+type CellKey = [u32; 9];
+
+/// Cells and parts, with indices of the node table; points come later.
+fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh, Vec<Origin>), MeshError> {
+    let mut mesh = Mesh { kind, points: Vec::new(), connectivity: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
+    let mut origins: Vec<Origin> = Vec::new();
+    let mut parts: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
+    let Some(elements) = tables.elements.get(&Shape::Cell(kind)) else { return Ok((mesh, origins)) };
+    // version 2.2 of Gmsh's format writes a cell once for each of its physical groups
+    let mut known: HashMap<CellKey, u32> = HashMap::with_capacity(elements.numbers.len());
+    let mut members: HashSet<(u64, u32)> = HashSet::new();
+    let mut indices = vec![0; kind.nodes()];
+    for (element, &number) in elements.numbers.iter().enumerate() {
+        numbering.indices_into(tables, elements, element, &mut indices)?;
+        let mut key = [u32::MAX; 9];
+        key[..indices.len()].copy_from_slice(&indices);
+        key.sort_unstable();
+        let next = origins.len() as u32;
+        let cell = *known.entry(key).or_insert(next);
+        let groups = &tables.groups[elements.groups[element] as usize];
+        let at = tables.element_place(elements, element);
+        if cell == next {
+            mesh.connectivity.extend(&indices);
+            origins.push(Origin { number, at });
+        } else if groups.is_empty() || groups.iter().any(|&group| members.contains(&(group, cell))) {
+            let first = origins[cell as usize].number;
+            return Err(FileError { at, problem: FileProblem::DuplicateCell { cell: number, first } }.into());
+        }
+        for &group in groups {
+            members.insert((group, cell));
+            parts.entry(group).or_default().push(cell);
+        }
+    }
+    mesh.parts = parts.into_iter().map(|(group, cells)| (tables.name(kind.dimension(), group), cells)).collect();
+    Ok((mesh, origins))
+}
+
+/// An element that stands for a facet.
+struct FacetElement<'a> {
+    shape: Shape,
+    elements: &'a Elements,
+    index: usize,
+    key: FacetKey,
+}
+
+/// Elements one dimension below the cells in the order of the file.
+fn facet_elements<'a>(mesh: &Mesh, tables: &'a Tables, numbering: &Numbering) -> Result<Vec<FacetElement<'a>>, MeshError> {
+    let mut found = Vec::new();
+    for (&shape, elements) in tables.elements.iter().filter(|(shape, _)| shape.dimension() + 1 == mesh.dimension()) {
+        let mut indices = vec![0; shape.nodes()];
+        for index in 0..elements.numbers.len() {
+            numbering.indices_into(tables, elements, index, &mut indices)?;
+            // a facet of more nodes than any cell has is matched by none
+            let key = if indices.len() <= 4 { facet_key(indices.iter().copied()) } else { [u32::MAX; 4] };
+            found.push(FacetElement { shape, elements, index, key });
+        }
+    }
+    Ok(found)
+}
+
+/// Boundaries from the elements one dimension below the cells, in the order of the file.
+fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) -> Result<(), MeshError> {
+    let elements = facet_elements(mesh, tables, numbering)?;
+    let mut sides: HashMap<FacetKey, [Option<Facet>; 2]> = elements.iter().map(|element| (element.key, [None; 2])).collect();
+    if sides.is_empty() {
+        return Ok(());
+    }
+    for facet in mesh.facets() {
+        if let Some(found) = sides.get_mut(&facet_key(mesh.facet_nodes(facet))) {
+            // a third side is found when the mesh is checked
+            if let Some(free) = found.iter_mut().find(|side| side.is_none()) {
+                *free = Some(facet);
+            }
+        }
+    }
+    let below = mesh.dimension() - 1;
+    let mut touched: Option<HashSet<u32>> = None;
+    let mut boundaries: BTreeMap<u64, (Vec<Facet>, HashSet<FacetKey>)> = BTreeMap::new();
+    for element in &elements {
+        let FacetElement { shape, elements, index, key } = element;
+        let groups = &tables.groups[elements.groups[*index] as usize];
+        let facets = sides[key].into_iter().flatten();
+        if facets.clone().next().is_none() {
+            let (at, number) = (tables.element_place(elements, *index), elements.numbers[*index]);
+            if let Shape::Cell(kind) = shape {
+                let touched = touched.get_or_insert_with(|| mesh.connectivity.iter().copied().collect());
+                if key.iter().all(|node| !touched.contains(node)) {
+                    let problem = FileProblem::MixedDimensions { kind: kind.name(), solid: mesh.kind.name(), element: number };
+                    return Err(FileError { at, problem }.into());
+                }
+            }
+            if let Some(&group) = groups.first() {
+                let boundary = tables.name(below, group);
+                return Err(FileError { at, problem: FileProblem::StrayFacet { element: number, boundary } }.into());
+            }
+        }
+        for &group in groups {
+            let (list, seen) = boundaries.entry(group).or_default();
+            if seen.insert(*key) {
+                list.extend(facets.clone());
+            }
+        }
+    }
+    let named = |(group, (facets, _)): (u64, (Vec<Facet>, _))| Boundary::of_facets(&tables.name(below, group), facets);
+    mesh.boundaries = boundaries.into_iter().map(named).collect();
+    Ok(())
+}
+
+/// Boundaries of single points from groups of points, in the order of the file. Points that no cell uses, such as centers of arcs, are left
+/// out. A boundary of facets with that name takes the points that its facets do not have.
+fn attach_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering, used: &[u32]) -> Result<(), MeshError> {
+    let mut boundaries: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
+    let Some(points) = tables.elements.get(&Shape::Point) else { return Ok(()) };
+    for element in 0..points.numbers.len() {
+        let mut index = [0];
+        numbering.indices_into(tables, points, element, &mut index)?;
+        let Ok(node) = used.binary_search(&index[0]) else { continue };
+        for &group in &tables.groups[points.groups[element] as usize] {
+            let nodes = boundaries.entry(group).or_default();
+            if !nodes.contains(&(node as u32)) {
+                nodes.push(node as u32);
+            }
+        }
+    }
+    for (group, mut nodes) in boundaries {
+        let name = tables.name(0, group);
+        match mesh.boundaries.iter().position(|boundary| boundary.name == name) {
+            Some(known) => {
+                let facets = mesh.boundary_nodes(&mesh.boundaries[known]);
+                nodes.retain(|node| facets.binary_search(node).is_err());
+                mesh.boundaries[known].nodes.extend(nodes);
+            }
+            None => mesh.boundaries.push(Boundary { name, facets: Vec::new(), nodes }),
+        }
+    }
+    Ok(())
+}
+
+/// Takes over the nodes that cells use, in their order; returns their indices in the node table.
+fn take_used_nodes(mesh: &mut Mesh, tables: &Tables) -> Vec<u32> {
+    let mut new_index = vec![u32::MAX; tables.points.len()];
+    mesh.connectivity.iter().for_each(|&node| new_index[node as usize] = 0);
+    let mut used = Vec::new();
+    for (old, slot) in new_index.iter_mut().enumerate().filter(|(_, slot)| **slot == 0) {
+        *slot = used.len() as u32;
+        used.push(old as u32);
+    }
+    mesh.points = used.iter().map(|&old| tables.points[old as usize]).collect();
+    mesh.connectivity.iter_mut().for_each(|node| *node = new_index[*node as usize]);
+    used
+}
+
+/// The third coordinate of plane meshes must be zero but for round-off, and is exactly zero then.
+fn flatten(mesh: &mut Mesh, tables: &Tables, used: &[u32]) -> Result<(), MeshError> {
+    let size = mesh.points.iter().flat_map(|p| [p[0], p[1]]).fold(0.0, |size: f64, x| size.max(x.abs()));
+    for (point, &old) in mesh.points.iter_mut().zip(used) {
+        if point[2].abs() > PLANE * size {
+            let node = tables.node_numbers[old as usize];
+            return Err(FileError { at: tables.node_place(old as usize), problem: FileProblem::NotPlane { node, z: point[2] } }.into());
+        }
+        point[2] = 0.0;
+    }
+    Ok(())
+}
+
+/// A defect in the numbers and places of the file.
+fn placed(mut defect: MeshError, origins: &[Origin], tables: &Tables, used: &[u32]) -> MeshError {
+    use MeshError::*;
+    match &mut defect {
+        InvertedCell { at, cell, .. } | DegenerateCell { at, cell, .. } | CrowdedFacet { at, cell, .. } => {
+            let origin = &origins[*cell as usize];
+            *at = Some(origin.at);
+            *cell = origin.number;
+        }
+        RepeatedNode { at, cell, node } => {
+            let origin = &origins[*cell as usize];
+            *at = Some(origin.at);
+            *cell = origin.number;
+            *node = tables.node_numbers[used[*node as usize] as usize];
+        }
+        _ => {}
+    }
+    defect
+}

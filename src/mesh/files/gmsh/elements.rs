@@ -1,0 +1,82 @@
+//! Elements and names of groups, which both versions write alike.
+
+use super::super::tables::{Shape, Tables};
+use super::source::{Entry, Section, Source};
+use crate::elements::CellKind;
+use crate::mesh::MeshError;
+use crate::mesh::file_error::FileProblem;
+
+/// What an entry of an element holds.
+pub(super) const ELEMENT: &str = "an element with its number, tags and nodes";
+
+/// Gmsh's numbers of the shapes that are read.
+pub(in crate::mesh::files) const TYPES: &[(u64, Shape)] = &[
+    (15, Shape::Point),
+    (1, Shape::Line(2)),
+    (8, Shape::Line(3)),
+    (2, Shape::Cell(CellKind::Tri3)),
+    (3, Shape::Cell(CellKind::Quad4)),
+    (4, Shape::Cell(CellKind::Tet4)),
+    (5, Shape::Cell(CellKind::Hex8)),
+    (9, Shape::Cell(CellKind::Tri6)),
+    (10, Shape::Cell(CellKind::Quad9)),
+    (16, Shape::Cell(CellKind::Quad8)),
+];
+
+/// Keeps an element whose nodes are the numbers that are left of its entry.
+pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, groups: u32, mut entry: Entry) -> Result<(), MeshError> {
+    let Some((_, shape)) = TYPES.iter().find(|(known, _)| *known == gmsh_type) else {
+        return entry.fail(FileProblem::UnsupportedCell { element: number, kind: kind_name(gmsh_type) });
+    };
+    // more than any of them has
+    let mut nodes = [0; 32];
+    let nodes = &mut nodes[..shape.nodes()];
+    for node in &mut *nodes {
+        *node = entry.node(ELEMENT)?;
+    }
+    entry.end(ELEMENT)?;
+    tables.add_element(*shape, number, groups, nodes, entry.place());
+    Ok(())
+}
+
+/// The section of names, the same in both versions: `dimension number "name"`.
+pub(super) fn read_names(source: &mut Source, tables: &mut Tables) -> Result<(), MeshError> {
+    const EXPECTED: &str = "dimension, number and name in quotation marks of a physical group";
+    let mut section = Section::new("$PhysicalNames", source);
+    section.announced = source.line(&section)?.word("the number of physical groups")?;
+    while section.found < section.announced {
+        let mut entry = source.line(&section)?;
+        let (dimension, number): (usize, u64) = (entry.word(EXPECTED)?, entry.word(EXPECTED)?);
+        let text = entry.text();
+        let (Some(open), Some(close)) = (text.find('"'), text.rfind('"')) else { return Err(entry.malformed(EXPECTED)) };
+        if open == close || dimension > 3 {
+            return Err(entry.malformed(EXPECTED));
+        }
+        let name = text[open + 1..close].to_string();
+        let same = tables.names.iter().find(|((d, n), other)| *d == dimension && *n != number && **other == name);
+        if let Some((&(_, first), _)) = same {
+            return entry.fail(FileProblem::AmbiguousName { dimension, name, first, second: number });
+        }
+        tables.names.insert((dimension, number), name);
+        section.found += 1;
+    }
+    source.close(&section)
+}
+
+fn kind_name(gmsh_type: u64) -> String {
+    let known = match gmsh_type {
+        6 => "6-node prism",
+        7 => "5-node pyramid",
+        11 => "10-node tetrahedron (second order)",
+        12 => "27-node hexahedron (second order)",
+        13 => "18-node prism (second order)",
+        14 => "14-node pyramid (second order)",
+        17 => "20-node hexahedron (second order)",
+        21 => "10-node triangle (third order)",
+        26 => "4-node line (third order)",
+        29 => "20-node tetrahedron (third order)",
+        36 => "16-node quadrilateral (third order)",
+        other => return format!("cell of Gmsh type {other}"),
+    };
+    known.into()
+}

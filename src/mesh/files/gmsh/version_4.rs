@@ -1,0 +1,132 @@
+//! Sections of version 4.1: entities with their physical groups, nodes and elements in blocks of one entity each.
+
+use std::collections::HashMap;
+
+use super::super::tables::Tables;
+use super::elements::{ELEMENT, add_element};
+use super::source::{Section, Source};
+use crate::mesh::MeshError;
+use crate::mesh::file_error::{FileError, FileProblem};
+
+/// Physical groups of the geometric entities by dimension and number; `None` without a section of entities.
+pub(super) type Entities = Option<HashMap<(usize, i64), Vec<u64>>>;
+
+/// `number x y z n groups…` for points, `number box n groups… m bounding…` for the others.
+pub(super) fn read_entities(source: &mut Source, entities: &mut Entities) -> Result<(), MeshError> {
+    const HEADER: &str = "the numbers of points, curves, surfaces and volumes";
+    const EXPECTED: &str = "an entity with its number, place and physical groups";
+    let mut section = Section::new("$Entities", source);
+    let mut header = source.entry(&section)?;
+    let counts = [header.count(HEADER)?, header.count(HEADER)?, header.count(HEADER)?, header.count(HEADER)?];
+    section.announced = counts.iter().fold(0, |sum: usize, &count| sum.saturating_add(count));
+    let entities = entities.get_or_insert_default();
+    for (dimension, count) in counts.into_iter().enumerate() {
+        for _ in 0..count {
+            let is_binary = source.is_binary();
+            let mut entry = source.entry(&section)?;
+            let number = entry.int(EXPECTED)?;
+            for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                entry.real(EXPECTED)?;
+            }
+            let mut groups = Vec::new();
+            for _ in 0..entry.size(EXPECTED)? {
+                // a negative number means reversed; orientation comes from the cells here
+                groups.push(entry.int(EXPECTED)?.unsigned_abs());
+            }
+            groups.sort_unstable();
+            groups.dedup();
+            // what bounds it stands at the end of its line and is of no use
+            if is_binary && dimension > 0 {
+                for _ in 0..entry.size(EXPECTED)? {
+                    entry.int(EXPECTED)?;
+                }
+            }
+            entities.insert((dimension, number), groups);
+            section.found += 1;
+        }
+    }
+    source.close(&section)
+}
+
+/// Blocks of `dimension entity parametric count`, then the numbers of the nodes, then as many entries of coordinates.
+pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables) -> Result<(), MeshError> {
+    const HEADER: &str = "the numbers of blocks and nodes and the least and greatest node number";
+    const BLOCK: &str = "a block of nodes with dimension, entity, 0 or 1, and the number of nodes";
+    const POINT: &str = "three coordinates of a node";
+    let mut section = Section::new("$Nodes", source);
+    let mut header = source.entry(&section)?;
+    let (blocks, announced) = (header.count(HEADER)?, header.count(HEADER)?);
+    (header.size(HEADER)?, header.size(HEADER)?);
+    section.announced = announced;
+    for _ in 0..blocks {
+        let is_binary = source.is_binary();
+        let mut header = source.entry(&section)?;
+        let [dimension, _, parametric] = [header.int(BLOCK)?, header.int(BLOCK)?, header.int(BLOCK)?];
+        let count = header.count(BLOCK)?;
+        header.end(BLOCK)?;
+        let mut numbers: Vec<u64> = Vec::new();
+        for _ in 0..count {
+            let mut entry = source.entry(&section)?;
+            numbers.push(entry.size("the number of a node")?);
+            entry.end("the number of a node")?;
+        }
+        for number in numbers {
+            let mut entry = source.entry(&section)?;
+            let point = entry.point(POINT)?;
+            // coordinates on the curve or surface may follow
+            if parametric == 0 {
+                entry.end(POINT)?;
+            } else if is_binary {
+                for _ in 0..dimension.clamp(0, 3) {
+                    entry.real(POINT)?;
+                }
+            }
+            tables.add_node(number, point, entry.place())?;
+            section.found += 1;
+        }
+    }
+    complete(source, &section)
+}
+
+/// Blocks of `dimension entity type count`, then as many entries `number nodes…`.
+pub(super) fn read_elements(source: &mut Source, tables: &mut Tables, entities: &Entities) -> Result<(), MeshError> {
+    const HEADER: &str = "the numbers of blocks and elements and the least and greatest element number";
+    const BLOCK: &str = "a block of elements with dimension, entity, type and the number of elements";
+    let mut section = Section::new("$Elements", source);
+    let mut header = source.entry(&section)?;
+    let (blocks, announced) = (header.count(HEADER)?, header.count(HEADER)?);
+    (header.size(HEADER)?, header.size(HEADER)?);
+    section.announced = announced;
+    for _ in 0..blocks {
+        let mut header = source.entry(&section)?;
+        let (dimension, entity, gmsh_type) = (header.natural(BLOCK)? as usize, header.int(BLOCK)?, header.natural(BLOCK)?);
+        let count = header.count(BLOCK)?;
+        header.end(BLOCK)?;
+        let physical = match entities {
+            None => Vec::new(),
+            Some(known) => match known.get(&(dimension, entity)) {
+                Some(groups) => groups.clone(),
+                None => return header.fail(FileProblem::UnknownEntity { dimension, entity }),
+            },
+        };
+        let groups = tables.groups_index(physical);
+        for _ in 0..count {
+            let mut entry = source.entry(&section)?;
+            let number = entry.size(ELEMENT)?;
+            add_element(tables, gmsh_type, number, groups, entry)?;
+            section.found += 1;
+        }
+    }
+    complete(source, &section)
+}
+
+/// The blocks together hold what the section announces.
+fn complete(source: &mut Source, section: &Section) -> Result<(), MeshError> {
+    source.close(section)?;
+    match *section {
+        Section { name, announced, found, .. } if announced != found => {
+            Err(FileError { at: source.place(), problem: FileProblem::Count { section: name, announced, found } }.into())
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,94 @@
+//! Boundaries from surfaces (sides of elements) and from sets of nodes.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use super::tables::Tables;
+use crate::elements::CellKind;
+use crate::mesh::file_error::{FileError, FileProblem};
+use crate::mesh::{Boundary, Facet, Mesh, MeshError};
+
+/// Corners of the sides of a cell in Abaqus' order (Abaqus Analysis User's Guide, sections 28.1.3 and 28.1.4); those of plane cells are the
+/// facets in their order.
+const TETRAHEDRON: [&[usize]; 4] = [&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]];
+const HEXAHEDRON: [&[usize]; 6] = [&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]];
+
+/// Number of the local facet of a side from 1.
+fn facet_of_side(kind: CellKind, side: u8) -> Option<u8> {
+    let place = usize::from(side).checked_sub(1)?;
+    let facets = kind.facets();
+    if kind.dimension() == 2 {
+        return (place < facets.len()).then_some(place as u8);
+    }
+    let corners = if facets.len() == 4 { TETRAHEDRON.get(place)? } else { HEXAHEDRON.get(place)? };
+    facets.iter().position(|facet| corners.iter().all(|corner| facet.contains(corner))).map(|local| local as u8)
+}
+
+/// Boundaries of the surfaces, given the cells by their numbers in the file.
+pub(super) fn attach_surfaces(mesh: &mut Mesh, tables: &Tables, cells: &HashMap<u64, u32>) -> Result<(), MeshError> {
+    let hull: BTreeSet<Facet> = mesh.hull().into_iter().collect();
+    for surface in &tables.surfaces {
+        let mut facets: Vec<Facet> = Vec::new();
+        for &(number, side) in &surface.sides {
+            let fail = |problem: FileProblem| Err(FileError { at: surface.at, problem }.into());
+            let Some(&cell) = cells.get(&number) else {
+                let name = surface.name.clone();
+                return fail(FileProblem::UnknownMember { owner: "surface", name, kind: "element", number });
+            };
+            if side == 0 {
+                facets.extend(hull.range(Facet { cell, local: 0 }..=Facet { cell, local: u8::MAX }));
+                continue;
+            }
+            let Some(local) = facet_of_side(mesh.kind, side) else {
+                return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: mesh.kind.name() });
+            };
+            facets.push(Facet { cell, local });
+        }
+        let mut seen = HashSet::new();
+        facets.retain(|facet| seen.insert(*facet));
+        let name = free_name(mesh, &surface.name, "surface");
+        mesh.boundaries.push(Boundary::of_facets(&name, facets));
+    }
+    Ok(())
+}
+
+/// Boundaries of the sets of nodes: the facets of the hull all of whose nodes are in the set, and the nodes that are on none of them.
+/// `node` gives the node of a number, or that no cell uses it; nothing when the file has none.
+pub(super) fn attach_node_sets(mesh: &mut Mesh, tables: &Tables, node: impl Fn(u64) -> Option<Option<u32>>) -> Result<(), MeshError> {
+    if tables.node_sets.is_empty() {
+        return Ok(());
+    }
+    let hull = mesh.hull();
+    for set in &tables.node_sets {
+        let mut members: BTreeSet<u32> = BTreeSet::new();
+        for &number in &set.nodes {
+            match node(number) {
+                Some(Some(node)) => drop(members.insert(node)),
+                Some(None) => {}
+                None => {
+                    let problem = FileProblem::UnknownMember { owner: "node set", name: set.name.clone(), kind: "node", number };
+                    return Err(FileError { at: set.at, problem }.into());
+                }
+            }
+        }
+        let facets: Vec<Facet> =
+            hull.iter().filter(|&&facet| mesh.facet_nodes(facet).all(|node| members.contains(&node))).copied().collect();
+        let covered: HashSet<u32> = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
+        let nodes: Vec<u32> = members.into_iter().filter(|node| !covered.contains(node)).collect();
+        // nodes that no cell uses, such as reference points, are left out
+        if facets.is_empty() && nodes.is_empty() {
+            continue;
+        }
+        let name = free_name(mesh, &set.name, "nodes");
+        mesh.boundaries.push(Boundary { name, facets, nodes });
+    }
+    Ok(())
+}
+
+/// A name that no boundary has yet: the one given, or with a word behind it.
+fn free_name(mesh: &Mesh, name: &str, word: &str) -> String {
+    let mut free = name.to_string();
+    while mesh.boundary(&free).is_some() {
+        free = format!("{free} {word}");
+    }
+    free
+}

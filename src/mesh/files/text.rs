@@ -1,0 +1,39 @@
+//! What a text looks like: its beginning for a message, its format.
+
+/// The beginning of a text, for a message.
+pub(super) fn shortened(text: &str) -> String {
+    const LENGTH: usize = 60;
+    let clean = |part: &str| part.chars().map(|c| if c.is_control() { '?' } else { c }).collect::<String>();
+    match text.char_indices().nth(LENGTH) {
+        Some((end, _)) => format!("{}…", clean(&text[..end])),
+        None => clean(text),
+    }
+}
+
+/// What a file looks like that does not begin like one that is read.
+pub(super) fn format_of(content: &[u8]) -> &'static str {
+    let begin = content.trim_ascii_start();
+    let starts = |prefix: &str| begin.get(..prefix.len()).is_some_and(|b| b.eq_ignore_ascii_case(prefix.as_bytes()));
+    let known = [
+        ("# vtk", "a legacy VTK file"),
+        ("<VTKFile", "a VTK XML file"),
+        ("<?xml", "an XML file"),
+        ("solid", "an STL file"),
+        ("ISO-10303", "a STEP file"),
+        ("{", "a JSON file"),
+        ("OFF", "an OFF file"),
+        ("ply", "a PLY file"),
+        ("CDF", "a NetCDF file, such as Exodus"),
+        ("SetFactory", "a Gmsh geometry (`.geo`), which has to be meshed first"),
+        ("Point(", "a Gmsh geometry (`.geo`), which has to be meshed first"),
+        ("//", "a Gmsh geometry (`.geo`), which has to be meshed first"),
+        ("$", "a file whose first section is not $MeshFormat"),
+    ];
+    if begin.is_empty() {
+        return "an empty file";
+    }
+    if begin.starts_with(b"\x89HDF") {
+        return "an HDF5 file, such as MED or CGNS";
+    }
+    known.iter().find(|(prefix, _)| starts(prefix)).map_or("something that begins like no known mesh file", |(_, name)| name)
+}

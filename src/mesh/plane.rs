@@ -1,0 +1,12 @@
+//! Points and directions in the plane.
+
+/// Whether a point is inside the closed lines with these sides: a ray from it crosses an odd number of them.
+pub fn is_inside(sides: impl Iterator<Item = [[f64; 2]; 2]>, [x, y]: [f64; 2]) -> bool {
+    let crosses = |[[ax, ay], [bx, by]]: &[[f64; 2]; 2]| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax);
+    sides.filter(crosses).count() % 2 == 1
+}
+
+/// Third component of the cross product of two plane vectors.
+pub fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

@@ -1,0 +1,304 @@
+//! Unstructured cells in a region that curves bound.
+//!
+//! The region is triangulated; for quadrilaterals every triangle is cut from its center to the middles of its sides into three quadrilaterals. So every
+//! region can be meshed, and every cell is convex. New nodes on the rim lie on its curves.
+
+use std::collections::HashMap;
+
+use super::cell_size::CellSize;
+use super::curves::Curve;
+use super::plane::is_inside;
+use super::triangulation::{Rim, Triangles, triangulate};
+use super::{Boundary, Facet, Mesh, MeshError};
+use crate::elements::{CellKind, CellShape};
+
+/// Most pieces of one side: with as many, any region but a thin strip has more cells than a mesh may have.
+const SIDE_LIMIT: usize = 100_000;
+
+/// A curve of an outline or a hole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// Its shape.
+    pub curve: Curve,
+    /// The boundary that it belongs to besides `outer`, or that of its hole.
+    pub name: Option<String>,
+}
+
+/// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which consists of
+/// curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so on, and the
+/// names of the sides, equal ones joined. Middle nodes of second-order cells on the rim lie on its curves.
+///
+/// # Errors
+/// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells, what
+/// the size fails with.
+pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], mut size: CellSize<E>, kind: CellKind) -> Result<Mesh, E> {
+    // a triangle's edge is twice that of the quadrilaterals it is cut into
+    let factor = if kind.shape() == CellShape::Triangle { 1.0 } else { 2.0 };
+    let rim = rim(outline, holes, &mut size, factor)?;
+    let triangles = triangulate(&rim, &mut size, factor)?;
+    let (mesh, edges) = match kind.shape() {
+        CellShape::Triangle => of_triangles(&triangles, &rim),
+        _ => quadrilaterals(&triangles, &rim),
+    };
+    let on_rim = |ends: [u32; 2], _| {
+        let (piece, share) = edges.get(&ends)?;
+        rim.between(*piece, *share).map(|[x, y]| [x, y, 0.0])
+    };
+    Ok(mesh.checked()?.with_cells(kind)?.curved(on_rim)?)
+}
+
+/// The piece of the rim that an edge between two nodes stands for, and the share of the piece at its middle.
+type RimEdges = HashMap<[u32; 2], (usize, f64)>;
+
+/// The triangles themselves.
+fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> (Mesh, RimEdges) {
+    let (mut along, mut edges) = (HashMap::new(), RimEdges::new());
+    for (nodes, cell) in triangles.iter().zip(0..) {
+        for (from, local) in nodes.iter().zip(0..) {
+            if rim.next.get(*from) == Some(&nodes[(local + 1) % 3]) {
+                along.insert(*from, [Facet { cell, local: local as u8 }]);
+                edges.insert([*from as u32, nodes[(local + 1) % 3] as u32], (*from, 0.5));
+            }
+        }
+    }
+    let boundaries = boundaries(rim, |piece| along.get(&piece).copied());
+    let points = vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+    let connectivity = triangles.as_flattened().iter().map(|&vertex| vertex as u32).collect();
+    (Mesh { kind: CellKind::Tri3, points, connectivity, boundaries, parts: Vec::new() }, edges)
+}
+
+/// The rim of a region in pieces of about `factor` times the size, and the curves and names that they belong to.
+fn rim<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: &mut CellSize<E>, factor: f64) -> Result<Rim, E> {
+    let mut rim = Rim::default();
+    for (number, sides) in std::iter::once(outline).chain(holes.iter().map(Vec::as_slice)).enumerate() {
+        let (what, whole) = match number {
+            0 => ("the outline".to_string(), "outer".to_string()),
+            hole => (format!("hole {hole}"), format!("hole {hole}")),
+        };
+        follow_each_other(sides, &what)?;
+        let first = rim.vertices.len();
+        for (side, place) in sides.iter().zip(1..) {
+            let places = match (&side.curve, &mut *size) {
+                (Curve::Line { from, to }, CellSize::Even(even)) => {
+                    let wanted = (to[0] - from[0]).hypot(to[1] - from[1]) / (factor * *even);
+                    if !(wanted < SIDE_LIMIT as f64) {
+                        return Err(MeshError::TooManyCells { cells: wanted as usize, limit: SIDE_LIMIT }.into());
+                    }
+                    let pieces = wanted.ceil().max(1.0) as usize;
+                    (0..=pieces).map(|piece| piece as f64 / pieces as f64).collect()
+                }
+                (curve, size) => curve.divided(|point| Ok::<f64, E>(factor * size.at(point)?), SIDE_LIMIT)?,
+            };
+            let mut names = vec![whole.clone()];
+            names.extend(side.name.clone().filter(|name| *name != whole));
+            rim.add_side(side.curve.clone(), names, format!("curve {place} of {what}"), &places);
+        }
+        // the body is on the left: round a hole clockwise
+        rim.close_loop(first, number == 0);
+    }
+    for hole in 1..=holes.len() {
+        let point = rim.first_of_loop(hole);
+        let is_within = |other: usize| is_inside(rim.sides_of_loop(other), point);
+        if !is_within(0) || (1..=holes.len()).any(|other| other != hole && is_within(other)) {
+            return Err(MeshError::HoleOutside { hole }.into());
+        }
+    }
+    Ok(rim)
+}
+
+/// Each curve begins where the one before it ends, the first where the last one ends.
+fn follow_each_other(sides: &[Side], what: &str) -> Result<(), MeshError> {
+    let is_loop = |side: &Side| side.curve.start() == side.curve.end();
+    if sides.is_empty() || sides.len() == 1 && !is_loop(&sides[0]) {
+        return Err(MeshError::FewCorners { count: sides.len() });
+    }
+    for curve in 0..sides.len() {
+        let before = (curve + sides.len() - 1) % sides.len();
+        let (found, expected) = (sides[curve].curve.start(), sides[before].curve.end());
+        if found != expected {
+            return Err(MeshError::OpenOutline { what: what.into(), curve: curve + 1, found, expected });
+        }
+        let is_empty = matches!(sides[curve].curve, Curve::Line { .. }) && is_loop(&sides[curve]);
+        if is_empty {
+            return Err(MeshError::EmptySide { side: curve + 1 });
+        }
+    }
+    Ok(())
+}
+
+/// Three cells of every triangle.
+fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> (Mesh, RimEdges) {
+    let mut rim_edges = RimEdges::new();
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut corner: HashMap<usize, u32> = HashMap::new();
+    let mut middle: HashMap<[usize; 2], u32> = HashMap::new();
+    let mut connectivity = Vec::new();
+    // the cell at the start and at the end of each edge that runs along the rim
+    let mut along: HashMap<usize, [u32; 2]> = HashMap::new();
+    for (triangle, nodes) in triangles.iter().enumerate() {
+        let mut add = |sum: &[usize]| {
+            let mean = |i: usize| sum.iter().map(|&vertex| vertices[vertex][i]).sum::<f64>() / sum.len() as f64;
+            points.push([mean(0), mean(1), 0.0]);
+            points.len() as u32 - 1
+        };
+        let own = nodes.map(|vertex| *corner.entry(vertex).or_insert_with(|| add(&[vertex])));
+        let edges = [0, 1, 2].map(|k| [nodes[k], nodes[(k + 1) % 3]]);
+        let middles = edges.map(|[a, b]| *middle.entry([a.min(b), a.max(b)]).or_insert_with(|| add(&[a, b])));
+        let center = add(nodes);
+        for k in 0..3 {
+            connectivity.extend([own[k], middles[k], center, middles[(k + 2) % 3]]);
+        }
+        for (k, [from, to]) in edges.into_iter().enumerate() {
+            if rim.next.get(from) == Some(&to) {
+                if let Some([x, y]) = rim.between(from, 0.5) {
+                    points[middles[k] as usize] = [x, y, 0.0];
+                }
+                rim_edges.insert([own[k], middles[k]], (from, 0.25));
+                rim_edges.insert([middles[k], own[(k + 1) % 3]], (from, 0.75));
+                along.insert(from, [(3 * triangle + k) as u32, (3 * triangle + (k + 1) % 3) as u32]);
+            }
+        }
+    }
+    let facets = |piece: usize| along.get(&piece).map(|&[start, end]| [Facet { cell: start, local: 0 }, Facet { cell: end, local: 3 }]);
+    let boundaries = boundaries(rim, facets);
+    (Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }, rim_edges)
+}
+
+/// Boundaries by the names of the rim's sides, given the facets of each piece.
+fn boundaries<const N: usize>(rim: &Rim, facets: impl Fn(usize) -> Option<[Facet; N]>) -> Vec<Boundary> {
+    let mut boundaries: Vec<Boundary> = Vec::new();
+    for piece in 0..rim.vertices.len() {
+        let Some(facets) = facets(piece) else { continue };
+        for name in rim.names(piece) {
+            match boundaries.iter_mut().find(|boundary| boundary.name == *name) {
+                Some(boundary) => boundary.facets.extend(facets),
+                None => boundaries.push(Boundary::of_facets(name, facets.into())),
+            }
+        }
+    }
+    boundaries
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    fn side(curve: Result<Curve, MeshError>, name: &str) -> Side {
+        Side { curve: curve.unwrap(), name: (!name.is_empty()).then(|| name.to_string()) }
+    }
+
+    fn length(mesh: &Mesh, name: &str) -> f64 {
+        mesh.boundary_measure(mesh.boundary(name).unwrap_or_else(|| panic!("no boundary {name}")))
+    }
+
+    /// A slot: two straight sides, a round end and a straight one, with a round hole.
+    fn slot(is_reversed: bool) -> (Vec<Side>, Vec<Vec<Side>>) {
+        let mut outline = vec![
+            side(Curve::line([0.0, 0.0], [2.0, 0.0]), "floor"),
+            side(Curve::arc([2.0, 0.0], [2.0, 2.0], [2.0, 1.0], false), "nose"),
+            side(Curve::line([2.0, 2.0], [0.0, 2.0]), ""),
+            side(Curve::line([0.0, 2.0], [0.0, 0.0]), "wall"),
+        ];
+        if is_reversed {
+            outline = vec![
+                side(Curve::line([0.0, 0.0], [0.0, 2.0]), "wall"),
+                side(Curve::line([0.0, 2.0], [2.0, 2.0]), ""),
+                side(Curve::arc([2.0, 2.0], [2.0, 0.0], [2.0, 1.0], true), "nose"),
+                side(Curve::line([2.0, 0.0], [0.0, 0.0]), "floor"),
+            ];
+        }
+        (outline, vec![vec![side(Curve::circle([1.5, 1.0], 0.4), "bore")]])
+    }
+
+    #[test]
+    fn a_slot_has_its_area_and_sides_whatever_way_it_goes() {
+        for is_reversed in [false, true] {
+            let (outline, holes) = slot(is_reversed);
+            let mesh = region(&outline, &holes, CellSize::<MeshError>::Even(0.06), CellKind::Quad4).unwrap();
+            assert_eq!(mesh.defects(), []);
+            let exact = 4.0 + PI / 2.0 - PI * 0.16;
+            // chords of length s cut off s^2 / (8 r) of a circle of radius r
+            assert!((mesh.measure() - exact).abs() < 2e-3, "{}", mesh.measure() - exact);
+            assert!((length(&mesh, "floor") - 2.0).abs() < 1e-12 && (length(&mesh, "wall") - 2.0).abs() < 1e-12);
+            assert!((length(&mesh, "nose") - PI).abs() < 1e-3 && (length(&mesh, "bore") - 0.8 * PI).abs() < 3e-3);
+            assert_eq!(length(&mesh, "bore"), length(&mesh, "hole 1"));
+            assert!((length(&mesh, "outer") - 6.0 - PI).abs() < 1e-3);
+            for (name, center, radius) in [("nose", [2.0, 1.0], 1.0), ("bore", [1.5, 1.0], 0.4)] {
+                for node in mesh.boundary_nodes(mesh.boundary(name).unwrap()) {
+                    let [x, y, _] = mesh.points[node as usize];
+                    assert!(((x - center[0]).hypot(y - center[1]) - radius).abs() < 1e-14, "{name}");
+                }
+            }
+            let quality = mesh.quality();
+            assert!(quality.smallest_scaled_jacobian > 0.15, "{quality}");
+            assert!((quality.measure / quality.cells as f64).sqrt() < 0.08, "{quality}");
+        }
+    }
+
+    #[test]
+    fn cells_of_second_order_follow_the_curves() {
+        let (outline, holes) = slot(false);
+        let exact = 4.0 + PI / 2.0 - PI * 0.16;
+        for kind in [CellKind::Tri3, CellKind::Tri6, CellKind::Quad4, CellKind::Quad8, CellKind::Quad9] {
+            let mesh = region(&outline, &holes, CellSize::<MeshError>::Even(0.1), kind).unwrap();
+            assert_eq!((mesh.kind, mesh.defects()), (kind, Vec::new()));
+            let error = (mesh.measure() / exact - 1.0).abs();
+            // edges of 0.1 on radii of 0.4 and 1: chords err by a part of h^2 / (6 r^2), parabolas by one of h^4 / (480 r^4)
+            assert!(error < if kind.is_quadratic() { 1e-5 } else { 5e-3 }, "{kind:?} {error}");
+            let named: usize = ["outer", "hole 1"].iter().map(|name| mesh.boundary(name).unwrap().facets.len()).sum();
+            assert_eq!(named, mesh.hull().len());
+        }
+    }
+
+    #[test]
+    fn sizes_by_place_are_kept() {
+        let square = |k: usize| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][k % 4];
+        let outline: Vec<Side> = (0..4).map(|k| side(Curve::line(square(k), square(k + 1)), "")).collect();
+        let mut wanted = |[x, y]: [f64; 2]| Ok::<f64, MeshError>(0.005 + 0.1 * x.hypot(y));
+        let mesh = region(&outline, &[], CellSize::At(&mut wanted), CellKind::Quad4).unwrap();
+        assert!((mesh.measure() - 1.0).abs() < 1e-12);
+        let quality = mesh.quality();
+        assert!(quality.smallest_scaled_jacobian > 0.15, "{quality}");
+        // the mean of cell's size over the size wanted at its center
+        let ratios: Vec<f64> = (0..mesh.cell_count())
+            .map(|cell| {
+                let points: Vec<[f64; 3]> = mesh.cell(cell).iter().map(|&node| mesh.points[node as usize]).collect();
+                let edge = |k: usize| (points[(k + 1) % 4][0] - points[k][0]).hypot(points[(k + 1) % 4][1] - points[k][1]);
+                let center = mesh.cell_center(cell);
+                (0..4).map(edge).sum::<f64>() / 4.0 / wanted([center[0], center[1]]).unwrap()
+            })
+            .collect();
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        let (least, most) = ratios.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &r| (low.min(r), high.max(r)));
+        assert!((0.5..1.2).contains(&mean) && least > 0.2 && most < 2.0, "{least} {mean} {most} of {}", mesh.cell_count());
+        let even = region(&outline, &[], CellSize::<MeshError>::Even(0.005), CellKind::Quad4).unwrap();
+        // 1 / 0.005^2 = 40000 cells of that size: refinement is not given up half way
+        assert!((25_000..80_000).contains(&even.cell_count()), "{}", even.cell_count());
+        let mut tiny = |_: [f64; 2]| Ok::<f64, MeshError>(1e-7);
+        assert!(matches!(region(&outline, &[], CellSize::At(&mut tiny), CellKind::Quad4), Err(MeshError::TooManyCells { .. })));
+        let mut negative = |[x, _]: [f64; 2]| Ok::<f64, MeshError>(0.1 - x);
+        assert!(matches!(region(&outline, &[], CellSize::At(&mut negative), CellKind::Quad4), Err(MeshError::NotPositive { .. })));
+    }
+
+    #[test]
+    fn what_does_not_bound_a_region_is_refused() {
+        let refusal =
+            |outline: &[Side], holes: &[Vec<Side>]| region(outline, holes, CellSize::<MeshError>::Even(0.1), CellKind::Quad4).unwrap_err();
+        let (outline, _) = slot(false);
+        let hole = |x: f64, radius: f64| vec![side(Curve::circle([x, 1.0], radius), "")];
+        assert!(matches!(refusal(&outline[..3], &[]), MeshError::OpenOutline { curve: 1, .. }));
+        assert!(matches!(refusal(&outline[..1], &[]), MeshError::FewCorners { .. }));
+        assert!(matches!(refusal(&outline, &[hole(5.0, 0.4)]), MeshError::HoleOutside { hole: 1 }));
+        assert!(matches!(refusal(&outline, &[hole(1.0, 0.4), hole(1.0, 0.2)]), MeshError::HoleOutside { .. }));
+        let crossing = refusal(&outline, &[hole(0.2, 0.4)]);
+        assert!(crossing.to_string().contains("curve 1 of hole 1") && crossing.to_string().contains("touch or cross"), "{crossing}");
+        // a circle that touches a side leaves cells without room
+        refusal(&outline, &[hole(0.4, 0.4)]);
+        assert!(!crossing.cure().is_empty());
+        let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
+        let bow: Vec<Side> = (0..4).map(|k| side(Curve::line(bow[k], bow[(k + 1) % 4]), "")).collect();
+        assert!(matches!(refusal(&bow, &[]), MeshError::CrossingCurves { .. }));
+    }
+}

@@ -1,0 +1,217 @@
+//! Triangles in a region whose rim is given in pieces.
+//!
+//! Constrained Delaunay, refined to angles of about 30 degrees at least and to the wanted size (J. Ruppert, J. Algorithms 18, 1995). Where
+//! the size varies, vertices are first put into the circumcenters of triangles that are too large, if no vertex is near there.
+
+use rstar::RTree;
+use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, RefinementParameters, Triangulation};
+
+use super::cell_size::CellSize;
+use super::curves::Curve;
+use super::plane::cross;
+use super::{CELL_LIMIT, MeshError};
+
+/// Smallest angle that refinement aims at, in degrees: above 33 it need not end.
+const ANGLE: f64 = 28.0;
+/// Area of a triangle over the square of its edge, above which it is too large: an equilateral one has 0.43.
+const LARGE: f64 = 0.6;
+/// Distance of a new vertex from the others, over the wanted edge, below which it is left out.
+const NEAR: f64 = 0.6;
+
+type Faces = std::collections::HashSet<spade::handles::FixedFaceHandle<spade::handles::InnerTag>>;
+type Constrained = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// The outline and the holes in pieces of about one edge, the body on their left.
+#[derive(Default)]
+pub(super) struct Rim {
+    /// Where pieces begin.
+    pub vertices: Vec<[f64; 2]>,
+    /// The vertex behind each one.
+    pub next: Vec<usize>,
+    /// Of each piece the curve, and the parameters where it begins and ends.
+    pieces: Vec<(usize, [f64; 2])>,
+    curves: Vec<Curve>,
+    names: Vec<Vec<String>>,
+    labels: Vec<String>,
+    /// The first vertex of each closed loop, and one more.
+    loops: Vec<usize>,
+}
+
+impl Rim {
+    /// One more curve of the loop that is begun, divided at these parameters from 0 to 1.
+    pub fn add_side(&mut self, curve: Curve, names: Vec<String>, label: String, places: &[f64]) {
+        for pair in places.windows(2) {
+            self.vertices.push(curve.at(pair[0]));
+            self.pieces.push((self.curves.len(), [pair[0], pair[1]]));
+            self.next.push(self.vertices.len());
+        }
+        self.curves.push(curve);
+        self.names.push(names);
+        self.labels.push(label);
+    }
+
+    /// Closes the loop that began with the vertex `first`, and lets it go round counter-clockwise or clockwise.
+    pub fn close_loop(&mut self, first: usize, is_counter_clockwise: bool) {
+        if let Some(last) = self.next.last_mut() {
+            *last = first;
+        }
+        if self.loops.is_empty() {
+            self.loops.push(0);
+        }
+        self.loops.push(self.vertices.len());
+        let own = &self.vertices[first..];
+        let area: f64 = (0..own.len()).map(|k| cross(own[k], own[(k + 1) % own.len()])).sum();
+        if (area > 0.0) != is_counter_clockwise {
+            // the first vertex stays the first
+            self.vertices[first + 1..].reverse();
+            self.pieces[first..].reverse();
+            self.pieces[first..].iter_mut().for_each(|(_, ends)| ends.reverse());
+        }
+    }
+
+    /// A point of a piece on its curve, for a share of the piece from 0 to 1; nothing when it is straight.
+    pub fn between(&self, piece: usize, share: f64) -> Option<[f64; 2]> {
+        let (curve, [from, to]) = self.pieces[piece];
+        match &self.curves[curve] {
+            Curve::Line { .. } => None,
+            curve => Some(curve.at(from * (1.0 - share) + to * share)),
+        }
+    }
+
+    /// The names of the boundaries that a piece belongs to.
+    pub fn names(&self, piece: usize) -> &[String] {
+        &self.names[self.pieces[piece].0]
+    }
+
+    /// Sides of a loop.
+    pub fn sides_of_loop(&self, number: usize) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
+        (self.loops[number]..self.loops[number + 1]).map(|k| [self.vertices[k], self.vertices[self.next[k]]])
+    }
+
+    /// A vertex of a loop.
+    pub fn first_of_loop(&self, number: usize) -> [f64; 2] {
+        self.vertices[self.loops[number]]
+    }
+
+    /// Area inside.
+    fn area(&self) -> f64 {
+        (0..self.vertices.len()).map(|k| cross(self.vertices[k], self.vertices[self.next[k]])).sum::<f64>() / 2.0
+    }
+
+    /// Two pieces that have a point in common.
+    fn crossing(&self, piece: usize, other: usize) -> MeshError {
+        let label = |piece: usize| self.labels[self.pieces[piece].0].clone();
+        MeshError::CrossingCurves { first: label(other), second: label(piece), near: self.vertices[piece] }
+    }
+}
+
+/// Vertices, those of the rim first and in its order, and triangles counter-clockwise.
+pub(super) struct Triangles {
+    pub vertices: Vec<[f64; 2]>,
+    pub triangles: Vec<[usize; 3]>,
+}
+
+/// Triangles whose edges are about `factor` times the size.
+pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<Triangles, E> {
+    let mut triangulation = constrained(rim)?;
+    let mut parameters = RefinementParameters::<f64>::new()
+        .exclude_outer_faces(true)
+        .keep_constraint_edges()
+        .with_angle_limit(AngleLimit::from_deg(ANGLE))
+        .with_max_additional_vertices(CELL_LIMIT);
+    match size {
+        CellSize::Even(even) => {
+            // estimated before memory is taken
+            let cells = rim.area() / (*even * *even);
+            if !(cells <= CELL_LIMIT as f64) {
+                return Err(MeshError::TooManyCells { cells: cells as usize, limit: CELL_LIMIT }.into());
+            }
+            let edge = factor * *even;
+            parameters = parameters.with_max_allowed_area(LARGE * edge * edge);
+        }
+        size => fill(&mut triangulation, size, factor)?,
+    }
+    let outside: Faces = triangulation.refine(parameters).excluded_faces.into_iter().collect();
+    // refinement only adds vertices, so those of the rim keep their places at the beginning
+    let vertices: Vec<[f64; 2]> = triangulation.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect();
+    let inside = triangulation.inner_faces().filter(|face| !outside.contains(&face.fix()));
+    let triangles: Vec<[usize; 3]> = inside.map(|face| face.vertices().map(|vertex| vertex.fix().index())).collect();
+    if triangles.is_empty() { Err(MeshError::NoTriangulation.into()) } else { Ok(Triangles { vertices, triangles }) }
+}
+
+/// The rim alone, its pieces kept.
+fn constrained(rim: &Rim) -> Result<Constrained, MeshError> {
+    let mut triangulation = Constrained::new();
+    let mut handles = Vec::with_capacity(rim.vertices.len());
+    for (piece, &[x, y]) in rim.vertices.iter().enumerate() {
+        let handle = triangulation.insert(Point2::new(x, y)).map_err(|_| MeshError::NoTriangulation)?;
+        if handle.index() != piece {
+            return Err(rim.crossing(piece, handle.index()));
+        }
+        handles.push(handle);
+    }
+    for piece in 0..handles.len() {
+        let (from, to) = (handles[piece], handles[rim.next[piece]]);
+        let crossed =
+            triangulation.get_conflicting_edges_between_vertices(from, to).next().map(|edge| edge.vertices().map(|v| v.fix().index()));
+        if let Some([a, b]) = crossed {
+            let other = if rim.next[a] == b { a } else { b };
+            return Err(rim.crossing(piece, other));
+        }
+        triangulation.add_constraint(from, to);
+        if !triangulation.exists_constraint(from, to) {
+            // a vertex lies on it
+            let on = (0..handles.len()).find(|&k| triangulation.exists_constraint(from, handles[k]) && rim.next[k] != piece && k != piece);
+            return Err(rim.crossing(piece, on.unwrap_or(piece)));
+        }
+    }
+    Ok(triangulation)
+}
+
+/// Vertices inside where triangles are larger than wanted, until none is.
+fn fill<E: From<MeshError>>(triangulation: &mut Constrained, size: &mut CellSize<E>, factor: f64) -> Result<(), E> {
+    let mut tree: RTree<[f64; 2]> =
+        RTree::bulk_load(triangulation.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect());
+    loop {
+        let none = RefinementParameters::<f64>::new()
+            .exclude_outer_faces(true)
+            .with_max_additional_vertices(0)
+            .with_angle_limit(AngleLimit::from_deg(0.0));
+        let outside: Faces = triangulation.refine(none).excluded_faces.into_iter().collect();
+        let mut wanted: Vec<(f64, [f64; 2], [f64; 2])> = Vec::new();
+        let mut cells = 0.0;
+        for face in triangulation.inner_faces().filter(|face| !outside.contains(&face.fix())) {
+            let (center, area) = (face.center(), face.area());
+            let edge = factor * size.at([center.x, center.y])?;
+            let excess = area / (edge * edge);
+            cells += factor * factor * excess;
+            if excess > LARGE {
+                let circle = face.circumcenter();
+                // outside, the center of the triangle itself stands for it
+                let is_inside = matches!(triangulation.locate(circle), PositionInTriangulation::OnFace(face) if !outside.contains(&face));
+                let at = if is_inside { circle } else { center };
+                wanted.push((excess, [at.x, at.y], [center.x, center.y]));
+            }
+        }
+        if !(cells <= CELL_LIMIT as f64) {
+            return Err(MeshError::TooManyCells { cells: cells as usize, limit: CELL_LIMIT }.into());
+        }
+        wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut is_finer = false;
+        for (_, circle, center) in wanted {
+            for point in [circle, center] {
+                let near = NEAR * factor * size.at(point)?;
+                let nearest = tree.nearest_neighbor(point).map_or(f64::INFINITY, |other| (other[0] - point[0]).hypot(other[1] - point[1]));
+                if nearest >= near {
+                    triangulation.insert(Point2::new(point[0], point[1])).map_err(|_| MeshError::NoTriangulation)?;
+                    tree.insert(point);
+                    is_finer = true;
+                    break;
+                }
+            }
+        }
+        if !is_finer {
+            return Ok(());
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! The kinds of cells that a mesh can be made of, by their names.
+
+use super::handle::{MeshHandle, mesh_value};
+use crate::elements::CellKind;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// Kinds in the plane, the usual one first.
+pub const PLANE: &[&str] = &["quad4", "tri3", "tri6", "quad8", "quad9"];
+/// Kinds in space, the usual one first.
+pub const SOLID: &[&str] = &["hex8", "tet4"];
+const ALL: &[&str] = &["tri3", "quad4", "tri6", "quad8", "quad9", "tet4", "hex8"];
+
+/// The option `element` with these choices, of which the first is taken when it is left out.
+pub fn element(kinds: &'static [&'static str]) -> Parameter {
+    Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(Absent::Text(kinds[0]))
+}
+
+/// The kind of that name.
+fn kind_named(name: &str) -> CellKind {
+    CellKind::ALL.iter().copied().find(|kind| kind.name() == name).unwrap_or(CellKind::Quad4)
+}
+
+/// What the option `element` asks for.
+///
+/// # Errors
+/// Another name.
+pub fn kind_of(options: &Options) -> Result<CellKind, Failure> {
+    options.text("element").map(|name| kind_named(&name))
+}
+
+/// `with_elements` of a mesh.
+pub fn with_elements() -> Function {
+    Function {
+        name: "with_elements",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6`, `tri3` as `tri6`, \
+                  `hex8` as `tet4`; new nodes stand on straight edges (generators put them on their curves, by the option `element`)",
+        parameters: vec![Parameter::new("element", Kind::Choice(ALL), "the kind of its cells")],
+        returns: MeshHandle::NAME,
+        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");".into(),
+        see_also: &["refine", "rectangle", "extrude"],
+        body: body(|call| {
+            let kind = kind_named(&call.text("element")?);
+            mesh_value(call, call.receiver::<MeshHandle>().mesh().with_cells(kind))
+        }),
+    }
+}

@@ -1,0 +1,327 @@
+//! Regions that curves bound: lines, arcs and splines, and the function that fills what is inside with cells.
+
+use rhai::{Array, Dynamic, EvalAltResult, FnPtr};
+
+use super::handle::{MeshHandle, mesh_failure};
+use super::kinds::{PLANE, element, kind_of};
+use crate::math::catalogue::Interval;
+use crate::mesh::{self, CellSize, Curve, MeshError, SelectionError, Side};
+use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::callback::Callback;
+use crate::script::language::digits::number_text;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::{as_number, describe};
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![region(), line_to(), arc_to(), spline_to(), circle()]
+}
+
+type Point = [f64; 2];
+
+/// How a curve goes on from where the one before it ends.
+#[derive(Clone)]
+enum Course {
+    Line { to: Point },
+    ArcAbout { to: Point, center: Point, is_clockwise: bool },
+    ArcThrough { to: Point, through: Point },
+    Spline { points: Vec<Point> },
+    Circle { center: Point, radius: f64 },
+}
+
+/// A curve of an outline in a script.
+#[derive(Clone)]
+pub struct CurveHandle {
+    course: Course,
+    name: Option<String>,
+}
+
+impl Handle for CurveHandle {
+    const NAME: &'static str = "Curve";
+    const MAKER: &'static str = "make one with `line_to`, `arc_to`, `spline_to` or `circle`";
+
+    fn describe(&self) -> String {
+        let point = |[x, y]: &Point| format!("[{x}, {y}]");
+        let course = match &self.course {
+            Course::Line { to } => format!("line to {}", point(to)),
+            Course::ArcAbout { to, center, .. } => format!("arc to {} about {}", point(to), point(center)),
+            Course::ArcThrough { to, through } => format!("arc to {} through {}", point(to), point(through)),
+            Course::Spline { points } => format!("spline through {} points", points.len()),
+            Course::Circle { center, radius } => format!("circle of radius {radius} about {}", point(center)),
+        };
+        self.name.iter().fold(course, |course, name| format!("{course}, \"{name}\""))
+    }
+}
+
+impl CurveHandle {
+    /// The curve, begun at a point; a circle begins where it likes.
+    fn side(&self, from: Point) -> Result<Side, MeshError> {
+        let curve = match &self.course {
+            Course::Line { to } => Curve::line(from, *to),
+            Course::ArcAbout { to, center, is_clockwise } => Curve::arc(from, *to, *center, *is_clockwise),
+            Course::ArcThrough { to, through } => Curve::arc_through(from, *through, *to),
+            Course::Spline { points } => Curve::spline(std::iter::once(from).chain(points.iter().copied()).collect()),
+            Course::Circle { center, radius } => Curve::circle(*center, *radius),
+        };
+        Ok(Side { curve: curve?, name: self.name.clone() })
+    }
+}
+
+fn region() -> Function {
+    Function {
+        name: "region",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "unstructured cells inside an outline of lines, arcs and splines, with the boundaries `outer`, `hole 1`, … and \
+                  the names of curves",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::new(
+                    "outline",
+                    Kind::Either("an array that begins with a point `[x, y]`, then points and curves, or a `circle`"),
+                    "where it begins, then the curves around it; a point alone is a straight line to it, and a line closes what is open",
+                )
+                .of("length"),
+                Parameter::new(
+                    "size",
+                    Kind::Either("a number or a closure `|x, y| …`"),
+                    "the length of a cell's edges, about; a closure gives it by place",
+                )
+                .of("length"),
+                Parameter::new("holes", Kind::Array, "holes, each like an outline").of("length").or(Absent::Means("none")),
+                element(PLANE),
+            ]),
+            "outline and size",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let cam = region(#{\n    outline: [\n        [0.0, -1.0],\n        arc_to(#{ to: [0.0, 1.0], center: [0.0, 0.0], name: \
+                  \"base\" }),\n        spline_to([[-1.2, 0.7], [-1.8, 0.0], [-1.2, -0.7], [0.0, -1.0]], \"nose\"),\n    ],\n    holes: \
+                  [circle(#{ center: [0.0, 0.0], radius: 0.3, name: \"bore\" })],\n    size: |x, y| 0.08 + 0.05 * abs(x + 0.9),\n});"
+            .into(),
+        see_also: &["polygon", "line_to", "arc_to", "spline_to", "circle", "read_mesh"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            let kind = kind_of(&options)?;
+            let argument = options.argument("outline");
+            if !argument.is_given() {
+                return Err(argument.missing().into());
+            }
+            let outline = closed_loop(&argument, &argument.value())?;
+            let argument = options.argument("holes");
+            let holes = if argument.is_given() { argument.array()? } else { Array::new() };
+            let holes: Vec<Vec<Side>> = holes.iter().map(|hole| closed_loop(&argument, hole)).collect::<Result<_, Failure>>()?;
+            let made = with_size(call, &options.argument("size"), |size| mesh::region(&outline, &holes, size, kind))?;
+            Ok(Dynamic::from(MeshHandle::new(made)))
+        }),
+    }
+}
+
+/// What a closure of the script fails with, or what the mesh refuses.
+type SizeError = SelectionError<Box<EvalAltResult>>;
+
+/// Makes a mesh with the size that an argument gives.
+///
+/// # Errors
+/// Neither a number nor a closure, what the closure fails with, and what the mesh refuses.
+fn with_size<T>(
+    call: &Call,
+    argument: &Argument,
+    make: impl FnOnce(CellSize<SizeError>) -> Result<T, SizeError>,
+) -> Result<T, Box<EvalAltResult>> {
+    if !argument.is_given() {
+        return Err(argument.missing().into());
+    }
+    let value = argument.value();
+    let made = match value.read_lock::<FnPtr>() {
+        Some(function) => {
+            argument.check_parameters(&function, "|x, y|")?;
+            let closure = Callback::new(call, function.clone());
+            let mut size = |[x, y]: Point| {
+                let value = closure.call([Dynamic::from(x), Dynamic::from(y)]).map_err(SelectionError::Condition)?;
+                match as_number(&value) {
+                    Some(size) if size.is_finite() && size > 0.0 => Ok(size),
+                    _ => {
+                        let failure = argument.fail(format!("{} must give a number greater than 0", argument.title()));
+                        let given = format!("at [{x}, {y}] this gives {}", describe(call.engine(), &value));
+                        let failure = failure.label(given).hint("write `|x, y| 0.05 + 0.1 * abs(x)`");
+                        Err(SelectionError::Condition(failure.into()))
+                    }
+                }
+            };
+            make(CellSize::At(&mut size))
+        }
+        None => match as_number(&value) {
+            Some(size) if size.is_finite() && size > 0.0 => make(CellSize::Even(size)),
+            Some(size) => return Err(argument.out_of_range(Interval::Positive, &number_text(size)).into()),
+            None => return Err(argument.wrong_type().into()),
+        },
+    };
+    made.map_err(|error| match error {
+        SelectionError::Condition(error) => error,
+        SelectionError::Mesh(error) => mesh_failure(call, &error).into(),
+    })
+}
+
+/// The curves of an outline or a hole.
+fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failure> {
+    let engine = argument.call().engine();
+    let refused = |error: MeshError| argument.fail(error.to_string()).hint(error.cure());
+    let is_circle = |curve: &CurveHandle| matches!(curve.course, Course::Circle { .. });
+    if let Some(curve) = value.clone().try_cast::<CurveHandle>().filter(is_circle) {
+        return Ok(vec![curve.side([0.0; 2]).map_err(refused)?]);
+    }
+    let wrong = |what: String| {
+        let failure = argument.fail(format!("{} must begin with a point `[x, y]` and go on with points and curves", argument.title()));
+        failure.label(what).hint("write `[[0.0, 0.0], line_to([1.0, 0.0], \"floor\"), [1.0, 1.0]]`, or a `circle` alone")
+    };
+    let Some(entries) = value.read_lock::<Array>() else { return Err(wrong(format!("this is {}", describe(engine, value)))) };
+    let point_of = |entry: &Dynamic| -> Option<Point> {
+        let numbers: Vec<f64> = entry.read_lock::<Array>()?.iter().map(as_number).collect::<Option<_>>()?;
+        <Point>::try_from(numbers).ok()
+    };
+    let Some(start) = entries.first().and_then(point_of) else {
+        return Err(wrong(entries.first().map_or("it is empty".into(), |entry| format!("it begins with {}", describe(engine, entry)))));
+    };
+    let mut sides: Vec<Side> = Vec::new();
+    let mut at = start;
+    for entry in &entries[1..] {
+        let curve = match (point_of(entry), entry.clone().try_cast::<CurveHandle>()) {
+            (Some(to), _) => CurveHandle { course: Course::Line { to }, name: None },
+            (None, Some(curve)) if !is_circle(&curve) => curve,
+            _ => return Err(wrong(format!("it contains {}", describe(engine, entry)))),
+        };
+        let side = curve.side(at).map_err(refused)?;
+        at = side.curve.end();
+        sides.push(side);
+    }
+    if at != start {
+        sides.push(Side { curve: Curve::line(at, start).map_err(refused)?, name: None });
+    }
+    Ok(sides)
+}
+
+/// The parameter that names the boundary of a curve.
+fn name_parameter() -> Parameter {
+    Parameter::new("name", Kind::Text, "the boundary that it becomes").or(Absent::Means("none of its own"))
+}
+
+fn name_of(arguments: &impl Arguments) -> Result<Option<String>, Failure> {
+    if arguments.argument("name").is_given() { arguments.text("name").map(Some) } else { Ok(None) }
+}
+
+fn plane_point(argument: &Argument) -> Result<Point, Failure> {
+    argument.vector(2).map(|[x, y, _]| [x, y])
+}
+
+fn line_to() -> Function {
+    Function {
+        name: "line_to",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a straight side of a `region`, from where the curve before it ends",
+        parameters: vec![Parameter::new("to", Kind::Vector, "where it ends").of("length"), name_parameter()],
+        returns: CurveHandle::NAME,
+        example: "let floor = line_to([2.0, 0.0], \"floor\");".into(),
+        see_also: &["region", "arc_to", "spline_to"],
+        body: body(|call| {
+            let course = Course::Line { to: plane_point(&call.argument("to"))? };
+            Ok(Dynamic::from(CurveHandle { course, name: name_of(call)? }))
+        }),
+    }
+}
+
+fn arc_to() -> Function {
+    Function {
+        name: "arc_to",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a side of a `region` that is an arc of a circle, from where the curve before it ends: about a center, or through a point",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::new("to", Kind::Vector, "where it ends").of("length"),
+                Parameter::new("center", Kind::Vector, "the center, as far from the end as from the start")
+                    .of("length")
+                    .or(Absent::Means("follows from `through`")),
+                Parameter::new("through", Kind::Vector, "a point on the arc between its ends")
+                    .of("length")
+                    .or(Absent::Means("follows from `center`")),
+                Parameter::new("clockwise", Kind::Flag, "which way it goes about the center").or(Absent::Flag(false)),
+                name_parameter(),
+            ]),
+            "where it goes",
+        )],
+        returns: CurveHandle::NAME,
+        example: "let nose = arc_to(#{ to: [2.0, 2.0], center: [2.0, 1.0], name: \"nose\" });\n\
+                  let arch = arc_to(#{ to: [0.0, 0.0], through: [1.0, 0.5] });"
+            .into(),
+        see_also: &["region", "circle", "line_to", "spline_to"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            let (to, name) = (plane_point(&options.argument("to"))?, name_of(&options)?);
+            let (center, through) = (options.argument("center"), options.argument("through"));
+            let course = match (center.is_given(), through.is_given()) {
+                (true, false) => Course::ArcAbout { to, center: plane_point(&center)?, is_clockwise: options.flag("clockwise")? },
+                (false, true) => Course::ArcThrough { to, through: plane_point(&through)? },
+                (true, true) => {
+                    let failure = through.fail("an arc goes about a center or through a point, not both");
+                    return Err(failure.hint("leave out `center` or `through`").into());
+                }
+                (false, false) => {
+                    return Err(call.fail("an arc needs a `center` or a point `through` which it goes").hint("add one of the two").into());
+                }
+            };
+            Ok(Dynamic::from(CurveHandle { course, name }))
+        }),
+    }
+}
+
+fn spline_to() -> Function {
+    Function {
+        name: "spline_to",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a smooth side of a `region` (a cubic spline) from where the curve before it ends through points to the last of them; one \
+                  that comes back to its start has no corner there",
+        parameters: vec![Parameter::new("points", Kind::Array, "the points `[x, y]` in their order").of("length"), name_parameter()],
+        returns: CurveHandle::NAME,
+        example: "let back = spline_to([[1.5, 2.2], [0.8, 1.9], [0.0, 2.0]], \"back\");".into(),
+        see_also: &["region", "arc_to", "line_to"],
+        body: body(|call| {
+            let course = Course::Spline { points: call.argument("points").points()? };
+            Ok(Dynamic::from(CurveHandle { course, name: name_of(call)? }))
+        }),
+    }
+}
+
+fn circle() -> Function {
+    Function {
+        name: "circle",
+        form: Form::Function,
+        topic: Topic::Meshes,
+        summary: "a whole circle as the outline or a hole of a `region`",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::new("center", Kind::Vector, "the center").of("length"),
+                Parameter::number("radius", "length", Interval::Positive, "the radius"),
+                name_parameter(),
+            ]),
+            "where and how large",
+        )],
+        returns: CurveHandle::NAME,
+        example: "let bore = circle(#{ center: [0.2, 0.0], radius: 0.4, name: \"bore\" });\n\
+                  let washer = region(#{ outline: circle(#{ center: [0.0, 0.0], radius: 1.0 }), holes: [bore], size: 0.1 });"
+            .into(),
+        see_also: &["region", "arc_to", "disk"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            let course = Course::Circle { center: plane_point(&options.argument("center"))?, radius: options.number("radius")? };
+            Ok(Dynamic::from(CurveHandle { course, name: name_of(&options)? }))
+        }),
+    }
+}
