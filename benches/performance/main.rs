@@ -1,4 +1,5 @@
-//! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]`.
+//! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]
+//! [--materials]`; with the last only what laws cost.
 //!
 //! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers
 //! were and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.
@@ -7,6 +8,7 @@ mod bearing;
 #[path = "../../src/linear/fixtures.rs"]
 mod fixtures;
 mod linear;
+mod materials;
 mod startup;
 
 use std::error::Error;
@@ -15,7 +17,7 @@ use std::error::Error;
 use conserva::linear::Pattern;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut sizes, mut threads, mut repetitions) = (Vec::new(), 1, 3);
+    let (mut sizes, mut threads, mut repetitions, mut only_materials) = (Vec::new(), 1, 3, false);
     // Cargo adds `--bench`.
     let mut arguments = std::env::args().skip(1).filter(|text| text != "--bench");
     while let Some(argument) = arguments.next() {
@@ -23,10 +25,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         match argument.as_str() {
             "--threads" => threads = number()?.parse()?,
             "--repetitions" => repetitions = number()?.parse()?,
-            size => {
-                sizes.push(size.parse().map_err(|_| format!("unknown argument `{size}`; known are sizes, --threads n, --repetitions n"))?)
-            }
+            "--materials" => only_materials = true,
+            size => sizes.push(
+                size.parse()
+                    .map_err(|_| format!("unknown argument `{size}`; known are sizes, --threads n, --repetitions n, --materials"))?,
+            ),
         }
+    }
+    if only_materials {
+        return materials::costs(repetitions);
     }
     if sizes.is_empty() {
         sizes = vec![1, 2, 4, 8];
@@ -36,5 +43,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     if threads > 1 {
         bearing::phases_of_an_iteration(&sizes, &others, repetitions, threads)?;
     }
+    materials::costs(repetitions)?;
     startup::times(repetitions)
 }

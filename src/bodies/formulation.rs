@@ -93,7 +93,7 @@ impl Formulation {
     /// # Errors
     /// What does not go together.
     pub fn check(&self, mesh: &Mesh, material: &Material) -> Result<(), FormulationError> {
-        let law = material.row().name;
+        let law = material.name();
         if mesh.dimension() == 3 && self.plane != Plane::Strain {
             return Err(FormulationError::NotPlane { cells: mesh.kind.name() });
         }

@@ -2,10 +2,11 @@
 //!
 //! `W = lambda/2 (tr e)^2 + mu e:e`, `e = sym(grad u)` (Hughes, The Finite Element Method, 2000, section 2.7): the formula of the Saint
 //! Venant-Kirchhoff law on another strain. Not invariant under rotations: a body that turns by 0.1 is strained by 0.005.
-//! No row of the catalogue: it asks the element loop for other kinematics.
+//! No row of the catalogue, whose laws rotations do not strain: a list of its own.
 
+use super::laws::{Kinematics, Laws};
 use super::material::{Material, MaterialError};
-use super::row::{DENSITY, Kinematics, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
+use super::row::{Construct, DENSITY, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
 use super::saint_venant_kirchhoff::Lame;
 
 pub(super) const ROW: MaterialRow = MaterialRow {
@@ -13,10 +14,11 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     summary: "linear elasticity of small displacements; not for rotations",
     formula: "W = lambda/2 (tr e)^2 + mu e:e, e = sym(grad u) (Hughes 2000, section 2.7)",
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
-    construct: |values| {
+    example: &[1.0, 0.3, 1.0],
+    construct: Construct::Formula(|values| {
         let (lambda, mu) = lame(values[0], values[1]);
         Laws { kinematics: Kinematics::Linear, ..Laws::new(Lame { lambda, mu }) }
-    },
+    }),
 };
 
 /// Constants of linear elasticity.

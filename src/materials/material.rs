@@ -5,13 +5,16 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::batched::{BatchedLaw, Response};
-use super::row::{Kinematics, Laws, MaterialRow, YOUNGS_MODULUS};
+use super::energy::{EnergyError, StoredEnergy};
+use super::laws::{Kinematics, Laws};
+use super::row::{Construct, MaterialRow, YOUNGS_MODULUS};
 use super::split::Split;
-use crate::math::catalogue::OutOfRange;
+use crate::math::catalogue::{Interval, OutOfRange};
 use crate::math::lanes::Lanes;
+use crate::math::tolerances::RESIDUAL_STRESS;
 
 /// Constants that make no material.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MaterialError {
     /// A constant outside its range.
@@ -34,28 +37,51 @@ pub enum MaterialError {
         /// How many are given.
         given: usize,
     },
+    /// A text that is no energy with these constants.
+    #[error(transparent)]
+    Energy(#[from] EnergyError),
+    /// A law that resists no change of the volume.
+    #[error("`{law}` resists no change of the volume at rest with these constants")]
+    Slack {
+        /// Name of the law.
+        law: &'static str,
+    },
 }
 
-/// A material: a row of the catalogue with the values of its parameters.
+/// Where the law of a material comes from.
+#[derive(Clone)]
+enum Origin {
+    /// A row of the catalogue with the values of its parameters.
+    Row(&'static MaterialRow, Vec<f64>),
+    /// A text of the user's.
+    Text,
+}
+
+/// A material: a row of the catalogue with the values of its parameters, or an energy of the user's.
 #[derive(Clone)]
 pub struct Material {
-    row: &'static MaterialRow,
-    values: Vec<f64>,
+    origin: Origin,
+    /// The energy of a law that is written as text.
+    energy: Option<StoredEnergy>,
+    density: f64,
     laws: Laws,
     youngs_modulus: f64,
 }
 
 impl std::fmt::Debug for Material {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(out, "{}{:?}", self.row.name, self.values)
+        write!(out, "{}{:?}", self.name(), self.constants())
     }
 }
 
+/// Name of a law that is given by its energy.
+pub const HYPERELASTIC: &str = "hyperelastic";
+
 impl Material {
-    /// The material of a row with the values of its parameters, in the row's order; a law has a struct with named fields for this.
+    /// The material of a row with the values of its parameters, in the row's order; a law may have a struct with named fields for this.
     ///
     /// # Errors
-    /// The first value that is outside its range, or another number of values than the row has parameters.
+    /// The first value that is outside its range, or another number of values than the row has parameters; values that make no energy.
     pub fn new(row: &'static MaterialRow, values: &[f64]) -> Result<Self, MaterialError> {
         if row.parameters.len() != values.len() {
             return Err(MaterialError::Count { law: row.name, expected: row.parameters.len(), given: values.len() });
@@ -63,25 +89,108 @@ impl Material {
         for (parameter, &value) in row.parameters.iter().zip(values) {
             parameter.range.check(value).map_err(|fault| MaterialError::Constant { law: row.name, constant: parameter.name, fault })?;
         }
-        let laws = (row.construct)(values);
+        let (laws, energy) = match row.construct {
+            Construct::Formula(construct) => (construct(values), None),
+            Construct::Text(construct) => {
+                let energy = construct(values)?;
+                (energy.laws()?, Some(energy))
+            }
+        };
         let given = row.parameters.iter().position(|parameter| parameter.name == YOUNGS_MODULUS.name);
         let youngs_modulus = given.map_or_else(|| modulus_at_rest(&*laws.space), |index| values[index]);
-        Ok(Material { row, values: values.to_vec(), laws, youngs_modulus })
+        let density = *values.last().expect("every row has a density");
+        Material { origin: Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus }.stiff()
     }
 
-    /// Its row of the catalogue.
-    pub fn row(&self) -> &'static MaterialRow {
-        self.row
+    /// The material of an energy that is given as text.
+    ///
+    /// ```
+    /// # use conserva::materials::{Material, StoredEnergy};
+    /// let energy = StoredEnergy::new("mu/2*(I1bar - 3)", Some("k/2*(J - 1)^2"), &[("mu", 1.0), ("k", 100.0)])?;
+    /// let rubber = Material::hyperelastic(energy, 1e-3)?;
+    /// assert!((rubber.youngs_modulus() - 9.0 * 100.0 / (3.0 * 100.0 + 1.0)).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A mistake in the text, with its place; a density that is none.
+    pub fn hyperelastic(energy: StoredEnergy, density: f64) -> Result<Self, MaterialError> {
+        let wrong = |fault| MaterialError::Constant { law: HYPERELASTIC, constant: "density", fault };
+        Interval::Positive.check(density).map_err(wrong)?;
+        let laws = energy.laws()?;
+        let youngs_modulus = modulus_at_rest(&*laws.space);
+        Material { origin: Origin::Text, energy: Some(energy), density, laws, youngs_modulus }.stiff()
     }
 
-    /// Values of the parameters, in the row's order.
-    pub fn values(&self) -> &[f64] {
-        &self.values
+    /// The same, if contact and tolerances can be scaled by its stiffness.
+    fn stiff(self) -> Result<Self, MaterialError> {
+        let modulus = self.youngs_modulus.abs();
+        if modulus > 0.0 && modulus.is_finite() {
+            return Ok(Material { youngs_modulus: modulus, ..self });
+        }
+        Err(MaterialError::Slack { law: self.name() })
+    }
+
+    /// The same in other units; `factor` gives what a value of a dimension, such as `"stress"`, is multiplied by.
+    ///
+    /// # Errors
+    /// The name of the first constant whose dimension `factor` does not know.
+    pub fn rescaled(&self, factor: impl Fn(&str) -> Option<f64>) -> Result<Self, String> {
+        let unknown = |name: &str| format!("the dimension of the constant `{name}` is not known");
+        let material = match (&self.origin, &self.energy) {
+            (Origin::Row(row, values), _) => {
+                let scaled = row.parameters.iter().zip(values).map(|(parameter, value)| {
+                    factor(parameter.dimension).map(|factor| value * factor).ok_or_else(|| unknown(parameter.name))
+                });
+                Material::new(row, &scaled.collect::<Result<Vec<f64>, String>>()?)
+            }
+            (Origin::Text, Some(energy)) => {
+                let stress = factor("stress").ok_or_else(|| unknown("energy"))?;
+                let density = self.density * factor("mass/volume").ok_or_else(|| unknown("density"))?;
+                Material::hyperelastic(StoredEnergy { factor: energy.factor * stress, ..energy.clone() }, density)
+            }
+            (Origin::Text, None) => return Ok(self.clone()),
+        };
+        material.map_err(|error| error.to_string())
+    }
+
+    /// The same in a body that is turned in the plane by an angle with that cosine and sine.
+    ///
+    /// # Errors
+    /// An energy that cannot be turned.
+    pub fn turned(&self, cosine: f64, sine: f64) -> Result<Self, MaterialError> {
+        let Some(energy) = &self.energy else { return Ok(self.clone()) };
+        let energy = energy.turned(cosine, sine)?;
+        Ok(Material { laws: energy.laws()?, energy: Some(energy), ..self.clone() })
+    }
+
+    /// Name of its law.
+    pub fn name(&self) -> &'static str {
+        match &self.origin {
+            Origin::Row(row, _) => row.name,
+            Origin::Text => HYPERELASTIC,
+        }
+    }
+
+    /// Names and values of its constants, in the row's order; the density is the last.
+    pub fn constants(&self) -> Vec<(&str, f64)> {
+        match (&self.origin, &self.energy) {
+            (Origin::Row(row, values), _) => row.parameters.iter().map(|parameter| parameter.name).zip(values.iter().copied()).collect(),
+            (Origin::Text, energy) => {
+                let constants = energy.iter().flat_map(|energy| &energy.constants);
+                constants.map(|(name, value)| (name.as_str(), *value)).chain([("density", self.density)]).collect()
+            }
+        }
+    }
+
+    /// The energy of a law that is written as text.
+    pub fn energy(&self) -> Option<&StoredEnergy> {
+        self.energy.as_ref()
     }
 
     /// Mass per undeformed volume `[mass/volume]`.
     pub fn density(&self) -> f64 {
-        *self.values.last().expect("every row has a density")
+        self.density
     }
 
     /// Young's modulus at zero strain `[stress]`, of a law that is not isotropic a mean over all directions.
@@ -124,23 +233,49 @@ fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
     let (direct, crossed) = (c[0][0] + c[1][1] + c[2][2], c[0][1] + c[1][2] + c[0][2]);
     // Because of Mandel components the shear diagonal is twice a shear modulus.
     let (bulk, shear) = ((direct + 2.0 * crossed) / 9.0, (direct - crossed + 1.5 * (c[3][3] + c[4][4] + c[5][5])) / 15.0);
-    9.0 * bulk * shear / (3.0 * bulk + shear)
+    let nothing = RESIDUAL_STRESS * c.iter().flatten().map(|entry| entry.abs()).fold(0.0, f64::max);
+    if bulk.abs() <= nothing {
+        return 0.0;
+    }
+    // Shear may be resisted by a stress at rest alone.
+    if shear.abs() <= nothing { bulk } else { 9.0 * bulk * shear / (3.0 * bulk + shear) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::materials::{CATALOGUE, LinearElasticity};
+    use crate::materials::CATALOGUE;
 
     #[test]
     fn the_modulus_at_rest_is_the_one_that_was_given() {
-        for row in
-            CATALOGUE.iter().chain([LinearElasticity { youngs_modulus: 1.0, poisson_ratio: 0.0, density: 1.0 }.material().unwrap().row()])
-        {
-            if row.parameters[0].name == YOUNGS_MODULUS.name {
-                let material = Material::new(row, &[1234.5, 0.37, 1.0]).unwrap();
-                assert!((modulus_at_rest(&*material.space()) - 1234.5).abs() < 1e-12 * 1234.5, "{}", row.name);
-            }
+        for row in CATALOGUE.iter().filter(|row| row.parameters[0].name == YOUNGS_MODULUS.name) {
+            let material = Material::new(row, &[1234.5, 0.37, 1.0]).unwrap();
+            assert!((modulus_at_rest(&*material.space()) - 1234.5).abs() < 1e-12 * 1234.5, "{}", row.name);
         }
+    }
+
+    #[test]
+    fn an_energy_without_stiffness_is_no_material() {
+        for (text, factor) in [("0*I1", 1.0), ("I1 - I1", 1.0), ("mu*(I1 - 3 - 2*ln(J))", 0.0)] {
+            let energy = StoredEnergy { factor, ..StoredEnergy::new(text, None, &[("mu", 1.0)]).unwrap() };
+            assert_eq!(Material::hyperelastic(energy, 1.0).unwrap_err(), MaterialError::Slack { law: HYPERELASTIC });
+        }
+    }
+
+    #[test]
+    fn other_units_and_turns_are_the_same_material() {
+        let energy = StoredEnergy::new("mu/2*(I1bar - 3) + mu*(I4 - 1)^2", Some("mu*(J - 1)^2"), &[("mu", 2.0)]).unwrap();
+        let material = Material::hyperelastic(energy.with_fibers(&[[1.0, 0.0, 0.0]]), 1.0).unwrap();
+        let other = material.rescaled(|dimension| Some(if dimension == "stress" { 10.0 } else { 3.0 })).unwrap();
+        assert!((other.youngs_modulus() - 10.0 * material.youngs_modulus()).abs() < 1e-12);
+        assert_eq!(other.density(), 3.0);
+        let stress = |material: &Material, strain: [f64; 3]| {
+            let mut stress = [[Lanes::ZERO; 3]];
+            material.plane().stresses_into(&[strain.map(|x| Lanes([x; 8]))], &mut stress);
+            stress[0].map(|component| component.0[0])
+        };
+        let [a, b, c] = stress(&material, [0.1, -0.05, 0.03]);
+        let [d, e, f] = stress(&material.turned(0.0, 1.0).unwrap(), [-0.05, 0.1, -0.03]);
+        assert!((a - e).abs() + (b - d).abs() + (c + f).abs() < 1e-15, "{a} {e} {b} {d} {c} {f}");
     }
 }

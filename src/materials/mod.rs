@@ -1,29 +1,63 @@
 //! Floor 1: stored-energy laws on the Green-Lagrange strain; formulas only, one file each.
 //!
-//! A law is written once on [`Tensor`](crate::math::tensor::Tensor), for plane strain, a stretched third direction and space; [`BatchedLaw`] puts it behind a
-//! virtual call per batch of points. A new law is one file and one row of [`CATALOGUE`].
+//! A law is written once on [`Tensor`](crate::math::tensor::Tensor), for plane strain, a stretched third direction and space, or it is
+//! an energy as text (`energy/`); [`BatchedLaw`] puts it behind a virtual call per batch of points. A new law is one file and one row of
+//! [`CATALOGUE`].
 
+mod arruda_boyce;
 mod batched;
+#[cfg(test)]
+mod closed_forms;
+mod energy;
+mod fit;
+mod gent;
+mod hencky;
+mod holzapfel_gasser_ogden;
+mod homogeneous;
 mod law;
+mod laws;
 mod linear_elasticity;
 mod material;
+mod mooney_rivlin;
 mod neo_hookean;
+mod ogden;
 mod plane_stress;
 mod row;
 mod saint_venant_kirchhoff;
+mod soundness;
 mod split;
 #[cfg(test)]
 mod tests;
+mod volume;
+mod yeoh;
 
 pub use batched::{BatchedLaw, Components, IncrementResponse, Response};
+pub use energy::{EnergyError, EnergyText, StoredEnergy, functions_of_energies, quantities_of_energies};
+pub use fit::{Fit, FitError, Measured, fit, incompressible_stress};
+pub use homogeneous::{Homogeneous, Piece, path};
 pub use law::{Increment, Law};
+pub use laws::Kinematics;
 pub use linear_elasticity::LinearElasticity;
-pub use material::{Material, MaterialError};
+pub use material::{HYPERELASTIC, Material, MaterialError};
 pub use neo_hookean::NeoHookean;
 pub use plane_stress::PlaneStress;
-pub use row::{Kinematics, MaterialRow};
+pub use row::MaterialRow;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+pub use soundness::Weakness;
 pub use split::{Split, VolumetricLaw};
 
+/// Laws of small displacements, which rotations strain: no rows of [`CATALOGUE`], whose laws are invariant under them.
+pub static LINEAR: &[MaterialRow] = &[linear_elasticity::ROW];
+
 /// The catalogue of materials.
-pub static CATALOGUE: &[MaterialRow] = &[neo_hookean::ROW, saint_venant_kirchhoff::ROW];
+pub static CATALOGUE: &[MaterialRow] = &[
+    neo_hookean::ROW,
+    saint_venant_kirchhoff::ROW,
+    hencky::ROW,
+    mooney_rivlin::ROW,
+    yeoh::ROW,
+    gent::ROW,
+    arruda_boyce::ROW,
+    ogden::ROW,
+    holzapfel_gasser_ogden::ROW,
+];

@@ -6,9 +6,11 @@
 //! The remainder of the discrete gradient has a closed form without cancellation (see [`Law::remainder`] below).
 
 use super::law::{Increment, Law};
+use super::laws::Laws;
 use super::material::{Material, MaterialError};
-use super::row::{DENSITY, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
+use super::row::{Construct, DENSITY, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
 use super::split::VolumetricLaw;
+use super::volume::{cofactor_of_c, growth};
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::Tensor;
 
@@ -17,10 +19,11 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     summary: "compressible neo-Hookean law: rubber-like, for large strains",
     formula: "W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2 (Bonet and Wood 2008, section 6.4.3)",
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
-    construct: |values| {
+    example: &[1.0, 0.3, 1.0],
+    construct: Construct::Formula(|values| {
         let (lambda, mu) = lame(values[0], values[1]);
         Laws::new(Lame { lambda, mu }).split_into(Lame { lambda: 0.0, mu }, Logarithmic { lambda })
-    },
+    }),
 };
 
 /// Constants of the compressible neo-Hookean law at zero strain.
@@ -82,20 +85,6 @@ impl VolumetricLaw for Logarithmic {
             *response = [slope * log, slope * inverse * (-log + 1.0)];
         }
     }
-}
-
-/// `det C - 1`.
-#[inline(always)]
-fn growth<T: Tensor>(strain: &T) -> T::Scalar {
-    let plane = strain.second_invariant().mul_add(T::Scalar::splat(4.0), strain.trace() * 2.0);
-    if T::PLANE { plane } else { plane + strain.determinant() * 8.0 }
-}
-
-/// `cof C = I + 2 (tr E I - E) + 4 cof E`.
-#[inline(always)]
-fn cofactor_of_c<T: Tensor>(strain: &T) -> T {
-    let plane = (*strain * -2.0).plus_identity(strain.trace() * 2.0 + 1.0);
-    if T::PLANE { plane } else { plane + strain.cofactor() * 4.0 }
 }
 
 impl Lame {

@@ -1,10 +1,7 @@
 //! How a law describes itself: a row of the catalogue, and the constants that isotropic laws share.
 
-use std::sync::Arc;
-
-use super::batched::BatchedLaw;
-use super::law::Law;
-use super::split::{Split, VolumetricLaw};
+use super::energy::{EnergyError, StoredEnergy};
+use super::laws::Laws;
 use crate::math::catalogue::{Interval, Parameter};
 
 /// A row of the catalogue of materials.
@@ -17,8 +14,49 @@ pub struct MaterialRow {
     pub formula: &'static str,
     /// Parameters in the order in which [`super::Material::new`] takes their values; the density is the last.
     pub parameters: &'static [Parameter],
+    /// Values of the parameters of a material that is about as stiff as one with Young's modulus 1; stresses grow with it.
+    pub(super) example: &'static [f64],
     /// Makes the law from the values of the parameters.
-    pub(super) construct: fn(&[f64]) -> Laws,
+    pub(super) construct: Construct,
+}
+
+/// How a law is made from the values of its parameters.
+pub(super) enum Construct {
+    /// From a formula that is written by hand.
+    Formula(fn(&[f64]) -> Laws),
+    /// From an energy as text.
+    Text(fn(&[f64]) -> Result<StoredEnergy, EnergyError>),
+}
+
+impl MaterialRow {
+    /// Whether its energy has a part of the volume alone, so that all other constants tell of pieces that keep their volume.
+    pub fn is_incompressible(&self) -> bool {
+        self.parameters.iter().any(|parameter| parameter.name == BULK_MODULUS.name)
+    }
+
+    /// The energy of a law that is written as text, for values of the parameters by their names; others have their defaults, or 1.
+    ///
+    /// # Errors
+    /// Values that make no energy, or a law that is not written as text.
+    pub fn energy(&self, value: impl Fn(&str) -> Option<f64>) -> Result<StoredEnergy, EnergyError> {
+        let value = |parameter: &Parameter| value(parameter.name).or(parameter.default).unwrap_or(1.0);
+        let values: Vec<f64> = self.parameters.iter().map(value).collect();
+        match self.construct {
+            Construct::Text(construct) => construct(&values),
+            Construct::Formula(_) => StoredEnergy::new("", None, &[]),
+        }
+    }
+
+    /// Values of the parameters of a material that is about as stiff as one with that Young's modulus: for examples and tests that run over
+    /// all rows.
+    pub fn example(&self, modulus: f64, density: f64) -> Vec<f64> {
+        let value = |(parameter, value): (&Parameter, &f64)| match parameter.dimension {
+            "stress" => value * modulus,
+            "mass/volume" => density,
+            _ => *value,
+        };
+        self.parameters.iter().zip(self.example).map(value).collect()
+    }
 }
 
 impl std::fmt::Debug for MaterialRow {
@@ -41,6 +79,13 @@ pub(super) const POISSON_RATIO: Parameter = Parameter {
     range: Interval::Open(-1.0, 0.5),
     default: None,
 };
+pub(super) const BULK_MODULUS: Parameter = Parameter {
+    name: "bulk_modulus",
+    summary: "bulk modulus at zero strain",
+    dimension: "stress",
+    range: Interval::Positive,
+    default: None,
+};
 pub(super) const DENSITY: Parameter = Parameter {
     name: "density",
     summary: "mass per undeformed volume",
@@ -49,45 +94,22 @@ pub(super) const DENSITY: Parameter = Parameter {
     default: None,
 };
 
+/// Energy of the change of volume `K/4 (J^2 - 1 - 2 ln J)` (Simo and Taylor, Computer Methods in Applied Mechanics and Engineering 33,
+/// 1982): infinite for `J -> 0` and `J -> infinity`, without a pressure at rest.
+pub(super) const VOLUMETRIC: &str = "bulk_modulus/4*(J^2 - 1 - 2*ln(J))";
+
+/// A modulus of a law as text.
+pub(super) const fn stress(name: &'static str, range: Interval, summary: &'static str) -> Parameter {
+    Parameter { name, summary, dimension: "stress", range, default: None }
+}
+
+/// A pure number of a law as text.
+pub(super) const fn number(name: &'static str, range: Interval, summary: &'static str) -> Parameter {
+    Parameter { name, summary, dimension: "1", range, default: None }
+}
+
 /// Lame's constants `(lambda, mu)` from Young's modulus and Poisson's ratio.
 pub(super) fn lame(youngs_modulus: f64, poisson_ratio: f64) -> (f64, f64) {
     let mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
     (2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio), mu)
-}
-
-/// One law as the kernels call it, in the plane, with a stretched third direction, and in space.
-#[derive(Clone)]
-pub(super) struct Laws {
-    pub(super) plane: Arc<dyn BatchedLaw<3>>,
-    pub(super) axisymmetric: Arc<dyn BatchedLaw<4>>,
-    pub(super) space: Arc<dyn BatchedLaw<6>>,
-    pub(super) split: Option<Split>,
-    pub(super) kinematics: Kinematics,
-}
-
-impl Laws {
-    pub(super) fn new<L: Law + Clone>(law: L) -> Self {
-        Laws {
-            plane: Arc::new(law.clone()),
-            axisymmetric: Arc::new(law.clone()),
-            space: Arc::new(law),
-            split: None,
-            kinematics: Kinematics::GreenLagrange,
-        }
-    }
-
-    /// The same with its two parts, the rest `W_d` and `U(J)`.
-    pub(super) fn split_into<L: Law + Clone, U: VolumetricLaw + 'static>(self, rest: L, volumetric: U) -> Self {
-        let Laws { plane, axisymmetric, space, .. } = Laws::new(rest);
-        Laws { split: Some(Split { plane, axisymmetric, space, volumetric: Arc::new(volumetric) }), ..self }
-    }
-}
-
-/// The strain that a law takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kinematics {
-    /// Green-Lagrange strain `E = (F^T F - I)/2`; stresses are of the second Piola-Kirchhoff kind.
-    GreenLagrange,
-    /// Strain `sym(grad u)` of small displacements; equilibrium is written in the undeformed state. Not invariant under rotations.
-    Linear,
 }

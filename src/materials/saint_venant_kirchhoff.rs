@@ -5,8 +5,9 @@
 //! Not for strong compression: the energy stays finite as `J -> 0`.
 
 use super::law::Law;
+use super::laws::Laws;
 use super::material::{Material, MaterialError};
-use super::row::{DENSITY, Laws, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
+use super::row::{Construct, DENSITY, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
 use crate::math::lanes::Real;
 use crate::math::tensor::Tensor;
 
@@ -15,10 +16,11 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     summary: "Saint Venant-Kirchhoff law: stress linear in the Green-Lagrange strain; for large rotations with small strains",
     formula: "W = lambda/2 (tr E)^2 + mu E:E (Simo and Hughes 1998, section 6.4)",
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
-    construct: |values| {
+    example: &[1.0, 0.3, 1.0],
+    construct: Construct::Formula(|values| {
         let (lambda, mu) = lame(values[0], values[1]);
         Laws::new(Lame { lambda, mu })
-    },
+    }),
 };
 
 /// Constants of the Saint Venant-Kirchhoff law at zero strain.

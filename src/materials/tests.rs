@@ -51,15 +51,18 @@ fn shifted<const S: usize>(strain: &Components<S>, component: usize, by: f64) ->
     moved
 }
 
-fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>) {
+fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool) {
     let rest = [Lanes::ZERO; S];
     let (stress, tangent) = stress_tangent(law, &rest);
     assert_eq!(energy(law, &rest), 0.0, "{name}: no energy at rest");
     assert_eq!(stress, [0.0; S], "{name}: no stress at rest");
-    // Tangent at rest: uniaxial modulus lambda + 2 mu and, because of Mandel components, 2 mu on the shear diagonal.
     let (lambda, mu) = lame(1000.0, 0.3);
-    assert!((tangent[0][0] - lambda - 2.0 * mu).abs() < 1e-12 * mu, "{name}: modulus at rest");
-    assert!((tangent[S - 1][S - 1] - 2.0 * mu).abs() < 1e-12 * mu, "{name}: shear modulus at rest");
+    if is_given {
+        // Tangent at rest: uniaxial modulus lambda + 2 mu and, because of Mandel components, 2 mu on the shear diagonal.
+        assert!((tangent[0][0] - lambda - 2.0 * mu).abs() < 1e-12 * mu, "{name}: modulus at rest");
+        assert!((tangent[S - 1][S - 1] - 2.0 * mu).abs() < 1e-12 * mu, "{name}: shear modulus at rest");
+    }
+    let mut compared = 0;
     for (n, n1) in pairs::<S>() {
         let (stress, tangent) = stress_tangent(law, &n1);
         let h = 1e-5;
@@ -67,10 +70,15 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>) {
             // Central differences leave h^2/6 times a third derivative of stress or energy, seen to be 60 and 600 moduli where the
             // strain is largest; round-off eps/h is below.
             let (up, down) = (shifted(&n1, k, h), shifted(&n1, k, -h));
+            let ((above, stiffness), (below, other)) = (stress_tangent(law, &up), stress_tangent(law, &down));
+            // Fibers begin to pull in between: no difference quotient is a tangent there.
+            if stiffness.iter().flatten().zip(other.iter().flatten()).any(|(a, b)| (a - b).abs() > 0.01 * mu) {
+                continue;
+            }
             let difference = (energy(law, &up) - energy(law, &down)) / (2.0 * h);
             assert!((difference - stress[k]).abs() < 2e-9 * mu, "{name}: stress {k} {difference} {}", stress[k]);
-            let (above, below) = (stress_tangent(law, &up).0, stress_tangent(law, &down).0);
             for l in 0..S {
+                compared += 1;
                 let difference = (above[l] - below[l]) / (2.0 * h);
                 assert!((difference - tangent[l][k]).abs() < 2e-8 * mu, "{name}: tangent {l}{k} {difference} {}", tangent[l][k]);
             }
@@ -90,23 +98,46 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>) {
             assert!((stress_end[k].0[2] - stress[k]).abs() < 1e-14 * mu, "{name}: stress {k} at the end");
         }
         let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
+        // Energies as text are differences of terms of first order, and so is the plain remainder of them.
+        let is_text = !["neo_hookean", "saint_venant_kirchhoff"].contains(&name);
+        let first_order = n.iter().chain(&n1).map(|e| e.0[0].abs()).fold(0.0, f64::max);
+        let scale = scale + if is_text { mu * first_order } else { 0.0 };
         assert!((remainder - plain).abs() < 1e-14 * scale, "{name}: remainder {remainder} against {plain}");
     }
+    assert!(compared > 6 * S * S, "{name}: {compared} entries of tangents compared");
 }
 
-/// A material of a row, with Poisson's ratio 0.3.
+/// A material of a row, about as stiff as one with Young's modulus 1000.
 fn example(row: &'static MaterialRow) -> Material {
-    let values: Vec<f64> = row.parameters.iter().map(|p| if p.name == "poisson_ratio" { 0.3 } else { 1000.0 }).collect();
-    Material::new(row, &values).expect("the values are in their ranges")
+    Material::new(row, &row.example(1000.0, 1000.0)).expect("the values are in their ranges")
 }
 
 #[test]
 fn every_law_fulfils_the_contract_in_every_kind_of_strain() {
     for row in CATALOGUE {
         let material = example(row);
-        contract::<3>(row.name, &*material.plane());
-        contract::<4>(row.name, &*material.axisymmetric());
-        contract::<6>(row.name, &*material.space());
+        let is_given = row.parameters[0].name == "youngs_modulus";
+        contract::<3>(row.name, &*material.plane(), is_given);
+        contract::<4>(row.name, &*material.axisymmetric(), is_given);
+        contract::<6>(row.name, &*material.space(), is_given);
+    }
+}
+
+#[test]
+fn energies_as_text_fulfil_the_contract() {
+    // Every function and every quantity; without stress at rest.
+    for text in [
+        "mu*((I1/3)^1.5/J - 1) + mu*log(J)^2",
+        "mu*(sinh(E11)^2 + cosh(E12) + tanh(E22)*E22 + exp(E33^2) + E23^2 + abs(E13)^5)",
+        "mu*(sqrt(I3)*I1 - 2.5*I3) + mu*(I2bar - 3)^2/I2 + mu*J^(I1 - 3)/J^I1*J^3",
+        "mu*(stretch_power(-1.3)*J^(1.3/3) - 3) + mu*log_strain_squared + mu*max(J - 1, 0)^5 - mu*min(0, I1bar - I2bar)^5",
+        "mu*pos(I4bar - I6bar)^5 + mu*(I6 - 1)^2*I4 + pi*mu*pow(I4 - 1, 4)",
+    ] {
+        let energy = StoredEnergy::new(text, None, &[("mu", 300.0)]).unwrap().with_fibers(&[[1.0, 2.0, 0.0], [-1.0, 0.5, 0.3]]);
+        let material = Material::hyperelastic(energy, 1.0).unwrap();
+        contract::<3>(text, &*material.plane(), false);
+        contract::<4>(text, &*material.axisymmetric(), false);
+        contract::<6>(text, &*material.space(), false);
     }
 }
 

@@ -1,8 +1,8 @@
-//! Eight numbers that are computed together, one lane per element, and the one transcendental function that stored energies need.
+//! Eight numbers that are computed together, one lane per element, and the transcendental functions that stored energies need.
 //!
 //! No intrinsics: arrays that the compiler vectorises where it is told which instructions exist. `FMA` says whether `mul_add` is one
 //! instruction there (without the instruction it would be a slow library call).
-//! `ln(1 + x)` and `atanh(z) - z` share one series: `atanh z - z = z^3 (1/3 + z^2/5 + z^4/7 + ...)`.
+//! `ln(1 + x)` and `atanh(z) - z` share one series: `atanh z - z = z^3 (1/3 + z^2/5 + z^4/7 + ...)`; `exp(x) - 1` has Taylor's.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -34,6 +34,21 @@ pub trait Real:
 
 /// Coefficients of `(atanh z - z) / z^3` in powers of `z^2`; the first term left out is 5e-18 of it at [`SERIES_LIMIT`].
 const EXCESS: [f64; 11] = [1. / 3., 1. / 5., 1. / 7., 1. / 9., 1. / 11., 1. / 13., 1. / 15., 1. / 17., 1. / 19., 1. / 21., 1. / 23.];
+/// Coefficients of `(exp(r) - 1 - r) / r^2` in powers of `r`; the first term left out is 2e-17 of `r` at `|r| = ln 2 / 2`.
+const EXPONENTIAL: [f64; 12] = [
+    1. / 2.,
+    1. / 6.,
+    1. / 24.,
+    1. / 120.,
+    1. / 720.,
+    1. / 5040.,
+    1. / 40320.,
+    1. / 362880.,
+    1. / 3628800.,
+    1. / 39916800.,
+    1. / 479001600.,
+    1. / 6227020800.,
+];
 /// Largest `|z|` for the series; `ln_1p` needs at most `(sqrt 2 - 1)/(sqrt 2 + 1) = 0.172`.
 const SERIES_LIMIT: f64 = 0.18;
 
@@ -73,6 +88,70 @@ impl<const FMA: bool> Lanes<FMA> {
             sum = sum.mul_add(square, Self::splat(EXCESS[k]));
         }
         sum * (self * square)
+    }
+
+    /// `exp(x) - 1` with relative accuracy; infinite above 709, not a number where `x` is none.
+    #[inline(always)]
+    pub fn exp_m1(self) -> Self {
+        // x = k ln 2 + r, |r| <= ln 2 / 2: exp(x) - 1 = 2^k (exp(r) - 1) + (2^k - 1). Adding 1.5 * 2^52 rounds to a whole number, whose
+        // bits then stand at the end. ln 2 in two parts, the first with so few digits that k times it is exact.
+        const ROUND: f64 = 6_755_399_441_055_744.0;
+        const LN_2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
+        const LN_2_LOW: f64 = f64::from_bits(0x3dea_39ef_3579_3c76);
+        let x = self.map(|x| {
+            if x > 709.0 {
+                709.0
+            } else if x < -745.0 {
+                -745.0
+            } else {
+                x
+            }
+        });
+        let rounded = x.mul_add(Self::splat(std::f64::consts::LOG2_E), Self::splat(ROUND));
+        let k = rounded + -ROUND;
+        let r = k.mul_add(Self::splat(-LN_2_LOW), k.mul_add(Self::splat(-LN_2_HIGH), x));
+        let mut sum = Self::splat(EXPONENTIAL[11]);
+        for coefficient in (0..11).rev() {
+            sum = sum.mul_add(r, Self::splat(EXPONENTIAL[coefficient]));
+        }
+        let small = (sum * r).mul_add(r, r);
+        let mut power = [0.0; WIDTH];
+        for i in 0..WIDTH {
+            let biased = rounded.0[i].to_bits().wrapping_sub(ROUND.to_bits()).wrapping_add(1023);
+            // Below 2^-1022 the power is nothing beside the -1.
+            power[i] = if k.0[i] < -1022.0 { 0.0 } else { f64::from_bits(biased << 52) };
+        }
+        let power = Lanes(power);
+        let result = power.mul_add(small, power + -1.0);
+        self.zip(result, |x, y| if x > 709.0 { f64::INFINITY } else { y })
+    }
+
+    /// Square root.
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+
+    /// The greater of two, lane by lane; not a number where this is none.
+    #[inline(always)]
+    pub fn greater(self, other: Self) -> Self {
+        self.zip(other, |a, b| if b > a { b } else { a })
+    }
+
+    /// `value` where this is not zero, `otherwise` where it is.
+    #[inline(always)]
+    pub fn unless_zero(self, value: Self, otherwise: Self) -> Self {
+        let mut result = [0.0; WIDTH];
+        for i in 0..WIDTH {
+            result[i] = if self.0[i] == 0.0 { otherwise.0[i] } else { value.0[i] };
+        }
+        Lanes(result)
+    }
+
+    /// `value` with the sign of this.
+    #[inline(always)]
+    pub fn sign_to(self, value: Self) -> Self {
+        self.zip(value, |sign, value| value.copysign(sign))
     }
 
     #[cold]
@@ -252,6 +331,35 @@ mod tests {
                 assert!((ours - x.ln_1p()).abs() <= 4e-16 * x.ln_1p().abs(), "x = {x}: {ours} against {}", x.ln_1p());
             }
         }
+    }
+
+    #[test]
+    fn exp_m1_agrees_with_the_library_over_all_scales() {
+        for i in -90..60 {
+            for sign in [-1.0, 1.0] {
+                let x = sign * 0.9 * 1.3f64.powi(i);
+                let (plain, fused) = (Lanes::<false>([x; WIDTH]).exp_m1().0[3], Lanes::<true>([x; WIDTH]).exp_m1().0[3]);
+                if x > 709.0 {
+                    assert_eq!((plain, fused), (f64::INFINITY, f64::INFINITY));
+                    continue;
+                }
+                let expected = x.exp_m1();
+                assert!((plain - expected).abs() <= 5e-16 * expected.abs(), "x = {x}: {plain} against {expected}");
+                assert!((fused - expected).abs() <= 5e-16 * expected.abs(), "x = {x}: {fused} against {expected}");
+            }
+        }
+        assert!(Lanes::<false>([f64::NAN; WIDTH]).exp_m1().0[0].is_nan());
+        assert_eq!(Lanes::<false>([f64::NEG_INFINITY; WIDTH]).exp_m1().0[0], -1.0);
+    }
+
+    #[test]
+    fn choices_are_made_lane_by_lane() {
+        let x = Lanes::<false>([-2.0, 0.0, 3.0, -0.0, 1.0, 1.0, 1.0, 1.0]);
+        let (one, two) = (Lanes::splat(1.0), Lanes::splat(2.0));
+        assert_eq!(x.unless_zero(one, two).0[..4], [1.0, 2.0, 1.0, 2.0]);
+        assert_eq!(x.sign_to(two).0[..3], [-2.0, 2.0, 2.0]);
+        assert_eq!(x.greater(one).0[..4], [1.0, 1.0, 3.0, 1.0]);
+        assert_eq!(two.sqrt().0[0], 2f64.sqrt());
     }
 
     #[test]

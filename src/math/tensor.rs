@@ -313,6 +313,19 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 6> {
 /// Indices of the Mandel components in space.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
+/// Indices of the Mandel components of a tensor with `S` of them.
+pub const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
+    let mut pairs = [(0, 1); S];
+    let mut k = 0;
+    while k < S {
+        if S != 3 || k < 2 {
+            pairs[k] = PAIRS[k];
+        }
+        k += 1;
+    }
+    pairs
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -228,6 +228,28 @@ pub const INVARIANT: f64 = 1e-7;
 /// Relative error below which an order of convergence is not read from differences: round-off.
 pub const ORDER_ROUND_OFF: f64 = 1e-13;
 
+/// Entry off the diagonal, squared and relative to the squared size of a matrix, below which rotations no longer diagonalise it: a
+/// hundredth of round-off.
+pub const DIAGONAL: f64 = 1e-36;
+
+/// Stress at rest of an energy, relative to the terms that cancel in it, that is the round-off of its constants.
+pub const RESIDUAL_STRESS: f64 = 1e-14;
+
+/// Stress on the free faces of a test piece, relative to its stiffness, that counts as none: round-off of a near-incompressible law.
+pub const FREE_STRESS: f64 = 1e-13;
+
+/// Gain of a step of a fit, relative to the squares that are left, below which it is done.
+pub const FIT: f64 = 1e-10;
+
+/// Step of a difference quotient of a fit, relative to the constant: the third root of round-off; also the damping to begin with.
+pub const FIT_DIFFERENCE: f64 = 1e-5;
+
+/// Difference from a straight line, relative to the stresses, that a constant may have which they count as linear in: round-off.
+pub const FIT_LINEAR: f64 = 1e-10;
+
+/// Singular value, relative to the largest, below which a direction of a fit is not told by the data.
+pub const FIT_RANK: f64 = 1e-12;
+
 /// Distance of the end of an arc from its circle, relative to the radius, that is rounding of what was typed: three digits are.
 pub const ON_CIRCLE: f64 = 1e-3;
 

@@ -95,15 +95,7 @@ fn formulations(mesh: &Mesh, material: &Material) -> Vec<(Formulation, String)> 
 macro_rules! for_all {
     ($contract:ident) => {
         for row in CATALOGUE {
-            let values: Vec<f64> = row
-                .parameters
-                .iter()
-                .map(|p| match p.name {
-                    "youngs_modulus" => MODULUS,
-                    "poisson_ratio" => 0.3,
-                    _ => 1.0,
-                })
-                .collect();
+            let values = row.example(MODULUS, 1.0);
             let material = Material::new(row, &values).expect("the values are in their ranges");
             for &kind in CellKind::ALL {
                 let mesh = distorted(kind);

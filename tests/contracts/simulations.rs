@@ -24,13 +24,7 @@ fn bar(kind: CellKind) -> Mesh {
 }
 
 fn soft(row: &'static conserva::materials::MaterialRow) -> Material {
-    let value = |name: &str| match name {
-        "youngs_modulus" => 100.0,
-        "poisson_ratio" => 0.3,
-        _ => 1.0,
-    };
-    let values: Vec<f64> = row.parameters.iter().map(|parameter| value(parameter.name)).collect();
-    Material::new(row, &values).expect("the values are in their ranges")
+    Material::new(row, &row.example(100.0, 1.0)).expect("the values are in their ranges")
 }
 
 const LINEAR: [f64; 3] = [1.0, -0.5, 0.0];

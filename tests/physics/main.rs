@@ -20,4 +20,5 @@ mod settle;
 mod springs;
 mod tied_bodies;
 mod torque_on_ring;
+mod treloar;
 mod tumbling_block;

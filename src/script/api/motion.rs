@@ -215,15 +215,11 @@ impl Motion {
     }
 
     fn material(&self, material: &Material) -> Result<Material, String> {
+        let turned = material.turned(self.cosine, self.sine).map_err(|error| error.to_string())?;
         if self.units == Units::SAME {
-            return Ok(material.clone());
+            return Ok(turned);
         }
-        let values = material.row().parameters.iter().zip(material.values()).map(|(parameter, value)| {
-            let dimension = Dimension::parse(parameter.dimension);
-            let dimension = dimension.ok_or_else(|| format!("the dimension of the constant `{}` is not known", parameter.name))?;
-            Ok(value * self.units.factor(dimension))
-        });
-        Material::new(material.row(), &values.collect::<Result<Vec<f64>, String>>()?).map_err(|error| error.to_string())
+        turned.rescaled(|dimension| Dimension::parse(dimension).map(|dimension| self.units.factor(dimension)))
     }
 
     /// A row of the ledger with the times of the script.

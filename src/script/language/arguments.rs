@@ -64,7 +64,7 @@ impl<'a> Call<'a> {
     /// Something else was given.
     pub fn options(&self, name: &str) -> Result<Options<'_>, Failure> {
         let index = self.index(name);
-        let Kind::Options(keys) = &self.function.parameters[index].kind else {
+        let Some(keys) = self.function.parameters[index].kind.keys() else {
             panic!("`{name}` of `{}` is declared as options", self.function.name)
         };
         let map = match self.value(index) {
@@ -103,6 +103,18 @@ pub struct Options<'a> {
 }
 
 impl<'a> Options<'a> {
+    /// Keys that the script gave, with their values, but for those that the function declares.
+    pub fn others(&self) -> Vec<(String, Dynamic)> {
+        let declared = |name: &str| self.keys.iter().any(|key| key.name == name);
+        let others = self.map.iter().filter(|(name, _)| !declared(name));
+        others.map(|(name, value)| (name.to_string(), value.clone())).collect()
+    }
+
+    /// What a message about a key that is not declared points at, its value or its name.
+    pub fn target_of(&self, key: &str, value: bool) -> Target {
+        Target::Key { argument: self.argument, key: key.into(), value }
+    }
+
     /// The map that is the value of a key; empty when it is not given.
     ///
     /// # Errors
@@ -186,7 +198,7 @@ impl Argument<'_> {
             Kind::Number | Kind::Integer if self.value.as_ref().is_some_and(Dynamic::is_string) => failure.hint("leave out the quotes"),
             Kind::Handle(name) => failure.hint(self.call.host.slots.get::<Types>().maker(name)),
             Kind::Vector => failure.hint("write the components as an array, `[x, y]`"),
-            Kind::Options(_) => failure.hint(format!("write `{}(#{{ name: value, … }})`", self.call.function.name)),
+            Kind::Options(_) | Kind::OpenOptions(_) => failure.hint(format!("write `{}(#{{ name: value, … }})`", self.call.function.name)),
             kind => failure.hint(format!("give {}", kind.phrase())),
         }
     }

@@ -105,9 +105,10 @@ impl Function {
             .parameters
             .iter()
             .map(|parameter| match &parameter.kind {
-                Kind::Options(keys) => {
-                    let keys: Vec<String> =
-                        keys.iter().map(|key| if key.is_optional() { format!("{}?", key.name) } else { key.name.to_string() }).collect();
+                Kind::Options(keys) | Kind::OpenOptions(keys) => {
+                    let others = matches!(parameter.kind, Kind::OpenOptions(_)).then(|| "…".to_string());
+                    let keys = keys.iter().map(|key| if key.is_optional() { format!("{}?", key.name) } else { key.name.to_string() });
+                    let keys: Vec<String> = keys.chain(others).collect();
                     format!("#{{ {} }}", keys.join(", "))
                 }
                 _ if parameter.is_optional() => format!("{}?", parameter.name),

@@ -20,9 +20,11 @@ impl Call<'_> {
     /// The first wrong key.
     pub fn check(&self) -> Result<(), Box<EvalAltResult>> {
         for (index, parameter) in self.function.parameters.iter().enumerate() {
-            let (Kind::Options(keys), Some(value)) = (&parameter.kind, self.value(index)) else { continue };
+            let (Some(keys), Some(value)) = (parameter.kind.keys(), self.value(index)) else { continue };
             let Some(map) = value.read_lock::<Map>() else { return Err(self.argument(parameter.name).wrong_type().into()) };
-            self.check_unknown(index, keys, &map)?;
+            if !matches!(parameter.kind, Kind::OpenOptions(_)) {
+                self.check_unknown(index, keys, &map)?;
+            }
             self.check_inner(index, keys, &map)?;
             self.check_missing(index, keys, &map)?;
         }

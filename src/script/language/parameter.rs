@@ -33,6 +33,8 @@ pub enum Kind {
     Handle(&'static str),
     /// An object map with these keys.
     Options(Vec<Parameter>),
+    /// An object map with these keys and others, which the function looks at itself.
+    OpenOptions(Vec<Parameter>),
     /// One of several kinds, in words with their articles.
     Either(&'static str),
     /// Anything.
@@ -40,6 +42,14 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// The keys of an object map, if it is one.
+    pub fn keys(&self) -> Option<&[Parameter]> {
+        match self {
+            Kind::Options(keys) | Kind::OpenOptions(keys) => Some(keys),
+            _ => None,
+        }
+    }
+
     /// With its article, as messages name it.
     pub fn phrase(&self) -> String {
         match self {
@@ -57,7 +67,7 @@ impl Kind {
             Kind::Amplitude => "a number, a time function such as `hat(0.0, 1.0, 5.0)`, or a closure `|t| …`".into(),
             Kind::Closure(parameters) => format!("a closure `{parameters} …`"),
             Kind::Handle(name) => with_article(name),
-            Kind::Options(_) => "an object map `#{ … }`".into(),
+            Kind::Options(_) | Kind::OpenOptions(_) => "an object map `#{ … }`".into(),
             Kind::Either(words) => (*words).into(),
             Kind::Any => "a value".into(),
         }
@@ -74,7 +84,7 @@ impl Kind {
             Kind::Amplitude => "Amplitude",
             Kind::Closure(_) => "Fn",
             Kind::Handle(name) => name,
-            Kind::Options(_) => "Map",
+            Kind::Options(_) | Kind::OpenOptions(_) => "Map",
             Kind::Either(_) | Kind::Any => "any",
         }
     }

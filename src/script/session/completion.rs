@@ -248,10 +248,7 @@ impl Words<'_> {
     fn options<'c>(&self, cursor: &'c Cursor) -> Option<(&Function, &[Parameter], &'c Level)> {
         let [.., call, map] = cursor.levels.as_slice() else { return None };
         let function = self.called_at(cursor, call).filter(|_| map.bracket == '#')?;
-        match &function.parameters.get(call.commas)?.kind {
-            Kind::Options(keys) => Some((function, keys, map)),
-            _ => None,
-        }
+        function.parameters.get(call.commas)?.kind.keys().map(|keys| (function, keys, map))
     }
 
     fn objects<T: Clone + 'static>(&self) -> Vec<T> {
@@ -393,7 +390,9 @@ impl Words<'_> {
 
 fn parameter_name(parameter: &Parameter) -> String {
     let name = match &parameter.kind {
-        Kind::Options(keys) => format!("#{{ {} }}", keys.iter().map(parameter_name).collect::<Vec<_>>().join(", ")),
+        Kind::Options(keys) | Kind::OpenOptions(keys) => {
+            format!("#{{ {} }}", keys.iter().map(parameter_name).collect::<Vec<_>>().join(", "))
+        }
         _ => parameter.name.to_string(),
     };
     if parameter.is_optional() { format!("{name}?") } else { name }
@@ -407,7 +406,7 @@ fn called(function: &Function) -> Candidate {
     let text = match (function.form, function.parameters.first().map(|parameter| &parameter.kind)) {
         (Form::Property(_) | Form::Column(_), _) => function.name.to_string(),
         (_, None) => format!("{}()", function.name),
-        (_, Some(Kind::Options(_))) => format!("{}(#{{ ", function.name),
+        (_, Some(Kind::Options(_) | Kind::OpenOptions(_))) => format!("{}(#{{ ", function.name),
         _ => format!("{}(", function.name),
     };
     Candidate { text, display }

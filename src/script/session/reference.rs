@@ -313,7 +313,7 @@ fn function_text(function: &Function) -> String {
 /// Parameters with the keys of options after their map, each under its full name.
 fn parameters(function: &Function) -> Vec<(String, &Parameter)> {
     fn keys<'a>(of: &'a Parameter, prefix: &str, rows: &mut Vec<(String, &'a Parameter)>) {
-        if let Kind::Options(inner) = &of.kind {
+        if let Some(inner) = of.kind.keys() {
             for key in inner {
                 rows.push((format!("{prefix}{}", key.name), key));
                 keys(key, &format!("{prefix}{}.", key.name), rows);
@@ -323,7 +323,7 @@ fn parameters(function: &Function) -> Vec<(String, &Parameter)> {
     let mut rows = Vec::new();
     for parameter in &function.parameters {
         // a map that is the only parameter needs no row of its own
-        if function.parameters.len() > 1 || !matches!(parameter.kind, Kind::Options(_)) {
+        if function.parameters.len() > 1 || parameter.kind.keys().is_none() {
             rows.push((parameter.name.to_string(), parameter));
         }
         keys(parameter, "", &mut rows);
@@ -353,7 +353,8 @@ fn heading(function: &Function) -> String {
 }
 
 fn formula(function: &Function) -> Option<&'static str> {
-    let row = materials::CATALOGUE.iter().find(|row| function.topic == Topic::Materials && row.name == function.name);
+    let row =
+        materials::CATALOGUE.iter().chain(materials::LINEAR).find(|row| function.topic == Topic::Materials && row.name == function.name);
     row.map(|row| row.formula)
 }
 
@@ -380,10 +381,7 @@ fn cell(text: &str) -> String {
 }
 
 fn parameter_json(parameter: &Parameter) -> Value {
-    let keys: Vec<Value> = match &parameter.kind {
-        Kind::Options(keys) => keys.iter().map(parameter_json).collect(),
-        _ => Vec::new(),
-    };
+    let keys: Vec<Value> = parameter.kind.keys().into_iter().flatten().map(parameter_json).collect();
     let default = match parameter.absent {
         Absent::Refused => Value::Null,
         Absent::Number(value) => json!(value),

@@ -1,9 +1,9 @@
-//! Materials in scripts: one function for each row of the catalogue.
+//! Laws of the catalogue in scripts: one function for each row.
 
 use rhai::Dynamic;
 
-use crate::materials::{CATALOGUE, Material, MaterialRow};
-use crate::math::catalogue::Interval;
+use super::handle::MaterialHandle;
+use crate::materials::{CATALOGUE, LINEAR, Material, MaterialError, MaterialRow};
 use crate::math::catalogue::Parameter as Constant;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::number_text;
@@ -11,21 +11,6 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::wording::{did_you_mean, joined};
-
-/// A material in a script.
-#[derive(Clone)]
-pub struct MaterialHandle(pub Material);
-
-impl Handle for MaterialHandle {
-    const NAME: &'static str = "Material";
-    const MAKER: &'static str = "make one with a material function such as `neo_hookean`";
-
-    fn describe(&self) -> String {
-        let values: Vec<String> =
-            self.0.row().parameters.iter().zip(self.0.values()).map(|(p, value)| format!("{}: {}", p.name, number_text(*value))).collect();
-        format!("{}(#{{ {} }})", self.0.row().name, values.join(", "))
-    }
-}
 
 /// A catalogue's parameter as a key of an options map.
 fn key(parameter: &Constant) -> Parameter {
@@ -36,16 +21,10 @@ fn key(parameter: &Constant) -> Parameter {
     }
 }
 
-/// A value inside a range, for examples.
-fn inside(range: Interval) -> f64 {
-    match range {
-        Interval::Finite | Interval::NonNegative | Interval::Positive => 1000.0,
-        Interval::Open(low, high) | Interval::Closed(low, high) => low + 0.8 * (high - low),
-    }
-}
-
 fn constructor(row: &'static MaterialRow) -> Function {
-    let values: Vec<String> = row.parameters.iter().map(|p| format!("{}: {}", p.name, number_text(inside(p.range)))).collect();
+    let is_given = |(parameter, value): &(&Constant, f64)| parameter.default.is_none_or(|default| default != *value);
+    let values = row.parameters.iter().zip(row.example(1000.0, 1000.0)).filter(is_given);
+    let values: Vec<String> = values.map(|(parameter, value)| format!("{}: {}", parameter.name, number_text(value))).collect();
     Function {
         name: row.name,
         form: Form::Function,
@@ -58,7 +37,12 @@ fn constructor(row: &'static MaterialRow) -> Function {
         body: body(move |call| {
             let options = call.options("options")?;
             let values = row.parameters.iter().map(|parameter| options.number(parameter.name)).collect::<Result<Vec<f64>, _>>()?;
-            let material = Material::new(row, &values).map_err(|error| call.fail(error.to_string()))?;
+            let material = Material::new(row, &values).map_err(|error| match error {
+                MaterialError::Energy(error) => {
+                    call.fail(format!("{} with these constants", error.title)).cause(format!("its energy is `{}`", error.text))
+                }
+                error => call.fail(error.to_string()),
+            })?;
             Ok(Dynamic::from(MaterialHandle(material)))
         }),
     }
@@ -66,7 +50,7 @@ fn constructor(row: &'static MaterialRow) -> Function {
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
-    let mut all: Vec<Function> = CATALOGUE.iter().map(constructor).collect();
+    let mut all: Vec<Function> = CATALOGUE.iter().chain(LINEAR).map(constructor).collect();
     all.push(Function {
         name: "constant",
         form: Form::Column(MaterialHandle::receiver()),
@@ -78,14 +62,14 @@ pub fn functions() -> Vec<Function> {
         see_also: &[],
         body: body(|call| {
             let (material, name) = (call.receiver::<MaterialHandle>().0, call.text("name")?);
-            let parameters = material.row().parameters;
-            match parameters.iter().zip(material.values()).find(|(parameter, _)| parameter.name == name) {
+            let constants = material.constants();
+            match constants.iter().find(|(known, _)| *known == name) {
                 Some((_, value)) => Ok(Dynamic::from(*value)),
                 None => {
-                    let names: Vec<String> = parameters.iter().map(|parameter| format!("`{}`", parameter.name)).collect();
+                    let names: Vec<String> = constants.iter().map(|(name, _)| format!("`{name}`")).collect();
                     let failure = call.fail(format!("the material has no constant `{name}`"));
                     let failure = failure.cause(format!("its constants are {}", joined(&names, "and")));
-                    let suggestion = did_you_mean(&name, parameters.iter().map(|parameter| parameter.name));
+                    let suggestion = did_you_mean(&name, constants.iter().map(|(name, _)| *name));
                     Err(failure.hint(suggestion.unwrap_or_else(|| "use one of these names".into())).into())
                 }
             }

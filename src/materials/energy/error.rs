@@ -1,0 +1,42 @@
+//! What is wrong with an energy's text: where, and how to mend it.
+
+use std::ops::Range;
+
+/// A mistake in the text of an energy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnergyError {
+    /// The text.
+    pub text: String,
+    /// Bytes of the text at which the mistake is seen.
+    pub span: Range<usize>,
+    /// What is wrong, one sentence.
+    pub title: String,
+    /// A few words at the place.
+    pub label: String,
+    /// What shows it; may be empty.
+    pub cause: String,
+    /// How to mend it.
+    pub hint: String,
+}
+
+impl EnergyError {
+    pub(super) fn new(text: &str, span: Range<usize>, title: impl Into<String>, label: impl Into<String>) -> Self {
+        EnergyError { text: text.into(), span, title: title.into(), label: label.into(), cause: String::new(), hint: String::new() }
+    }
+
+    pub(super) fn cause(self, cause: impl Into<String>) -> Self {
+        EnergyError { cause: cause.into(), ..self }
+    }
+
+    pub(super) fn hint(self, hint: impl Into<String>) -> Self {
+        EnergyError { hint: hint.into(), ..self }
+    }
+}
+
+impl std::fmt::Display for EnergyError {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{} in `{}`", self.title, self.text)
+    }
+}
+
+impl std::error::Error for EnergyError {}

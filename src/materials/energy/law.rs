@@ -1,0 +1,461 @@
+//! An energy as text behind the virtual calls of the kernels: variables, tape, and what follows from them.
+//!
+//! Blocks of points go through three kernels in turn: strains to variables, the tape, variables back to stress and tangent. The remainder
+//! of the discrete gradient comes from the change of the energy over the step, which the tape gives with its own digits.
+
+use std::cell::RefCell;
+use std::hint::black_box;
+
+use super::graph::{Graph, Id};
+use super::spectrum::Spectrum;
+use super::state::{State, Variables};
+use super::tape::{Block, Root, Tape};
+use super::variable::Variable;
+use crate::materials::batched::{BatchedLaw, Components, IncrementResponse, Response};
+use crate::materials::split::VolumetricLaw;
+use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
+use crate::math::simd::{Kernel, dispatch};
+use crate::math::tensor::Mandel;
+use crate::math::tolerances::RESIDUAL_STRESS;
+
+/// What tapes and principal stretches are computed in, kept by each thread.
+struct Scratch {
+    registers: Vec<Lanes<false>>,
+    spectra: Vec<Spectrum<false>>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = const { RefCell::new(Scratch { registers: Vec::new(), spectra: Vec::new() }) };
+}
+
+/// Points that are computed together.
+const POINTS: usize = 4;
+
+/// Runs a computation with `count` registers of a block, and with places for principal stretches.
+fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOnce(&mut [Block<N>], &mut [Spectrum<false>])) {
+    SCRATCH.with_borrow_mut(|scratch| {
+        if scratch.registers.len() < count * N {
+            scratch.registers.resize(count * N, Lanes::ZERO);
+        }
+        if scratch.spectra.len() < spectra {
+            scratch.spectra.resize(spectra, Spectrum::ZERO);
+        }
+        compute(&mut scratch.registers.as_chunks_mut::<N>().0[..count], &mut scratch.spectra[..spectra]);
+    });
+}
+
+/// The energy of a node of a graph as a law of strains with `S` components.
+pub(crate) struct EnergyLaw<const S: usize> {
+    variables: Variables<S>,
+    energy: Tape,
+    /// Its derivatives with respect to the variables.
+    slopes: Tape,
+    /// The same, and then the second derivatives.
+    response: Tape,
+    /// Which of the second derivatives are not zero: two variables and the root.
+    seconds: Vec<(usize, usize, usize)>,
+    /// Stress at rest that no round-off explains.
+    residual: [f64; S],
+}
+
+impl<const S: usize> EnergyLaw<S> {
+    pub(super) fn new(graph: &mut Graph, energy: Id, fibers: &[[f64; 3]]) -> Self {
+        let all = graph.variables(energy);
+        let mut roots: Vec<Id> = all.iter().map(|&variable| graph.derivative(energy, variable)).collect();
+        let slopes = Tape::new(graph, &all, &roots);
+        let mut pairs = Vec::new();
+        for k in 0..all.len() {
+            for l in k..all.len() {
+                pairs.push((k, l, roots.len()));
+                roots.push(graph.derivative(roots[k], all[l]));
+            }
+        }
+        let response = Tape::new(graph, &all, &roots);
+        let energy = Tape::new(graph, &all, &[energy]);
+        let variables = Variables::new(all, fibers);
+        let seconds = pairs.into_iter().filter(|(.., root)| !response.roots[*root].is_zero()).collect();
+        let mut residual = [0.0; S];
+        for s in 0..S {
+            let terms = || slopes.roots.iter().zip(&variables.slopes_at_rest).map(|(root, slope)| root.rest * slope[s]);
+            let (sum, size) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
+            residual[s] = if sum.abs() > RESIDUAL_STRESS * size { sum } else { 0.0 };
+        }
+        EnergyLaw { variables, energy, slopes, response, seconds, residual }
+    }
+}
+
+/// Runs a tape from rest, or on from where another run has come.
+struct Run<'a, const N: usize>(&'a Tape, Option<&'a [Block<N>]>, &'a mut [Block<N>]);
+
+impl<const N: usize> Kernel for Run<'_, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        match self.1 {
+            None => self.0.deviations::<FMA, N>(self.2),
+            Some(start) => self.0.changes::<FMA, N>(start, self.2),
+        }
+    }
+}
+
+/// Variables of a block of strains, into its registers.
+struct Load<'a, const S: usize, const N: usize> {
+    law: &'a EnergyLaw<S>,
+    strains: &'a [Components<S>; N],
+    registers: &'a mut [Block<N>],
+    states: &'a mut [State<false, S>; N],
+    spectra: &'a mut [Spectrum<false>],
+}
+
+/// Changes of the variables of a block, into its registers.
+struct LoadChanges<'a, const S: usize, const N: usize> {
+    law: &'a EnergyLaw<S>,
+    states: [&'a [State<false, S>; N]; 2],
+    /// Of the start and then of the end.
+    spectra: &'a [Spectrum<false>],
+    registers: &'a mut [Block<N>],
+}
+
+/// A block whose tape has run, and what it is put together to.
+struct Finish<'a, const S: usize, const N: usize, T> {
+    law: &'a EnergyLaw<S>,
+    states: &'a [State<false, S>; N],
+    spectra: &'a [Spectrum<false>],
+    registers: &'a [Block<N>],
+    results: &'a mut [T; N],
+}
+
+/// The principal stretches of a point, where a law needs them.
+#[inline(always)]
+fn spectrum_of<const FMA: bool>(spectra: &[Spectrum<false>], n: usize) -> Option<Spectrum<FMA>> {
+    match spectra.get(n) {
+        Some(spectrum) => Some(spectrum.relabel()),
+        None => None,
+    }
+}
+
+macro_rules! law {
+    ($size:literal) => {
+        impl<const N: usize> Kernel for Load<'_, $size, N> {
+            type Output = ();
+            #[inline(always)]
+            fn run<const FMA: bool>(self) {
+                let Load { law, strains, registers, states, spectra } = self;
+                for n in 0..black_box(N).min(N) {
+                    let strain = Mandel(relabel(&strains[n]));
+                    let state = law.variables.state::<FMA>(strain);
+                    states[n] = state.relabel();
+                    if law.variables.has_principal {
+                        let spectrum = Spectrum::<FMA>::new(&strain);
+                        spectra[n] = spectrum.relabel();
+                        for k in 0..law.variables.all.len() {
+                            registers[k][n] = Lanes(law.variables.deviation(k, &state, Some(&spectrum)).0);
+                        }
+                    } else {
+                        for k in 0..law.variables.all.len() {
+                            registers[k][n] = Lanes(law.variables.deviation(k, &state, None).0);
+                        }
+                    }
+                }
+            }
+        }
+
+        impl<const N: usize> Kernel for LoadChanges<'_, $size, N> {
+            type Output = ();
+            #[inline(always)]
+            fn run<const FMA: bool>(self) {
+                let LoadChanges { law, states: [starts, ends], spectra, registers } = self;
+                for n in 0..black_box(N).min(N) {
+                    let (start, end) = (starts[n].relabel::<FMA>(), ends[n].relabel::<FMA>());
+                    let (from, to) = (spectrum_of::<FMA>(spectra, n), spectrum_of::<FMA>(spectra, N + n));
+                    let pair = match (&from, &to) {
+                        (Some(from), Some(to)) => Some([from, to]),
+                        _ => None,
+                    };
+                    for k in 0..law.variables.all.len() {
+                        registers[k][n] = Lanes(law.variables.change(k, [&start, &end], pair).0);
+                    }
+                }
+            }
+        }
+
+        impl<const N: usize> Kernel for Finish<'_, $size, N, Components<$size>> {
+            type Output = ();
+            #[inline(always)]
+            fn run<const FMA: bool>(self) {
+                let Finish { law, states, spectra, registers, results } = self;
+                for n in 0..black_box(N).min(N) {
+                    let (state, spectrum) = (states[n].relabel::<FMA>(), spectrum_of::<FMA>(spectra, n));
+                    let mut stress = law.stress_at_rest::<FMA>();
+                    for k in 0..law.variables.all.len() {
+                        let variation = law.variables.slope_variation(k, &state, spectrum.as_ref());
+                        law.add_stress(k, &law.slopes.roots[k], variation.as_ref(), (registers, n), &mut stress);
+                    }
+                    results[n] = relabel(&stress.0);
+                }
+            }
+        }
+
+        impl<const N: usize> Kernel for Finish<'_, $size, N, Response<$size>> {
+            type Output = ();
+            #[inline(always)]
+            fn run<const FMA: bool>(self) {
+                let Finish { law, states, spectra, registers, results } = self;
+                let count = law.variables.all.len();
+                // Room for the derivatives of the variables that most laws have; others are computed again.
+                let mut slopes = [Mandel([Lanes::<FMA>::ZERO; $size]); SLOPES];
+                for n in 0..black_box(N).min(N) {
+                    let (state, spectrum) = (states[n].relabel::<FMA>(), spectrum_of::<FMA>(spectra, n));
+                    let (mut stress, mut tangent) = (law.stress_at_rest::<FMA>(), [[Lanes::<FMA>::ZERO; $size]; $size]);
+                    for k in 0..count {
+                        let variation = law.variables.slope_variation(k, &state, spectrum.as_ref());
+                        let root = &law.response.roots[k];
+                        law.add_stress(k, root, variation.as_ref(), (registers, n), &mut stress);
+                        let slope = law.slope(k, variation);
+                        let weight = root.value(registers, n);
+                        law.variables.add_curvature(k, (&state, spectrum.as_ref()), &slope, weight, &mut tangent);
+                        if k < SLOPES {
+                            slopes[k] = slope;
+                        }
+                    }
+                    for &(k, l, root) in &law.seconds {
+                        let weight = law.response.roots[root].value(registers, n);
+                        let (mut a, mut b) = (slopes[k.min(SLOPES - 1)], slopes[l.min(SLOPES - 1)]);
+                        if k >= SLOPES {
+                            a = law.slope(k, law.variables.slope_variation(k, &state, spectrum.as_ref()));
+                        }
+                        if l >= SLOPES {
+                            b = law.slope(l, law.variables.slope_variation(l, &state, spectrum.as_ref()));
+                        }
+                        add_product(&a, &b, weight, k == l, &mut tangent);
+                    }
+                    results[n] = Response { stress: relabel(&stress.0), tangent: relabel_rows(&tangent) };
+                }
+            }
+        }
+
+        impl EnergyLaw<$size> {
+            fn energy_block<const N: usize>(&self, strains: &[Components<$size>; N], energy: &mut [Lanes<false>; N]) {
+                with_scratch(self.energy.registers(), self.spectra::<N>(), |registers, spectra| {
+                    dispatch(Load { law: self, strains, registers, states: &mut [State::ZERO; N], spectra });
+                    dispatch(Run(&self.energy, None, registers));
+                    for n in 0..N {
+                        energy[n] = self.energy.roots[0].deviation(registers, n).unwrap_or(Lanes::ZERO);
+                    }
+                });
+            }
+
+            fn stress_block<const N: usize>(&self, strains: &[Components<$size>; N], results: &mut [Components<$size>; N]) {
+                let mut states = [State::ZERO; N];
+                with_scratch(self.slopes.registers(), self.spectra::<N>(), |registers, spectra| {
+                    dispatch(Load { law: self, strains, registers, states: &mut states, spectra });
+                    dispatch(Run(&self.slopes, None, registers));
+                    dispatch(Finish { law: self, states: &states, spectra, registers, results });
+                });
+            }
+
+            fn response_block<const N: usize>(&self, strains: &[Components<$size>; N], results: &mut [Response<$size>; N]) {
+                let mut states = [State::ZERO; N];
+                with_scratch(self.response.registers(), self.spectra::<N>(), |registers, spectra| {
+                    dispatch(Load { law: self, strains, registers, states: &mut states, spectra });
+                    dispatch(Run(&self.response, None, registers));
+                    dispatch(Finish { law: self, states: &states, spectra, registers, results });
+                });
+            }
+
+            /// Stress and tangent at the mean, stress at the end, and the change of the energy without what the stress at the mean works.
+            fn increment_block<const N: usize>(
+                &self,
+                strain_n: &[Components<$size>; N],
+                strain_n1: &[Components<$size>; N],
+                increments: &mut [IncrementResponse<$size>; N],
+            ) {
+                let (mut mid, mut d) = ([[Lanes::ZERO; $size]; N], [[Lanes::ZERO; $size]; N]);
+                for n in 0..N {
+                    for s in 0..$size {
+                        mid[n][s] = (strain_n[n][s] + strain_n1[n][s]) * 0.5;
+                        d[n][s] = strain_n1[n][s] - strain_n[n][s];
+                    }
+                }
+                let mut means = [Response::ZERO; N];
+                self.response_block(&mid, &mut means);
+                let (mut states, mut stresses, mut start) = ([State::ZERO; N], [[Lanes::ZERO; $size]; N], [State::ZERO; N]);
+                let (count, spectra) = (self.energy.registers(), self.spectra::<N>());
+                with_scratch(self.slopes.registers().max(2 * count), 2 * spectra, |registers, all| {
+                    let (from, to) = all.split_at_mut(spectra);
+                    dispatch(Load { law: self, strains: strain_n1, registers, states: &mut states, spectra: to });
+                    dispatch(Run(&self.slopes, None, registers));
+                    dispatch(Finish { law: self, states: &states, spectra: to, registers, results: &mut stresses });
+                    let (at_start, changes) = registers.split_at_mut(count);
+                    dispatch(Load { law: self, strains: strain_n, registers: at_start, states: &mut start, spectra: from });
+                    dispatch(Run(&self.energy, None, at_start));
+                    dispatch(LoadChanges { law: self, states: [&start, &states], spectra: all, registers: changes });
+                    dispatch(Run(&self.energy, Some(at_start), changes));
+                    for n in 0..N {
+                        let change = self.energy.roots[0].deviation(changes, n).unwrap_or(Lanes::ZERO);
+                        let mut work = Lanes::ZERO;
+                        for s in 0..$size {
+                            work = work + means[n].stress[s] * d[n][s];
+                        }
+                        increments[n] = IncrementResponse { mean: means[n], stress_end: stresses[n], remainder: change - work };
+                    }
+                });
+            }
+        }
+
+        impl BatchedLaw<$size> for EnergyLaw<$size> {
+            fn energies_into(&self, strain: &[Components<$size>], energy: &mut [Lanes<false>]) {
+                let ((strains, rest), (energies, last)) = (strain.as_chunks::<POINTS>(), energy.as_chunks_mut::<POINTS>());
+                strains.iter().zip(energies).for_each(|(strain, energy)| self.energy_block(strain, energy));
+                let (rest, last) = (rest.as_chunks::<1>().0, last.as_chunks_mut::<1>().0);
+                rest.iter().zip(last).for_each(|(strain, energy)| self.energy_block(strain, energy));
+            }
+
+            fn stresses_into(&self, strain: &[Components<$size>], stress: &mut [Components<$size>]) {
+                let ((strains, rest), (stresses, last)) = (strain.as_chunks::<POINTS>(), stress.as_chunks_mut::<POINTS>());
+                strains.iter().zip(stresses).for_each(|(strain, stress)| self.stress_block(strain, stress));
+                let (rest, last) = (rest.as_chunks::<1>().0, last.as_chunks_mut::<1>().0);
+                rest.iter().zip(last).for_each(|(strain, stress)| self.stress_block(strain, stress));
+            }
+
+            fn responses_into(&self, strain: &[Components<$size>], responses: &mut [Response<$size>]) {
+                let ((strains, rest), (answers, last)) = (strain.as_chunks::<POINTS>(), responses.as_chunks_mut::<POINTS>());
+                strains.iter().zip(answers).for_each(|(strain, response)| self.response_block(strain, response));
+                let (rest, last) = (rest.as_chunks::<1>().0, last.as_chunks_mut::<1>().0);
+                rest.iter().zip(last).for_each(|(strain, response)| self.response_block(strain, response));
+            }
+
+            fn increments_into(
+                &self,
+                strain_n: &[Components<$size>],
+                strain_n1: &[Components<$size>],
+                increments: &mut [IncrementResponse<$size>],
+            ) {
+                let ((from, from_rest), (to, to_rest)) = (strain_n.as_chunks::<POINTS>(), strain_n1.as_chunks::<POINTS>());
+                let (answers, last) = increments.as_chunks_mut::<POINTS>();
+                from.iter().zip(to).zip(answers).for_each(|((n, n1), increment)| self.increment_block(n, n1, increment));
+                let (from, to, last) = (from_rest.as_chunks::<1>().0, to_rest.as_chunks::<1>().0, last.as_chunks_mut::<1>().0);
+                from.iter().zip(to).zip(last).for_each(|((n, n1), increment)| self.increment_block(n, n1, increment));
+            }
+        }
+    };
+}
+
+/// Variables whose derivatives are kept while a tangent is put together.
+const SLOPES: usize = 4;
+
+law!(3);
+law!(4);
+law!(6);
+
+impl<const S: usize> EnergyLaw<S> {
+    /// How many places for principal stretches a block needs.
+    fn spectra<const N: usize>(&self) -> usize {
+        if self.variables.has_principal { N } else { 0 }
+    }
+
+    #[inline(always)]
+    fn stress_at_rest<const FMA: bool>(&self) -> Mandel<Lanes<FMA>, S> {
+        let mut stress = [Lanes::ZERO; S];
+        for s in 0..S {
+            stress[s] = Lanes::splat(self.residual[s]);
+        }
+        Mandel(stress)
+    }
+
+    /// Derivative of a variable from its variation.
+    #[inline(always)]
+    fn slope<const FMA: bool>(&self, k: usize, variation: Option<Mandel<Lanes<FMA>, S>>) -> Mandel<Lanes<FMA>, S> {
+        let mut slope = match variation {
+            Some(variation) => variation,
+            None => Mandel([Lanes::ZERO; S]),
+        };
+        for s in 0..S {
+            slope.0[s] = slope.0[s] + self.variables.slopes_at_rest[k][s];
+        }
+        slope
+    }
+
+    /// Adds what a variable gives to the stress, but for the stress at rest.
+    #[inline(always)]
+    fn add_stress<const FMA: bool, const N: usize>(
+        &self,
+        k: usize,
+        root: &Root,
+        variation: Option<&Mandel<Lanes<FMA>, S>>,
+        (registers, n): (&[Block<N>], usize),
+        stress: &mut Mandel<Lanes<FMA>, S>,
+    ) {
+        if let Some(variation) = variation {
+            let weight = root.value::<FMA, N>(registers, n);
+            for s in 0..S {
+                stress.0[s] = variation.0[s].mul_add(weight, stress.0[s]);
+            }
+        }
+        if let Some(deviation) = root.deviation::<FMA, N>(registers, n) {
+            for s in 0..S {
+                stress.0[s] = deviation.mul_add(Lanes::splat(self.variables.slopes_at_rest[k][s]), stress.0[s]);
+            }
+        }
+    }
+}
+
+/// Adds `weight a a`, or `weight (a b + b a)` for two variables.
+#[inline(always)]
+fn add_product<const FMA: bool, const S: usize>(
+    a: &Mandel<Lanes<FMA>, S>,
+    b: &Mandel<Lanes<FMA>, S>,
+    weight: Lanes<FMA>,
+    is_square: bool,
+    tangent: &mut [[Lanes<FMA>; S]; S],
+) {
+    for i in 0..S {
+        let (left, right) = (a.0[i] * weight, b.0[i] * weight);
+        for j in 0..S {
+            tangent[i][j] = left.mul_add(b.0[j], tangent[i][j]);
+            if !is_square {
+                tangent[i][j] = right.mul_add(a.0[j], tangent[i][j]);
+            }
+        }
+    }
+}
+
+/// An energy of `J` alone.
+pub(super) struct VolumetricEnergy {
+    energy: Tape,
+    /// First and second derivative.
+    response: Tape,
+}
+
+impl VolumetricEnergy {
+    pub(super) fn new(graph: &mut Graph, energy: Id) -> Self {
+        let slope = graph.derivative(energy, Variable::J);
+        let curvature = graph.derivative(slope, Variable::J);
+        VolumetricEnergy {
+            response: Tape::new(graph, &[Variable::J], &[slope, curvature]),
+            energy: Tape::new(graph, &[Variable::J], &[energy]),
+        }
+    }
+}
+
+impl VolumetricLaw for VolumetricEnergy {
+    fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]) {
+        for (change, energy) in change.iter().zip(energy) {
+            with_scratch::<1>(self.energy.registers(), 0, |registers, _| {
+                registers[0] = [*change];
+                dispatch(Run(&self.energy, None, registers));
+                *energy = self.energy.roots[0].deviation(registers, 0).unwrap_or(Lanes::ZERO);
+            });
+        }
+    }
+
+    fn responses_into(&self, change: &[Lanes<false>], responses: &mut [[Lanes<false>; 2]]) {
+        for (change, response) in change.iter().zip(responses) {
+            with_scratch::<1>(self.response.registers(), 0, |registers, _| {
+                registers[0] = [*change];
+                dispatch(Run(&self.response, None, registers));
+                *response = [0, 1].map(|root| self.response.roots[root].value(registers, 0));
+            });
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! Stored energies as text: `mu/2*(I1bar - 3) + ...`, evaluated as fast and as accurately as laws that are written by hand.
+//!
+//! Text → tree (`syntax.rs`) → graph (`meaning.rs`, `graph.rs`) → derivatives → tape of operations on lanes (`tape.rs`); the variables
+//! and what they have to do with the strain: `variable.rs`, `state.rs`, `spectrum.rs`; the law as kernels call it: `law.rs`.
+
+mod error;
+mod graph;
+mod law;
+mod meaning;
+mod spectrum;
+mod state;
+mod stored;
+mod syntax;
+mod tape;
+#[cfg(test)]
+mod tests;
+mod variable;
+
+pub use error::EnergyError;
+pub use stored::{EnergyText, StoredEnergy, functions_of_energies, quantities_of_energies};

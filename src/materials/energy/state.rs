@@ -1,0 +1,239 @@
+//! The variables of an energy at a strain, and their derivatives with respect to it, put together to stress and tangent.
+//!
+//! With `W_k` the derivative of the energy with respect to variable `z_k`: `S = sum W_k z_k'` and
+//! `dS/dE = sum W_kl z_k' z_l' + sum W_k z_k''`. Derivatives of variables are split, too, into their value at rest and a variation from it:
+//! what the `W_k` at rest make of the former is the stress at rest, which is known to be zero and left out, so that small stresses keep
+//! their digits.
+
+use super::spectrum::{Principal, Spectrum};
+use super::variable::Variable;
+use crate::materials::volume::growth;
+use crate::math::lanes::{Lanes, Real, relabel};
+use crate::math::tensor::{Mandel, Tensor, mandel_pairs, mandel_scale};
+use crate::math::tolerances::STRAIN_QUOTIENT;
+
+/// A tensor of `S` Mandel components on lanes, as [`Tensor`] knows it for some `S`.
+pub(super) trait Strain<const FMA: bool, const S: usize>: Tensor<Scalar = Lanes<FMA>, Tangent = [[Lanes<FMA>; S]; S]> {}
+
+impl<const FMA: bool> Strain<FMA, 3> for Mandel<Lanes<FMA>, 3> {}
+impl<const FMA: bool> Strain<FMA, 4> for Mandel<Lanes<FMA>, 4> {}
+impl<const FMA: bool> Strain<FMA, 6> for Mandel<Lanes<FMA>, 6> {}
+
+/// The variables of an energy.
+#[derive(Debug)]
+pub(super) struct Variables<const S: usize> {
+    pub(super) all: Vec<Variable>,
+    /// Derivative of each at rest.
+    pub(super) slopes_at_rest: Vec<[f64; S]>,
+    /// Those that are functions of the principal stretches.
+    principal: Vec<Option<Principal>>,
+    has_volume: bool,
+    /// Whether some of them are functions of the principal stretches.
+    pub(super) has_principal: bool,
+}
+
+/// What is known of a strain.
+#[derive(Clone, Copy)]
+pub(super) struct State<const FMA: bool, const S: usize> {
+    strain: Mandel<Lanes<FMA>, S>,
+    /// `J - 1`.
+    change: Lanes<FMA>,
+    /// `1/J`.
+    inverse: Lanes<FMA>,
+}
+
+impl<const FMA: bool, const S: usize> State<FMA, S> {
+    pub(super) const ZERO: Self = State { strain: Mandel([Lanes::ZERO; S]), change: Lanes::ZERO, inverse: Lanes::ZERO };
+
+    /// The same for code with another `FMA`.
+    #[inline(always)]
+    pub(super) fn relabel<const OTHER: bool>(&self) -> State<OTHER, S> {
+        State { strain: Mandel(relabel(&self.strain.0)), change: Lanes(self.change.0), inverse: Lanes(self.inverse.0) }
+    }
+}
+
+/// The principal function that a variable is.
+fn principal(variable: Variable) -> Option<Principal> {
+    match variable {
+        Variable::StretchPower(exponent) => Some(Principal::Power(exponent.value())),
+        Variable::LogStrainSquared => Some(Principal::LogSquared),
+        _ => None,
+    }
+}
+
+impl<const S: usize> Variables<S> {
+    pub(super) fn new(all: Vec<Variable>, fibers: &[[f64; 3]]) -> Self {
+        let pairs = mandel_pairs::<S>();
+        let identity = |factor: f64| pairs.map(|(i, j)| if i == j { factor } else { 0.0 });
+        let slope = |variable: &Variable| match *variable {
+            Variable::I1 => identity(2.0),
+            Variable::I2 => identity(4.0),
+            Variable::J => identity(1.0),
+            Variable::Fiber(index) => pairs.map(|(i, j)| 2.0 * fibers[index][i] * fibers[index][j] / mandel_scale(i, j)),
+            Variable::Strain(component) => {
+                let (i, j) = mandel_pairs::<6>()[component];
+                pairs.map(|pair| if pair == (i, j) { mandel_scale(i, j) } else { 0.0 })
+            }
+            Variable::StretchPower(_) | Variable::LogStrainSquared => identity(principal(*variable).map_or(0.0, Principal::slope_at_rest)),
+        };
+        Variables {
+            slopes_at_rest: all.iter().map(slope).collect(),
+            has_volume: all.contains(&Variable::J),
+            has_principal: all.iter().any(|variable| principal(*variable).is_some()),
+            principal: all.iter().map(|variable| principal(*variable)).collect(),
+            all,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn state<const FMA: bool>(&self, strain: Mandel<Lanes<FMA>, S>) -> State<FMA, S>
+    where
+        Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+    {
+        let mut state = State { strain, ..State::ZERO };
+        if self.has_volume {
+            let growth = growth(&strain);
+            state.change = growth / ((growth + 1.0).sqrt() + 1.0);
+            state.inverse = Lanes::splat(1.0) / (state.change + 1.0);
+        }
+        state
+    }
+
+    /// Deviation of a variable from rest.
+    #[inline(always)]
+    pub(super) fn deviation<const FMA: bool>(&self, k: usize, state: &State<FMA, S>, spectrum: Option<&Spectrum<FMA>>) -> Lanes<FMA>
+    where
+        Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+    {
+        match (self.all[k], self.principal[k], spectrum) {
+            (_, Some(function), Some(spectrum)) => spectrum.sum(function),
+            (Variable::J, ..) => state.change,
+            (Variable::I2, ..) => state.strain.trace().mul_add(Lanes::splat(4.0), state.strain.second_invariant() * 4.0),
+            _ => self.linear(k, &state.strain),
+        }
+    }
+
+    /// Value of a variable that is linear in the strain.
+    #[inline(always)]
+    fn linear<const FMA: bool>(&self, k: usize, strain: &Mandel<Lanes<FMA>, S>) -> Lanes<FMA> {
+        let mut sum = Lanes::ZERO;
+        for s in 0..S {
+            sum = strain.0[s].mul_add(Lanes::splat(self.slopes_at_rest[k][s]), sum);
+        }
+        sum
+    }
+
+    /// Change of a variable over a step, without cancellation: products at the mean strain, a quadrature for functions of principal
+    /// stretches where the step is small.
+    #[inline(always)]
+    pub(super) fn change<const FMA: bool>(
+        &self,
+        k: usize,
+        [start, end]: [&State<FMA, S>; 2],
+        spectra: Option<[&Spectrum<FMA>; 2]>,
+    ) -> Lanes<FMA>
+    where
+        Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+    {
+        let (mid, d) = ((start.strain + end.strain) * 0.5, end.strain - start.strain);
+        let second = mid.trace() * d.trace() - mid.dot(&d);
+        match (self.all[k], self.principal[k], spectra) {
+            (_, Some(function), Some(spectra)) => change_of_principal(function, spectra, &mid, &d),
+            (Variable::J, ..) => {
+                let third = mid.cofactor().dot(&d) + d.determinant() * 0.25;
+                let growth = d.trace() * 2.0 + second * 4.0 + third * 8.0;
+                growth / (start.change + end.change + 2.0)
+            }
+            (Variable::I2, ..) => d.trace() * 4.0 + second * 4.0,
+            _ => self.linear(k, &d),
+        }
+    }
+
+    /// Derivative of a variable without that at rest; nothing where it has no other.
+    #[inline(always)]
+    pub(super) fn slope_variation<const FMA: bool>(
+        &self,
+        k: usize,
+        state: &State<FMA, S>,
+        spectrum: Option<&Spectrum<FMA>>,
+    ) -> Option<Mandel<Lanes<FMA>, S>>
+    where
+        Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+    {
+        let strain = &state.strain;
+        match (self.all[k], self.principal[k], spectrum) {
+            (_, Some(function), Some(spectrum)) => Some(spectrum.slope_variation(function)),
+            // cof C / J - I
+            (Variable::J, ..) => {
+                let plane = (*strain * -2.0).plus_identity(strain.trace() * 2.0 - state.change);
+                let all = if <Mandel<Lanes<FMA>, S> as Tensor>::PLANE { plane } else { plane + strain.cofactor() * 4.0 };
+                Some(all * state.inverse)
+            }
+            (Variable::I2, ..) => Some((*strain * -4.0).plus_identity(strain.trace() * 4.0)),
+            _ => None,
+        }
+    }
+
+    /// Adds `weight` times the second derivative of a variable with the derivative `slope`.
+    #[inline(always)]
+    pub(super) fn add_curvature<const FMA: bool>(
+        &self,
+        k: usize,
+        (state, spectrum): (&State<FMA, S>, Option<&Spectrum<FMA>>),
+        slope: &Mandel<Lanes<FMA>, S>,
+        weight: Lanes<FMA>,
+        tangent: &mut [[Lanes<FMA>; S]; S],
+    ) where
+        Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+    {
+        match (self.all[k], self.principal[k], spectrum) {
+            (_, Some(function), Some(spectrum)) => spectrum.add_curvature(function, weight, tangent),
+            // With J' = J C^-1: (J' J' - 2 I_J') / J.
+            (Variable::J, ..) => {
+                let weight = weight * state.inverse;
+                let added = Mandel::isotropic_tangent(weight, weight * -2.0, slope);
+                for i in 0..S {
+                    for j in 0..S {
+                        tangent[i][j] = tangent[i][j] + added[i][j];
+                    }
+                }
+            }
+            // 4 (I I - identity of symmetric tensors)
+            (Variable::I2, ..) => {
+                let (weight, pairs) = (weight * 4.0, mandel_pairs::<S>());
+                for i in 0..S {
+                    for j in 0..S {
+                        let is_direct = pairs[i].0 == pairs[i].1 && pairs[j].0 == pairs[j].1;
+                        if is_direct && i != j {
+                            tangent[i][j] = tangent[i][j] + weight;
+                        } else if !is_direct && i == j {
+                            tangent[i][j] = tangent[i][j] - weight;
+                        }
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Change of `sum f(e_i)` from one spectrum to another: Gauss' rule of three points for the line integral of its derivative below a
+/// change of the strain of 5e-3, the plain difference above.
+#[inline(always)]
+fn change_of_principal<const FMA: bool, const S: usize>(
+    function: Principal,
+    [from, to]: [&Spectrum<FMA>; 2],
+    mid: &Mandel<Lanes<FMA>, S>,
+    d: &Mandel<Lanes<FMA>, S>,
+) -> Lanes<FMA>
+where
+    Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+{
+    let s = 0.5 * 0.6f64.sqrt();
+    let mut line = d.trace() * function.slope_at_rest();
+    for (place, weight) in [(-s, 5.0 / 18.0), (0.0, 8.0 / 18.0), (s, 5.0 / 18.0)] {
+        line = line + Spectrum::new(&(*mid + *d * place)).slope_variation::<S>(function).dot(d) * weight;
+    }
+    let difference = to.sum(function) - from.sum(function);
+    line + d.dot(d).if_above(STRAIN_QUOTIENT * STRAIN_QUOTIENT, difference - line)
+}

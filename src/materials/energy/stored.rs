@@ -1,0 +1,182 @@
+//! A stored energy as a user gives it: one or two texts, values of constants, directions of fibers.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::error::EnergyError;
+use super::graph::{Graph, Id};
+use super::law::{EnergyLaw, VolumetricEnergy};
+use super::meaning::{FUNCTIONS, QUANTITIES, Setting, Translation, constants_of};
+use super::syntax::{Expression, parse};
+use super::variable::Variable;
+use crate::materials::laws::{Kinematics, Laws};
+use crate::materials::split::Split;
+
+/// An energy per undeformed volume as text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnergyText {
+    text: String,
+    expression: Expression,
+}
+
+impl EnergyText {
+    /// The energy of a text.
+    ///
+    /// # Errors
+    /// What cannot be read, with its place.
+    pub fn parse(text: &str) -> Result<Self, EnergyError> {
+        Ok(EnergyText { text: text.into(), expression: parse(text)? })
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Names of its constants, each with the bytes where it stands first: all names that are neither quantities nor functions.
+    pub fn constants(&self) -> Vec<(String, Range<usize>)> {
+        constants_of(&self.expression)
+    }
+}
+
+/// A stored energy `W = energy + volumetric`, with the values of its constants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredEnergy {
+    /// The energy, or its part that is not the following.
+    pub energy: EnergyText,
+    /// A part that depends on `J` alone, which elements with mean dilatation take by itself.
+    pub volumetric: Option<EnergyText>,
+    /// Directions of fibers in the undeformed state, of whatever length; two at most.
+    pub fibers: Vec<[f64; 3]>,
+    /// Constants with their values.
+    pub constants: Vec<(String, f64)>,
+    /// What the whole is multiplied by.
+    pub factor: f64,
+}
+
+/// Quantities that an energy may name, each with what it is.
+pub fn quantities_of_energies() -> impl Iterator<Item = (&'static str, &'static str)> {
+    QUANTITIES.iter().copied()
+}
+
+/// Functions that an energy may call, each with what it is.
+pub fn functions_of_energies() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FUNCTIONS.iter().map(|(name, summary, _)| (*name, *summary))
+}
+
+/// The nodes of an energy in one setting.
+struct Built {
+    graph: Graph,
+    rest: Id,
+    volumetric: Option<Id>,
+}
+
+impl StoredEnergy {
+    /// An energy of texts with values for the constants.
+    ///
+    /// # Errors
+    /// What cannot be read, with its place.
+    pub fn new(energy: &str, volumetric: Option<&str>, constants: &[(&str, f64)]) -> Result<Self, EnergyError> {
+        Ok(StoredEnergy {
+            energy: EnergyText::parse(energy)?,
+            volumetric: volumetric.map(EnergyText::parse).transpose()?,
+            fibers: Vec::new(),
+            constants: constants.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
+            factor: 1.0,
+        })
+    }
+
+    /// The same with fibers along directions of whatever length.
+    pub fn with_fibers(self, fibers: &[[f64; 3]]) -> Self {
+        StoredEnergy { fibers: fibers.to_vec(), ..self }
+    }
+
+    /// The same for a body that is turned in the plane by an angle with that cosine and sine: fibers turn with it.
+    ///
+    /// # Errors
+    /// The energy names components of the strain, which do not turn.
+    pub fn turned(&self, cosine: f64, sine: f64) -> Result<Self, EnergyError> {
+        let Built { graph, rest, .. } = self.build(Setting::Space)?;
+        if graph.variables(rest).iter().any(|variable| matches!(variable, Variable::Strain(_))) {
+            let text = &self.energy.text;
+            let error = EnergyError::new(text, 0..text.len(), "an energy of components of the strain cannot be turned", "names components");
+            return Err(error.hint("write it with invariants and fibers"));
+        }
+        let fibers = self.fibers.iter().map(|[x, y, z]| [cosine * x - sine * y, sine * x + cosine * y, *z]).collect();
+        Ok(StoredEnergy { fibers, ..self.clone() })
+    }
+
+    fn build(&self, setting: Setting) -> Result<Built, EnergyError> {
+        let mut graph = Graph::default();
+        let mut node = |text: &EnergyText| -> Result<Id, EnergyError> {
+            let fibers = self.fibers.len();
+            let id =
+                Translation { graph: &mut graph, text: &text.text, setting, fibers, constants: &self.constants }.node(&text.expression)?;
+            Ok(graph.scaled(self.factor, id))
+        };
+        let rest = node(&self.energy)?;
+        let volumetric = self.volumetric.as_ref().map(&mut node).transpose()?;
+        if let (Some(text), Some(id)) = (&self.volumetric, volumetric) {
+            if graph.variables(id).iter().any(|variable| *variable != Variable::J) {
+                let error =
+                    EnergyError::new(&text.text, 0..text.text.len(), "the volumetric energy depends on more than `J`", "not of `J` alone");
+                return Err(error.hint("move what depends on other quantities to `energy`"));
+            }
+        }
+        Ok(Built { graph, rest, volumetric })
+    }
+
+    fn directions(&self) -> Vec<[f64; 3]> {
+        self.fibers.iter().map(|fiber| fiber.map(|x| x / fiber.iter().map(|x| x * x).sum::<f64>().sqrt())).collect()
+    }
+
+    /// The law of the whole in one setting, and that without the volumetric part.
+    fn laws_in<const S: usize>(&self, setting: Setting) -> Result<(EnergyLaw<S>, Option<EnergyLaw<S>>), EnergyError> {
+        let (fibers, mut built) = (self.directions(), self.build(setting)?);
+        let Some(volumetric) = built.volumetric else { return Ok((EnergyLaw::new(&mut built.graph, built.rest, &fibers), None)) };
+        let whole = built.graph.sum(built.rest, volumetric);
+        Ok((EnergyLaw::new(&mut built.graph, whole, &fibers), Some(EnergyLaw::new(&mut built.graph, built.rest, &fibers))))
+    }
+
+    /// The law that kernels call.
+    pub(crate) fn laws(&self) -> Result<Laws, EnergyError> {
+        let (space, space_rest) = self.laws_in::<6>(Setting::Space)?;
+        let (axisymmetric, axisymmetric_rest) = self.laws_in::<4>(Setting::Axisymmetric)?;
+        let (plane, plane_rest) = self.laws_in::<3>(Setting::Plane)?;
+        let volumetric = {
+            let Built { mut graph, volumetric, .. } = self.build(Setting::Space)?;
+            volumetric.map(|id| VolumetricEnergy::new(&mut graph, id))
+        };
+        let split = match (plane_rest, axisymmetric_rest, space_rest, volumetric) {
+            (Some(plane), Some(axisymmetric), Some(space), Some(volumetric)) => Some(Split {
+                plane: Arc::new(plane),
+                axisymmetric: Arc::new(axisymmetric),
+                space: Arc::new(space),
+                volumetric: Arc::new(volumetric),
+            }),
+            _ => None,
+        };
+        Ok(Laws {
+            plane: Arc::new(plane),
+            axisymmetric: Arc::new(axisymmetric),
+            space: Arc::new(space),
+            split,
+            kinematics: Kinematics::GreenLagrange,
+        })
+    }
+
+    /// The law in space, without its volumetric part.
+    pub(crate) fn in_space(&self) -> Result<EnergyLaw<6>, EnergyError> {
+        let Built { mut graph, rest, .. } = self.build(Setting::Space)?;
+        Ok(EnergyLaw::new(&mut graph, rest, &self.directions()))
+    }
+
+    /// Value of the energy at rest `[energy/volume]`; laws count from there.
+    ///
+    /// # Errors
+    /// A mistake in the text, with its place.
+    pub fn at_rest(&self) -> Result<f64, EnergyError> {
+        let Built { graph, rest, volumetric } = self.build(Setting::Space)?;
+        Ok(graph.rest(rest) + volumetric.map_or(0.0, |id| graph.rest(id)))
+    }
+}

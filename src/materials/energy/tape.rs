@@ -1,0 +1,305 @@
+//! Nodes of a graph as a straight list of operations on lanes, in a form that keeps the digits of small changes.
+//!
+//! Every node is a known value `c` and a deviation `d` from it, and only deviations are computed: products as
+//! `(c1 + d1) d2 + c2 d1`, reciprocals as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as
+//! `d/(sqrt(c + d) + sqrt c)`. With `c` the value at rest that keeps small strains, with `c` the value at the start of a step it keeps
+//! small steps: the same operations, another [`Base`]. Operations work on `N` times eight lanes, so that choosing one costs little.
+
+use std::hint::black_box;
+
+use super::graph::{Graph, Id, Node};
+use super::variable::Variable;
+use crate::math::lanes::{Lanes, Real, WIDTH};
+
+/// Writes a value for each of the points.
+macro_rules! each {
+    ($points:ident, $result:ident, $n:ident, $value:expr) => {
+        for $n in 0..$points {
+            let value: Lanes<FMA> = $value;
+            $result[$n] = Lanes(value.0);
+        }
+    };
+}
+
+/// A place for a result.
+type Register = usize;
+
+/// Eight lanes of `N` points.
+pub(super) type Block<const N: usize> = [Lanes<false>; N];
+
+/// A register whose value counts from `rest`.
+#[derive(Clone, Copy, Debug)]
+struct Operand {
+    register: Register,
+    rest: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Operation {
+    Sum(Register, Register),
+    Difference(Register, Register),
+    Scaled(f64, Register),
+    /// `factor * a + b`.
+    ScaledSum(f64, Register, Register),
+    Product(Operand, Operand),
+    Reciprocal(Operand),
+    Logarithm(Operand),
+    /// The value at rest is the result's.
+    Exponential(Operand),
+    Root(Operand),
+    Positive(Operand),
+    Step(Operand),
+}
+
+/// Where a root's deviation stands and by what it is scaled, if it has one, and its value at rest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Root {
+    place: Option<Place>,
+    /// Value at rest.
+    pub(super) rest: f64,
+}
+
+/// A factor times a register.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    factor: f64,
+    register: Register,
+}
+
+impl Root {
+    /// Whether it is zero always.
+    pub(super) fn is_zero(&self) -> bool {
+        self.place.is_none() && self.rest == 0.0
+    }
+
+    /// Its deviation, if it has one.
+    #[inline(always)]
+    pub(super) fn deviation<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Option<Lanes<FMA>> {
+        match self.place {
+            Some(place) => Some(Lanes(registers[place.register][point].0) * place.factor),
+            None => None,
+        }
+    }
+
+    /// Its value.
+    #[inline(always)]
+    pub(super) fn value<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Lanes<FMA> {
+        match self.deviation::<FMA, N>(registers, point) {
+            Some(deviation) => deviation + self.rest,
+            None => Lanes::splat(self.rest),
+        }
+    }
+}
+
+/// A list of operations. The first registers are the variables, in the order in which they were given; operation `k` writes the register
+/// behind those of the variables and of the operations before it.
+#[derive(Debug)]
+pub(super) struct Tape {
+    variables: usize,
+    operations: Vec<Operation>,
+    /// Value at rest of each operation's result.
+    rest: Vec<f64>,
+    pub(super) roots: Vec<Root>,
+}
+
+/// Values that deviations are counted from.
+trait Base {
+    /// Value of a register.
+    fn value<const FMA: bool>(&self, operand: Operand, point: usize) -> Lanes<FMA>;
+    /// `x` over the value of a register.
+    fn below<const FMA: bool>(&self, x: Lanes<FMA>, operand: Operand, point: usize) -> Lanes<FMA>;
+}
+
+/// Values at rest.
+struct AtRest;
+
+impl Base for AtRest {
+    #[inline(always)]
+    fn value<const FMA: bool>(&self, operand: Operand, _: usize) -> Lanes<FMA> {
+        Lanes::splat(operand.rest)
+    }
+    #[inline(always)]
+    fn below<const FMA: bool>(&self, x: Lanes<FMA>, operand: Operand, _: usize) -> Lanes<FMA> {
+        x * (1.0 / operand.rest)
+    }
+}
+
+/// Values at the start of a step: their deviations from those at rest.
+struct AtStart<'a, const N: usize>(&'a [Block<N>]);
+
+impl<const N: usize> Base for AtStart<'_, N> {
+    #[inline(always)]
+    fn value<const FMA: bool>(&self, operand: Operand, point: usize) -> Lanes<FMA> {
+        Lanes(self.0[operand.register][point].0) + operand.rest
+    }
+    #[inline(always)]
+    fn below<const FMA: bool>(&self, x: Lanes<FMA>, operand: Operand, point: usize) -> Lanes<FMA> {
+        x / self.value(operand, point)
+    }
+}
+
+/// Lowers a graph: places of the nodes that have one so far.
+struct Lowering<'a> {
+    graph: &'a Graph,
+    tape: Tape,
+    places: Vec<Option<Place>>,
+}
+
+impl Lowering<'_> {
+    fn push(&mut self, operation: Operation, rest: f64) -> Place {
+        self.tape.operations.push(operation);
+        self.tape.rest.push(rest);
+        Place { factor: 1.0, register: self.tape.registers() - 1 }
+    }
+
+    fn place(&self, id: Id) -> Place {
+        self.places[id].expect("parts stand before what is made of them, and constants are folded")
+    }
+
+    /// A register with the node itself, not a multiple.
+    fn operand(&mut self, id: Id) -> Operand {
+        let mut place = self.place(id);
+        if place.factor != 1.0 {
+            place = self.push(Operation::Scaled(place.factor, place.register), self.graph.rest(id));
+            self.places[id] = Some(place);
+        }
+        Operand { register: place.register, rest: self.graph.rest(id) }
+    }
+
+    fn sum(&mut self, a: Id, b: Id, rest: f64) -> Place {
+        // A constant changes no deviation.
+        if self.graph.as_constant(a).is_some() {
+            return self.place(b);
+        }
+        if self.graph.as_constant(b).is_some() {
+            return self.place(a);
+        }
+        let (scaled, other) = if self.place(a).factor == 1.0 { (b, a) } else { (a, b) };
+        let right = self.operand(other);
+        let left = self.place(scaled);
+        let operation = match left.factor {
+            1.0 => Operation::Sum(left.register, right.register),
+            -1.0 => Operation::Difference(right.register, left.register),
+            factor => Operation::ScaledSum(factor, left.register, right.register),
+        };
+        self.push(operation, rest)
+    }
+
+    fn lower(&mut self, id: Id, variables: &[Variable]) -> Option<Place> {
+        let rest = self.graph.rest(id);
+        let operation = match self.graph.node(id) {
+            Node::Constant(_) => return None,
+            Node::Variable(variable) => {
+                let register = variables.iter().position(|known| *known == variable)?;
+                return Some(Place { factor: 1.0, register });
+            }
+            Node::Sum(a, b) => return Some(self.sum(a, b, rest)),
+            Node::Scaled(factor, a) => {
+                let place = self.place(a);
+                return Some(Place { factor: place.factor * factor.value(), ..place });
+            }
+            Node::Product(a, b) => Operation::Product(self.operand(a), self.operand(b)),
+            Node::Reciprocal(a) => Operation::Reciprocal(self.operand(a)),
+            Node::Logarithm(a) => Operation::Logarithm(self.operand(a)),
+            Node::Exponential(a) => Operation::Exponential(self.operand(a)),
+            Node::Root(a) => Operation::Root(self.operand(a)),
+            Node::Positive(a) => Operation::Positive(self.operand(a)),
+            Node::Step(a) => Operation::Step(self.operand(a)),
+        };
+        Some(self.push(operation, rest))
+    }
+}
+
+impl Tape {
+    /// The operations that give `roots`.
+    pub(super) fn new(graph: &Graph, variables: &[Variable], roots: &[Id]) -> Self {
+        let needed = graph.needed(roots);
+        let tape = Tape { variables: variables.len(), operations: Vec::new(), rest: Vec::new(), roots: Vec::new() };
+        let mut lowering = Lowering { graph, tape, places: vec![None; needed.len()] };
+        for id in (0..needed.len()).filter(|&id| needed[id]) {
+            lowering.places[id] = lowering.lower(id, variables);
+        }
+        let roots = roots.iter().map(|&id| Root { place: lowering.places[id], rest: graph.rest(id) }).collect();
+        Tape { roots, ..lowering.tape }
+    }
+
+    /// How many registers a run needs.
+    pub(super) fn registers(&self) -> usize {
+        self.variables + self.operations.len()
+    }
+
+    /// Deviations from rest of all registers; those of the variables stand in the first already.
+    #[inline(always)]
+    pub(super) fn deviations<const FMA: bool, const N: usize>(&self, registers: &mut [Block<N>]) {
+        self.run::<FMA, N>(registers, &AtRest);
+    }
+
+    /// Changes of all registers from `start` (deviations there); those of the variables stand in the first already.
+    #[inline(always)]
+    pub(super) fn changes<const FMA: bool, const N: usize>(&self, start: &[Block<N>], registers: &mut [Block<N>]) {
+        self.run::<FMA, N>(registers, &AtStart(start));
+    }
+
+    #[inline(always)]
+    fn run<const FMA: bool, const N: usize>(&self, registers: &mut [Block<N>], base: &impl Base) {
+        // Unrolled over points, too, the loops would be more than the compiler can put into vector registers.
+        let points = black_box(N).min(N);
+        for (index, operation) in self.operations.iter().enumerate() {
+            let target = Operand { register: self.variables + index, rest: self.rest[index] };
+            let (done, rest) = registers.split_at_mut(target.register);
+            let result = &mut rest[0];
+            // Loops and no closures: what is not inlined here is compiled without the instructions that this function may use.
+            match *operation {
+                Operation::Sum(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) + at(done, b, n)),
+                Operation::Difference(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) - at(done, b, n)),
+                Operation::Scaled(factor, a) => each!(points, result, n, at::<FMA, N>(done, a, n) * factor),
+                Operation::ScaledSum(factor, a, b) => {
+                    each!(points, result, n, at::<FMA, N>(done, a, n).mul_add(Lanes::splat(factor), at(done, b, n)));
+                }
+                Operation::Product(a, b) => each!(points, result, n, {
+                    let (d, e) = (at::<FMA, N>(done, a.register, n), at::<FMA, N>(done, b.register, n));
+                    (base.value::<FMA>(a, n) + d).mul_add(e, base.value::<FMA>(b, n) * d)
+                }),
+                Operation::Reciprocal(a) => each!(points, result, n, {
+                    let d = at::<FMA, N>(done, a.register, n);
+                    base.below(-d, a, n) / (base.value::<FMA>(a, n) + d)
+                }),
+                Operation::Logarithm(a) => {
+                    each!(points, result, n, above_minus_one(base.below(at::<FMA, N>(done, a.register, n), a, n)).ln_1p());
+                }
+                Operation::Exponential(a) => {
+                    each!(points, result, n, at::<FMA, N>(done, a.register, n).exp_m1() * base.value::<FMA>(target, n));
+                }
+                Operation::Root(a) => each!(points, result, n, {
+                    let d = at::<FMA, N>(done, a.register, n);
+                    d / ((base.value::<FMA>(a, n) + d).sqrt() + base.value::<FMA>(target, n))
+                }),
+                Operation::Positive(a) => each!(points, result, n, {
+                    // max(d, -c) for c > 0, max(c + d, 0) for c <= 0.
+                    let (d, c, zero) = (at::<FMA, N>(done, a.register, n), base.value::<FMA>(a, n), Lanes::ZERO);
+                    (d - (-c).greater(zero)).greater(-c.greater(zero))
+                }),
+                Operation::Step(a) => each!(points, result, n, {
+                    let value = base.value::<FMA>(a, n) + at(done, a.register, n);
+                    value.if_above(0.0, Lanes::splat(1.0)) - base.value::<FMA>(target, n)
+                }),
+            }
+        }
+    }
+}
+
+/// A register of a point.
+#[inline(always)]
+fn at<const FMA: bool, const N: usize>(done: &[Block<N>], register: Register, n: usize) -> Lanes<FMA> {
+    Lanes(done[register][n].0)
+}
+
+/// What is above -1, and no number elsewhere: logarithms of what is not positive.
+#[inline(always)]
+fn above_minus_one<const FMA: bool>(x: Lanes<FMA>) -> Lanes<FMA> {
+    let mut result = x;
+    for i in 0..WIDTH {
+        result.0[i] = if x.0[i] > -1.0 { x.0[i] } else { f64::NAN };
+    }
+    result
+}

@@ -1,0 +1,46 @@
+//! What an energy may depend on: invariants of `C = F^T F`, components of the strain, functions of the principal stretches.
+
+/// A number as the key of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Bits(u64);
+
+impl Bits {
+    pub(super) fn of(value: f64) -> Self {
+        // Both zeros are one.
+        Bits(if value == 0.0 { 0 } else { value.to_bits() })
+    }
+
+    pub(super) fn value(self) -> f64 {
+        f64::from_bits(self.0)
+    }
+}
+
+/// A quantity that vanishes, but for a constant, at rest, and whose derivatives with respect to the strain are written by hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Variable {
+    /// `tr C`.
+    I1,
+    /// `((tr C)^2 - tr C^2)/2`.
+    I2,
+    /// `det F`.
+    J,
+    /// `a.C.a` along the unit vector `a` of a fiber in the undeformed state.
+    Fiber(usize),
+    /// A component of the Green-Lagrange strain, by its place among the Mandel components in space.
+    Strain(usize),
+    /// `l1^a + l2^a + l3^a` of the principal stretches.
+    StretchPower(Bits),
+    /// `(ln l1)^2 + (ln l2)^2 + (ln l3)^2`.
+    LogStrainSquared,
+}
+
+impl Variable {
+    /// Value at rest.
+    pub(super) fn rest(self) -> f64 {
+        match self {
+            Variable::I1 | Variable::I2 | Variable::StretchPower(_) => 3.0,
+            Variable::J | Variable::Fiber(_) => 1.0,
+            Variable::Strain(_) | Variable::LogStrainSquared => 0.0,
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Constants of a law from tests: least squares of nominal stresses of incompressible pieces.
+//!
+//! Rubber keeps its volume in tests, so stresses follow from the stretches by the pressure that frees the third face, and the energy of the
+//! volume drops out (Ogden 1972). Constants in which the energy is linear (moduli) follow from the others by linear least squares;
+//! only the others (powers, limits) are searched for (variable projection: Golub and Pereyra, SIAM Journal on Numerical Analysis 10, 1973),
+//! by damped Gauss-Newton steps (Levenberg 1944, Marquardt 1963) from the best of many starts. So no modulus needs a first guess. The crate
+//! `levenberg-marquardt` is not used because it brings another version of nalgebra.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::batched::BatchedLaw;
+use super::energy::{EnergyError, StoredEnergy};
+use super::homogeneous::{Piece, response};
+use crate::math::tolerances::{FIT, FIT_DIFFERENCE, FIT_LINEAR, FIT_RANK};
+
+/// What a test piece was measured to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// The test.
+    pub piece: Piece,
+    /// Stretches and nominal stresses.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Constants that fit, and how well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The constants in the order in which they were asked for.
+    pub constants: Vec<f64>,
+    /// Root of the mean of the squared differences of the stresses.
+    pub rms: f64,
+    /// 1 minus the squared differences over those from the mean stress.
+    pub r_squared: f64,
+}
+
+/// Why there are no constants.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// A mistake in the energy.
+    #[error(transparent)]
+    Energy(#[from] EnergyError),
+    /// Fewer points than constants.
+    #[error("{points} points cannot tell {constants} constants")]
+    Points {
+        /// How many there are.
+        points: usize,
+        /// How many would be found.
+        constants: usize,
+    },
+    /// No start gives finite stresses.
+    #[error("the law gives no finite stresses for any start")]
+    NoStart,
+}
+
+/// Values that are tried for a constant that stresses are not linear in: powers, and limits of `I1 - 3`.
+const STARTS: [f64; 8] = [-2.0, 0.5, 1.5, 3.0, 5.0, 9.0, 30.0, 90.0];
+/// Starts at most, and how many of the best are followed.
+const TRIED: usize = 512;
+const FOLLOWED: usize = 6;
+/// Steps at most from a start.
+const STEPS: usize = 200;
+
+/// Nominal stress of an incompressible piece at a stretch.
+pub fn incompressible_stress(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> f64 {
+    let stretches = piece.isochoric(stretch);
+    let mut strain = [0.0; 6];
+    (0..3).for_each(|i| strain[i] = 0.5 * (stretches[i] - 1.0) * (stretches[i] + 1.0));
+    let (stress, _) = response(law, &strain);
+    // Cauchy stress along an axis: l^2 S; the third face is free.
+    (stretches[0].powi(2) * stress[0] - stretches[2].powi(2) * stress[2]) / stretch
+}
+
+impl StoredEnergy {
+    /// Nominal stresses of an incompressible piece at some stretches.
+    ///
+    /// # Errors
+    /// A mistake in the energy.
+    pub fn incompressible_stresses(&self, piece: Piece, stretches: &[f64]) -> Result<Vec<f64>, EnergyError> {
+        let law = self.in_space()?;
+        Ok(stretches.iter().map(|stretch| incompressible_stress(&law, piece, *stretch)).collect())
+    }
+}
+
+/// Finds constants of an energy. `energy` gives it for values of the constants, `start` those to begin with, where they are known.
+///
+/// # Errors
+/// A mistake in the energy, too few points, no finite stresses.
+pub fn fit(
+    energy: impl Fn(&[f64]) -> Result<StoredEnergy, EnergyError>,
+    start: &[Option<f64>],
+    measured: &[Measured],
+) -> Result<Fit, FitError> {
+    let stresses: Vec<f64> = measured.iter().flat_map(|test| test.points.iter().map(|point| point[1])).collect();
+    if stresses.len() < start.len() {
+        return Err(FitError::Points { points: stresses.len(), constants: start.len() });
+    }
+    let problem = Problem { energy: &energy, measured, stresses: DVector::from_vec(stresses), count: start.len() };
+    let linear = problem.linear(start)?;
+    let searched: Vec<usize> = (0..start.len()).filter(|index| !linear.contains(index)).collect();
+    let separated = Separated { problem: &problem, linear, searched };
+    let mut tried: Vec<(f64, Vec<f64>)> = separated
+        .starts(start)
+        .into_iter()
+        .map(|values| (separated.solve(&values).map_or(f64::INFINITY, |(_, rest)| rest.norm_squared()), values))
+        .filter(|(size, _)| size.is_finite())
+        .collect();
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let found = tried.into_iter().take(FOLLOWED).map(|(_, values)| separated.descend(values));
+    let best = found.flatten().min_by(|a, b| a.1.norm_squared().total_cmp(&b.1.norm_squared()));
+    let (constants, rest) = best.ok_or(FitError::NoStart)?;
+    let mean = problem.stresses.mean();
+    let spread: f64 = problem.stresses.iter().map(|stress| (stress - mean).powi(2)).sum();
+    let rms = (rest.norm_squared() / rest.len() as f64).sqrt();
+    Ok(Fit { constants, rms, r_squared: 1.0 - rest.norm_squared() / spread })
+}
+
+type EnergyOf<'a> = &'a dyn Fn(&[f64]) -> Result<StoredEnergy, EnergyError>;
+
+struct Problem<'a> {
+    energy: EnergyOf<'a>,
+    measured: &'a [Measured],
+    stresses: DVector<f64>,
+    count: usize,
+}
+
+impl Problem<'_> {
+    /// Stresses of the law with these constants at all points.
+    fn law(&self, constants: &[f64]) -> Result<DVector<f64>, EnergyError> {
+        let law = (self.energy)(constants)?.in_space()?;
+        let stresses = self.measured.iter().flat_map(|test| test.points.iter().map(|point| (test.piece, point[0])));
+        Ok(DVector::from_vec(stresses.map(|(piece, stretch)| incompressible_stress(&law, piece, stretch)).collect()))
+    }
+
+    /// Constants that stresses are linear in, alone and together.
+    fn linear(&self, start: &[Option<f64>]) -> Result<Vec<usize>, EnergyError> {
+        let base: Vec<f64> = start.iter().enumerate().map(|(k, value)| value.unwrap_or(1.3 + 0.4 * k as f64)).collect();
+        let scaled = |indices: &[usize], factor: f64| {
+            let mut values = base.clone();
+            indices.iter().for_each(|&index| values[index] *= factor);
+            self.law(&values)
+        };
+        let is_linear = |indices: &[usize]| -> Result<bool, EnergyError> {
+            // Not linear where one of the three cannot be computed.
+            let (Ok(none), Ok(once), Ok(twice)) = (scaled(indices, 0.0), scaled(indices, 1.0), scaled(indices, 2.0)) else {
+                return Ok(false);
+            };
+            Ok((&twice - &once * 2.0 + &none).amax() <= FIT_LINEAR * once.amax().max(twice.amax()))
+        };
+        // A mistake in the text is told, not taken for a constant of another kind.
+        self.law(&base)?;
+        let mut linear = Vec::new();
+        for index in 0..self.count {
+            if is_linear(&[index])? && is_linear(&[linear.clone(), vec![index]].concat())? {
+                linear.push(index);
+            }
+        }
+        Ok(linear)
+    }
+}
+
+/// Constants that are searched for, apart from those that follow from them.
+struct Separated<'a> {
+    problem: &'a Problem<'a>,
+    linear: Vec<usize>,
+    searched: Vec<usize>,
+}
+
+impl Separated<'_> {
+    /// Values of the searched constants to begin with.
+    fn starts(&self, given: &[Option<f64>]) -> Vec<Vec<f64>> {
+        let mut all = vec![Vec::new()];
+        for &index in &self.searched {
+            let values = given[index].map_or(STARTS.to_vec(), |value| vec![value]);
+            let longer = all.iter().flat_map(|begun: &Vec<f64>| values.iter().map(|value| [begun.as_slice(), &[*value]].concat()));
+            all = longer.take(TRIED).collect();
+        }
+        all
+    }
+
+    /// All constants for values of the searched ones, and the differences that are left.
+    fn solve(&self, searched: &[f64]) -> Option<(Vec<f64>, DVector<f64>)> {
+        let mut constants = vec![0.0; self.problem.count];
+        self.searched.iter().zip(searched).for_each(|(&index, value)| constants[index] = *value);
+        let fixed = self.problem.law(&constants).ok()?;
+        let mut columns = Vec::new();
+        for &index in &self.linear {
+            constants[index] = 1.0;
+            columns.push(self.problem.law(&constants).ok()? - &fixed);
+            constants[index] = 0.0;
+        }
+        let wanted = &self.problem.stresses - &fixed;
+        if columns.is_empty() {
+            return wanted.iter().all(|x| x.is_finite()).then_some((constants, wanted));
+        }
+        let matrix = DMatrix::from_columns(&columns);
+        if !matrix.iter().chain(wanted.iter()).all(|x| x.is_finite()) {
+            return None;
+        }
+        let factors = matrix.clone().svd(true, true);
+        let values = factors.solve(&wanted, FIT_RANK * factors.singular_values.max()).ok()?;
+        self.linear.iter().zip(values.iter()).for_each(|(&index, value)| constants[index] = *value);
+        Some((constants, wanted - matrix * values))
+    }
+
+    /// Steps downhill from a start.
+    fn descend(&self, mut at: Vec<f64>) -> Option<(Vec<f64>, DVector<f64>)> {
+        let (mut constants, mut rest) = self.solve(&at)?;
+        let mut damping = FIT_DIFFERENCE;
+        for _ in 0..STEPS {
+            if at.is_empty() {
+                break;
+            }
+            let mut columns = Vec::new();
+            for k in 0..at.len() {
+                let h = FIT_DIFFERENCE * at[k].abs().max(1.0);
+                let shifted = |by: f64| {
+                    let mut values = at.clone();
+                    values[k] += by;
+                    self.solve(&values).map(|(_, rest)| rest)
+                };
+                columns.push((shifted(h)? - shifted(-h)?) / (2.0 * h));
+            }
+            let slopes = DMatrix::from_columns(&columns);
+            let (gradient, normal) = (slopes.transpose() * &rest, slopes.transpose() * &slopes);
+            let mut better = None;
+            while better.is_none() && damping < 1.0 / FIT_DIFFERENCE {
+                let mut damped = normal.clone();
+                (0..at.len()).for_each(|k| damped[(k, k)] += damping * (normal[(k, k)] + FIT_RANK * normal.amax()));
+                let step = damped.lu().solve(&gradient)?;
+                let values: Vec<f64> = at.iter().zip(step.iter()).map(|(value, step)| value - step).collect();
+                better = self.solve(&values).filter(|(_, next)| next.norm_squared() < rest.norm_squared()).map(|found| (values, found));
+                damping = if better.is_some() { damping * 0.2 } else { damping * 4.0 };
+            }
+            let Some((values, (next_constants, next))) = better else { break };
+            let gained = 1.0 - next.norm_squared() / rest.norm_squared();
+            (at, constants, rest) = (values, next_constants, next);
+            if gained < FIT {
+                break;
+            }
+        }
+        Some((constants, rest))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sampled(energy: &StoredEnergy) -> Vec<Measured> {
+        let law = energy.in_space().unwrap();
+        let test = |(_, piece): &(&str, Piece)| {
+            let stretches = (1..=12).map(|k| 1.0 + 0.25 * f64::from(k));
+            Measured { piece: *piece, points: stretches.map(|l| [l, incompressible_stress(&law, *piece, l)]).collect() }
+        };
+        Piece::ALL.iter().map(test).collect()
+    }
+
+    #[test]
+    fn constants_are_found_again() {
+        let ogden = |values: &[f64]| {
+            let text = "a/p*(stretch_power(p)*J^(-p/3) - 3) + b/q*(stretch_power(q)*J^(-q/3) - 3)";
+            StoredEnergy::new(text, None, &[("a", values[0]), ("p", values[1]), ("b", values[2]), ("q", values[3])])
+        };
+        let exact = [0.62, 1.3, -0.01, -2.2];
+        let found = fit(ogden, &[None; 4], &sampled(&ogden(&exact).unwrap())).unwrap();
+        // The two terms may have changed places.
+        let mut pairs = [[found.constants[1], found.constants[0]], [found.constants[3], found.constants[2]]];
+        pairs.sort_by(|a, b| b[0].total_cmp(&a[0]));
+        for (found, exact) in pairs.iter().flatten().zip([1.3, 0.62, -2.2, -0.01]) {
+            assert!((found - exact).abs() < 1e-5 * exact.abs(), "{pairs:?}");
+        }
+        let gent = |values: &[f64]| StoredEnergy::new("-mu*m/2*ln(1 - (I1bar - 3)/m)", None, &[("mu", values[0]), ("m", values[1])]);
+        let found = fit(gent, &[None; 2], &sampled(&gent(&[0.27, 86.0]).unwrap())).unwrap();
+        assert!((found.constants[0] - 0.27).abs() < 1e-6 && (found.constants[1] - 86.0).abs() < 1e-4, "{found:?}");
+        assert!(found.rms < 1e-8 && found.r_squared > 1.0 - 1e-14, "{found:?}");
+    }
+
+    #[test]
+    fn a_linear_law_is_the_solution_of_the_normal_equations() {
+        // Mooney-Rivlin in uniaxial tension: stress = 2 (l - l^-2) (c10 + c01/l); exact for two points.
+        let energy =
+            |values: &[f64]| StoredEnergy::new("c10*(I1bar - 3) + c01*(I2bar - 3)", None, &[("c10", values[0]), ("c01", values[1])]);
+        let at = |l: f64| [l, 2.0 * (l - l.powi(-2)) * (0.2 + 0.03 / l)];
+        let measured = [Measured { piece: Piece::Uniaxial, points: vec![at(1.4), at(2.5)] }];
+        let found = fit(energy, &[None, None], &measured).unwrap();
+        assert!((found.constants[0] - 0.2).abs() < 1e-13 && (found.constants[1] - 0.03).abs() < 1e-13, "{found:?}");
+        let error = fit(energy, &[None, None], &[Measured { piece: Piece::Uniaxial, points: vec![at(2.0)] }]).unwrap_err();
+        assert_eq!(error, FitError::Points { points: 1, constants: 2 });
+    }
+}

@@ -1,0 +1,201 @@
+//! Homogeneous deformations of a material: what a test piece of it does between the clamps of a machine.
+//!
+//! The stretches that a test prescribes are given, all other components of the strain follow from the stresses that vanish (Newton's method
+//! on the components, from the last stretch on a path). Nominal stresses: force per undeformed area.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector, Matrix3};
+
+use super::batched::{BatchedLaw, Components, Response};
+use crate::math::lanes::Lanes;
+use crate::math::tensor::{mandel_pairs, mandel_scale};
+use crate::math::tolerances::FREE_STRESS;
+
+/// A test on a piece of material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Piece {
+    /// Pulled along the first axis, free across.
+    Uniaxial,
+    /// Pulled alike along the first two axes, free along the third.
+    Equibiaxial,
+    /// Pulled along the first axis, held along the second, free along the third: a wide strip, also called planar tension.
+    PureShear,
+}
+
+impl Piece {
+    /// All of them with their names.
+    pub const ALL: [(&'static str, Piece); 3] =
+        [("uniaxial", Piece::Uniaxial), ("equibiaxial", Piece::Equibiaxial), ("pure shear", Piece::PureShear)];
+
+    /// Stretches of the three axes where the volume stays.
+    pub fn isochoric(self, stretch: f64) -> [f64; 3] {
+        match self {
+            Piece::Uniaxial => [stretch, 1.0 / stretch.sqrt(), 1.0 / stretch.sqrt()],
+            Piece::Equibiaxial => [stretch, stretch, stretch.powi(-2)],
+            Piece::PureShear => [stretch, 1.0, 1.0 / stretch],
+        }
+    }
+
+    /// How many of the first two strains are given.
+    fn given(self) -> usize {
+        if self == Piece::Uniaxial { 1 } else { 2 }
+    }
+}
+
+/// A homogeneous state of a test piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Homogeneous {
+    /// Stretch along the first axis.
+    pub stretch: f64,
+    /// Force along the first axis per undeformed area `[stress]`.
+    pub nominal_stress: f64,
+    /// Green-Lagrange strain.
+    strain: [f64; 6],
+}
+
+/// Iterations at most from one stretch to the next, and halvings of the way.
+const ITERATIONS: usize = 30;
+const HALVINGS: u32 = 12;
+
+/// States of a piece at the given stretches, which go away from 1; ends where there is none.
+pub fn path(law: &Arc<dyn BatchedLaw<6>>, piece: Piece, stretches: &[f64]) -> Vec<Homogeneous> {
+    let mut states: Vec<Homogeneous> = Vec::new();
+    let mut last = Homogeneous { stretch: 1.0, nominal_stress: 0.0, strain: [0.0; 6] };
+    for &stretch in stretches {
+        let Some(state) = reach(&**law, piece, &last, stretch) else { break };
+        states.push(state);
+        last = state;
+    }
+    states
+}
+
+/// The state at a stretch from another one, in pieces where one step does not come through.
+fn reach(law: &dyn BatchedLaw<6>, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
+    let (mut state, mut part, mut done) = (*from, 1.0f64, 0.0f64);
+    while done < 1.0 {
+        let next = (done + part).min(1.0);
+        let at = from.stretch + next * (stretch - from.stretch);
+        match solve(law, piece, &state, at) {
+            Some(found) => (state, done) = (found, next),
+            None if part > 0.5f64.powi(HALVINGS as i32) => part *= 0.5,
+            None => return None,
+        }
+    }
+    Some(state)
+}
+
+/// Stress and tangent at a strain.
+pub(super) fn response(law: &dyn BatchedLaw<6>, strain: &[f64; 6]) -> ([f64; 6], [[f64; 6]; 6]) {
+    let components: Components<6> = strain.map(|x| Lanes([x; 8]));
+    let mut response = [Response::ZERO];
+    law.responses_into(&[components], &mut response);
+    (response[0].stress.map(|x| x.0[0]), response[0].tangent.map(|row| row.map(|x| x.0[0])))
+}
+
+/// `C = I + 2 E` as a matrix.
+fn metric(strain: &[f64; 6]) -> Matrix3<f64> {
+    let mut c = Matrix3::identity();
+    for (k, (i, j)) in mandel_pairs::<6>().into_iter().enumerate() {
+        let entry = 2.0 * strain[k] * mandel_scale(i, j);
+        c[(i, j)] += entry;
+        if i != j {
+            c[(j, i)] += entry;
+        }
+    }
+    c
+}
+
+/// Newton's method for the components whose stress vanishes.
+fn solve(law: &dyn BatchedLaw<6>, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
+    let given = piece.given();
+    // Sheared neither by the clamps where two axes are held.
+    let free: Vec<usize> = if given == 1 { (1..6).collect() } else { vec![2, 4, 5] };
+    let mut strain = from.strain;
+    // The volume stays in a first guess.
+    let (old, new) = (piece.isochoric(from.stretch), piece.isochoric(stretch));
+    for k in 0..3 {
+        let c = (1.0 + 2.0 * strain[k]) * (new[k] / old[k]).powi(2);
+        strain[k] = 0.5 * (c - 1.0);
+    }
+    strain[0] = 0.5 * (stretch * stretch - 1.0);
+    if given == 2 {
+        strain[1] = if piece == Piece::Equibiaxial { strain[0] } else { 0.0 };
+    }
+    for _ in 0..ITERATIONS {
+        let (stress, tangent) = response(law, &strain);
+        let size = (0..6).map(|i| tangent[i][i].abs()).fold(0.0, f64::max);
+        if !size.is_finite() || metric(&strain).cholesky().is_none() {
+            return None;
+        }
+        let residual = DVector::from_iterator(free.len(), free.iter().map(|&i| stress[i]));
+        if residual.amax() <= FREE_STRESS * size {
+            return Some(Homogeneous { stretch, nominal_stress: stretch * stress[0], strain });
+        }
+        let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| tangent[free[a]][free[b]]);
+        let change = matrix.lu().solve(&residual)?;
+        // Not through a state of no volume.
+        let mut share = 1.0;
+        let moved = |share: f64| {
+            let mut moved = strain;
+            free.iter().zip(change.iter()).for_each(|(&i, change)| moved[i] -= share * change);
+            moved
+        };
+        while share > 0.5f64.powi(HALVINGS as i32) && metric(&moved(share)).cholesky().is_none() {
+            share *= 0.5;
+        }
+        strain = moved(share);
+    }
+    None
+}
+
+impl Homogeneous {
+    /// Deformation gradient without rotation of the first axis: `C = F^T F`, `F` upper triangular.
+    pub fn deformation_gradient(&self) -> Matrix3<f64> {
+        metric(&self.strain).cholesky().map_or(Matrix3::identity(), |factors| factors.l().transpose())
+    }
+
+    /// Green-Lagrange strain in Mandel components.
+    pub(super) fn strain(&self) -> &[f64; 6] {
+        &self.strain
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::materials::{CATALOGUE, Material, StoredEnergy};
+
+    #[test]
+    fn stresses_across_vanish_and_near_incompressible_pieces_keep_their_volume() {
+        let stretches: Vec<f64> = (1..=20).map(|k| 1.0 + 0.05 * f64::from(k)).collect();
+        for row in CATALOGUE {
+            let material = Material::new(row, &row.example(1.0, 1.0)).unwrap();
+            for (name, piece) in Piece::ALL {
+                let states = path(&material.space(), piece, &stretches);
+                assert!(states.len() >= 6, "{} {name}: {} states", row.name, states.len());
+                for state in &states {
+                    let (stress, _) = response(&*material.space(), &state.strain);
+                    assert!(stress[2].abs() < 1e-11 && stress[4].abs() + stress[5].abs() < 1e-11, "{} {name}", row.name);
+                    assert!(state.nominal_stress > 0.0, "{} {name}", row.name);
+                }
+            }
+        }
+        let energy = StoredEnergy::new("mu/2*(I1bar - 3)", Some("k/2*(J - 1)^2"), &[("mu", 1.0), ("k", 1e5)]).unwrap();
+        let rubber = Material::hyperelastic(energy, 1.0).unwrap();
+        for (piece, closed) in [
+            (Piece::Uniaxial, (|l: f64| l - l.powi(-2)) as fn(f64) -> f64),
+            (Piece::Equibiaxial, |l| l - l.powi(-5)),
+            (Piece::PureShear, |l| l - l.powi(-3)),
+        ] {
+            let states = path(&rubber.space(), piece, &[1.5, 2.0, 3.0]);
+            assert_eq!(states.len(), 3);
+            for state in states {
+                // Treloar 1975: what compressibility leaves is of the order mu/k.
+                let expected = closed(state.stretch);
+                assert!((state.nominal_stress - expected).abs() < 1e-4 * expected, "{piece:?} {state:?} {expected}");
+                assert!((state.deformation_gradient().determinant() - 1.0).abs() < 1e-4);
+            }
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! One law as the kernels call it, and the strain that it takes.
+
+use std::sync::Arc;
+
+use super::batched::BatchedLaw;
+use super::law::Law;
+use super::split::{Split, VolumetricLaw};
+
+/// One law as the kernels call it, in the plane, with a stretched third direction, and in space.
+#[derive(Clone)]
+pub(crate) struct Laws {
+    pub(super) plane: Arc<dyn BatchedLaw<3>>,
+    pub(super) axisymmetric: Arc<dyn BatchedLaw<4>>,
+    pub(super) space: Arc<dyn BatchedLaw<6>>,
+    pub(super) split: Option<Split>,
+    pub(super) kinematics: Kinematics,
+}
+
+impl Laws {
+    pub(super) fn new<L: Law + Clone>(law: L) -> Self {
+        Laws {
+            plane: Arc::new(law.clone()),
+            axisymmetric: Arc::new(law.clone()),
+            space: Arc::new(law),
+            split: None,
+            kinematics: Kinematics::GreenLagrange,
+        }
+    }
+
+    /// The same with its two parts, the rest `W_d` and `U(J)`.
+    pub(super) fn split_into<L: Law + Clone, U: VolumetricLaw + 'static>(self, rest: L, volumetric: U) -> Self {
+        let Laws { plane, axisymmetric, space, .. } = Laws::new(rest);
+        Laws { split: Some(Split { plane, axisymmetric, space, volumetric: Arc::new(volumetric) }), ..self }
+    }
+}
+
+/// The strain that a law takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kinematics {
+    /// Green-Lagrange strain `E = (F^T F - I)/2`; stresses are of the second Piola-Kirchhoff kind.
+    GreenLagrange,
+    /// Strain `sym(grad u)` of small displacements; equilibrium is written in the undeformed state. Not invariant under rotations.
+    Linear,
+}

@@ -1,0 +1,199 @@
+//! What is wrong with a law: stress or energy at rest, stiffness that is not positive, equations that lose ellipticity.
+//!
+//! Ellipticity holds where the acoustic tensor `Q_ik = A_iJkL N_J N_L` of every direction `N` is positive definite, with
+//! `A = dP/dF` (Marsden and Hughes, Mathematical Foundations of Elasticity, 1983, section 6.1). Where it is lost a body folds into bands
+//! that only the mesh limits. It is looked for along uniaxial, equibiaxial and pure-shear tension and compression with free faces, in many
+//! directions: what happens on other paths is not seen.
+
+use nalgebra::{Matrix3, Matrix6, Vector3};
+
+use super::homogeneous::{Homogeneous, Piece, path, response};
+use super::laws::Kinematics;
+use super::material::Material;
+use crate::math::tensor::{mandel_index, mandel_scale};
+use crate::math::tolerances::RESIDUAL_STRESS;
+
+/// Something that is wrong with a law.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Weakness {
+    /// Stress at rest, its largest component `[stress]`.
+    StressAtRest(f64),
+    /// Energy at rest `[energy/volume]`, which no result shows.
+    EnergyAtRest(f64),
+    /// Least stiffness at rest `[stress]`, an eigenvalue of the tangent, not positive.
+    StiffnessAtRest(f64),
+    /// The equations lose ellipticity.
+    Ellipticity {
+        /// Name of the test.
+        test: &'static str,
+        /// Stretch at which.
+        stretch: f64,
+    },
+}
+
+impl std::fmt::Display for Weakness {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Weakness::StressAtRest(stress) => {
+                write!(out, "there is a stress of {stress:.6e} at rest: the undeformed body is not in equilibrium")
+            }
+            Weakness::EnergyAtRest(energy) => write!(out, "the energy at rest is {energy:.6e} instead of 0; results count from there"),
+            Weakness::StiffnessAtRest(stiffness) => {
+                write!(out, "the least stiffness at rest is {stiffness:.6e}, which is not positive: some strain meets no resistance")
+            }
+            Weakness::Ellipticity { test, stretch } => {
+                write!(out, "ellipticity is lost in the {test} test at a stretch of {stretch:.3}: beyond, a body folds into bands of cells")
+            }
+        }
+    }
+}
+
+/// Largest stretch that is looked at, least one its inverse, and factor from one to the next.
+const REACH: f64 = 4.0;
+const STEP: f64 = 1.02;
+/// Bisections of a step, to three digits.
+const BISECTIONS: usize = 8;
+/// Directions on half of a sphere: four degrees from each other.
+const DIRECTIONS: usize = 1200;
+
+impl Material {
+    /// What is wrong with the law, by all that is looked at; nothing for a sound one.
+    pub fn weaknesses(&self) -> Vec<Weakness> {
+        let mut found = Vec::new();
+        let (stress, tangent) = response(&*self.space(), &[0.0; 6]);
+        let residual = stress.iter().map(|x| x.abs()).fold(0.0, f64::max);
+        if residual > RESIDUAL_STRESS * self.youngs_modulus() {
+            found.push(Weakness::StressAtRest(residual));
+        }
+        let energy = self.energy().and_then(|energy| energy.at_rest().ok()).unwrap_or(0.0);
+        if energy.abs() > RESIDUAL_STRESS * self.youngs_modulus() {
+            found.push(Weakness::EnergyAtRest(energy));
+        }
+        let stiffness = Matrix6::from_fn(|i, j| tangent[i][j]).symmetric_eigenvalues().min();
+        if stiffness <= RESIDUAL_STRESS * self.youngs_modulus() {
+            found.push(Weakness::StiffnessAtRest(stiffness));
+        } else if self.kinematics() == Kinematics::GreenLagrange && residual <= RESIDUAL_STRESS * self.youngs_modulus() {
+            found.extend(self.lost_ellipticity());
+        }
+        found
+    }
+
+    fn lost_ellipticity(&self) -> Vec<Weakness> {
+        let directions = directions();
+        let mut found = Vec::new();
+        let is_elliptic = |state: &Homogeneous| self.least_acoustic(state, &directions) > 0.0;
+        for (test, piece) in Piece::ALL {
+            for factor in [STEP, 1.0 / STEP] {
+                let count = (REACH.ln() / STEP.ln()) as i32;
+                let stretches: Vec<f64> = (1..=count).map(|k| factor.powi(k)).collect();
+                let states = path(&self.space(), piece, &stretches);
+                let Some(first) = states.iter().position(|state| !is_elliptic(state)) else { continue };
+                let (mut sound, mut lost) = (if first == 0 { 1.0 } else { stretches[first - 1] }, stretches[first]);
+                for _ in 0..BISECTIONS {
+                    let middle = 0.5 * (sound + lost);
+                    let way: Vec<f64> = stretches[..first].iter().copied().chain([middle]).collect();
+                    match path(&self.space(), piece, &way).get(first) {
+                        Some(state) if is_elliptic(state) => sound = middle,
+                        _ => lost = middle,
+                    }
+                }
+                found.push(Weakness::Ellipticity { test, stretch: lost });
+            }
+        }
+        found
+    }
+
+    /// Least eigenvalue of the acoustic tensors of all directions, in a state.
+    fn least_acoustic(&self, state: &Homogeneous, directions: &[Vector3<f64>]) -> f64 {
+        let (stress, tangent) = response(&*self.space(), state.strain());
+        let f = state.deformation_gradient();
+        let entry = |i: usize, j: usize| stress[mandel_index::<3>(i, j)] * mandel_scale(i, j);
+        let s = Matrix3::from_fn(entry);
+        directions
+            .iter()
+            .map(|n| {
+                // Q = F c F^T + (N.S.N) I with c_MN = C_MJNL N_J N_L.
+                let mut c = Matrix3::zeros();
+                for m in 0..3 {
+                    for k in 0..3 {
+                        for (j, l) in (0..3).flat_map(|j| (0..3).map(move |l| (j, l))) {
+                            let scale = mandel_scale(m, j) * mandel_scale(k, l);
+                            c[(m, k)] += tangent[mandel_index::<3>(m, j)][mandel_index::<3>(k, l)] * scale * n[j] * n[l];
+                        }
+                    }
+                }
+                (f * c * f.transpose() + Matrix3::identity() * n.dot(&(s * n))).symmetric_eigenvalues().min()
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Directions that cover half of a sphere evenly (a spiral by the golden angle), and the axes and diagonals.
+fn directions() -> Vec<Vector3<f64>> {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let spiral = (0..DIRECTIONS).map(|k| {
+        let z = (k as f64 + 0.5) / DIRECTIONS as f64;
+        let (sine, cosine) = (k as f64 * golden).sin_cos();
+        Vector3::new((1.0 - z * z).sqrt() * cosine, (1.0 - z * z).sqrt() * sine, z)
+    });
+    let axes = (0..27).map(|k| Vector3::new(f64::from(k % 3) - 1.0, f64::from(k / 3 % 3) - 1.0, f64::from(k / 9) - 1.0));
+    spiral.chain(axes.filter(|axis| axis.norm() > 0.0).map(|axis| axis.normalize())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::materials::{CATALOGUE, StoredEnergy};
+
+    fn weaknesses(energy: &str, volumetric: &str) -> Vec<Weakness> {
+        let energy = StoredEnergy::new(energy, Some(volumetric), &[("mu", 1.0)]).unwrap();
+        Material::hyperelastic(energy, 1.0).unwrap().weaknesses()
+    }
+
+    #[test]
+    fn sound_laws_have_no_weakness_and_others_are_told() {
+        assert_eq!(weaknesses("mu/2*(I1bar - 3)", "10*mu*(J - 1)^2"), []);
+        let found = weaknesses("mu/2*I1bar", "10*mu*(J - 1)^2");
+        assert_eq!(found, [Weakness::EnergyAtRest(1.5)]);
+        // The mean modulus is that of the volume alone: what resists shear is the stress at rest.
+        let found = weaknesses("mu/2*(I1 - 3)", "10*mu*(J - 1)^2");
+        let [Weakness::StressAtRest(stress), Weakness::StiffnessAtRest(stiffness)] = found[..] else { panic!("{found:?}") };
+        assert!((stress - 1.0).abs() + stiffness.abs() < 1e-14, "{found:?}");
+        // Shear modulus -1: the least eigenvalue of the tangent is twice that.
+        let found = weaknesses("-mu/2*(I1bar - 3)", "10*mu*(J - 1)^2");
+        assert!(matches!(found[..], [Weakness::StiffnessAtRest(stiffness)] if (stiffness + 2.0).abs() < 1e-12), "{found:?}");
+        for row in CATALOGUE.iter().filter(|row| ["neo_hookean", "mooney_rivlin", "gent"].contains(&row.name)) {
+            let found = Material::new(row, &row.example(1.0, 1.0)).unwrap().weaknesses();
+            assert_eq!(found, [], "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn hencky_loses_ellipticity_where_the_closed_form_says() {
+        // Incompressible pure shear with w(l) = 2 mu (ln l)^2: l^2 w'' + 2 l w'/(l^2 + 1) > 0 (Knowles and Sternberg, Journal of Elasticity
+        // 5, 1975) is x tanh x < 1 with x = ln l: x = 1.19968.
+        let found = weaknesses("mu*(log_strain_squared - ln(J)^2/3)", "5000*mu*ln(J)^2");
+        let at = found.iter().find_map(|weakness| match weakness {
+            Weakness::Ellipticity { test: "pure shear", stretch } if *stretch > 1.0 => Some(*stretch),
+            _ => None,
+        });
+        // Directions lie four degrees from each other.
+        assert!(at.is_some_and(|stretch| (stretch / 1.19968f64.exp() - 1.0).abs() < 0.01), "{found:?}");
+    }
+
+    #[test]
+    fn saint_venant_kirchhoff_loses_ellipticity_in_compression() {
+        // With nu = 0, uniaxial compression: A_1111 = mu (3 l^2 - 1), which is zero at 1/sqrt 3.
+        let row = CATALOGUE.iter().find(|row| row.name == "saint_venant_kirchhoff").unwrap();
+        let found = Material::new(row, &[1.0, 0.0, 1.0]).unwrap().weaknesses();
+        let at = |name: &str| {
+            found.iter().find_map(|weakness| match weakness {
+                Weakness::Ellipticity { test, stretch } if *test == name && *stretch < 1.0 => Some(*stretch),
+                _ => None,
+            })
+        };
+        let stretch = at("uniaxial").expect("it softens in compression");
+        assert!(stretch > 0.5 && stretch < 0.999, "{found:?}");
+        assert!(stretch >= 1.0 / 3f64.sqrt() - 1e-3, "lost at {stretch}, at the latest where the force is largest");
+    }
+}

@@ -1,0 +1,141 @@
+//! What a material does: checks of its law, stresses of test pieces, curves of them.
+
+use rhai::{Array, Dynamic};
+
+use super::handle::MaterialHandle;
+use crate::materials::{Material, Piece, path};
+use crate::math::catalogue::Interval;
+use crate::output::{Curve, Plot, PlotAxis};
+use crate::script::api::simulations::writing::{path_parameter, write_drawing};
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::number_text;
+use crate::script::language::failure::{Class, Failure};
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+const RUBBER: &str = "let rubber = mooney_rivlin(#{ c10: 0.16, c01: 0.02, bulk_modulus: 100.0, density: 1e-9 });\n";
+
+/// Stretches of a plot unless the script says otherwise, and points on each side of 1.
+const STRETCHES: [f64; 2] = [0.5, 3.0];
+const POINTS: usize = 60;
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    let stresses = [
+        ("uniaxial", Piece::Uniaxial, "nominal stress (force per undeformed area) of a bar pulled to a stretch, its sides free"),
+        ("equibiaxial", Piece::Equibiaxial, "nominal stress of a sheet pulled alike in two directions, its thickness free"),
+        ("pure_shear", Piece::PureShear, "nominal stress of a wide strip pulled along its short side, its thickness free"),
+    ];
+    let mut all: Vec<Function> = stresses.into_iter().map(|(name, piece, summary)| stress(name, piece, summary)).collect();
+    all.extend([check(), plot()]);
+    all
+}
+
+fn stress(name: &'static str, piece: Piece, summary: &'static str) -> Function {
+    Function {
+        name,
+        form: Form::Method(MaterialHandle::receiver()),
+        topic: Topic::Materials,
+        summary,
+        parameters: vec![Parameter::number("stretch", "1", Interval::Positive, "length over undeformed length")],
+        returns: "number",
+        example: format!("{RUBBER}print(rubber.{name}(1.5));").into(),
+        see_also: &["uniaxial", "equibiaxial", "pure_shear", "plot", "check"],
+        body: body(move |call| {
+            let (material, stretch) = (call.receiver::<MaterialHandle>().0, call.number("stretch")?);
+            let way = way(stretch, 1);
+            let states = path(&material.space(), piece, &way);
+            match states.last().filter(|_| states.len() == way.len()) {
+                Some(state) => Ok(Dynamic::from(state.nominal_stress)),
+                None => Err(unreached(call, &material, stretch, states.last().map_or(1.0, |state| state.stretch)).into()),
+            }
+        }),
+    }
+}
+
+fn unreached(call: &Call, material: &Material, stretch: f64, last: f64) -> Failure {
+    let title = format!("`{}` has no state at a stretch of {}", material.name(), number_text(stretch));
+    let failure = Failure::new(Class::Numerics, title).in_method(call.function.form.receiver().is_some());
+    let failure = failure.cause(format!("the last state that was found has a stretch of {last:.3}"));
+    failure.hint("choose a stretch nearer to 1; `material.check()` tells where the law fails")
+}
+
+/// Stretches from 1 to another one, the last included: steps of a few percent, `points` at least.
+fn way(stretch: f64, points: usize) -> Vec<f64> {
+    let steps = ((stretch.ln().abs() / 0.05).ceil() as usize).clamp(points, 1000);
+    (1..=steps).map(|k| if k == steps { stretch } else { (stretch.ln() * k as f64 / steps as f64).exp() }).collect()
+}
+
+fn check() -> Function {
+    Function {
+        name: "check",
+        form: Form::Method(MaterialHandle::receiver()),
+        topic: Topic::Materials,
+        summary: "what is wrong with a material's law, an array of sentences, empty for a sound one: stress or energy at rest, \
+                  stiffness at rest that is not positive, ellipticity that is lost on the way to a stretch of 4 or 1/4 in uniaxial, \
+                  equibiaxial and pure-shear tests",
+        parameters: Vec::new(),
+        returns: "Array",
+        example: "let soft = hyperelastic(#{ energy: \"mu/2*(I1 - 3)\", volumetric: \"10*mu*(J - 1)^2\", mu: 1.0, density: 1.0 });\n\
+                  print(soft.check());"
+            .into(),
+        see_also: &["hyperelastic", "plot"],
+        body: body(|call| {
+            let material = call.receiver::<MaterialHandle>().0;
+            let sentences: Array = material.weaknesses().iter().map(|weakness| Dynamic::from(weakness.to_string())).collect();
+            Ok(Dynamic::from(sentences))
+        }),
+    }
+}
+
+fn plot() -> Function {
+    let keys = vec![
+        Parameter::new("stretches", Kind::Array, "least and greatest stretch, around 1").or(Absent::Means("[0.5, 3]")),
+        Parameter::new("title", Kind::Text, "the text above").or(Absent::Means("name of the law")),
+        Parameter::new("y_label", Kind::Text, "what the axis upwards says, with your unit").or(Absent::Text("nominal stress")),
+    ];
+    Function {
+        name: "plot",
+        form: Form::Method(MaterialHandle::receiver()),
+        topic: Topic::Materials,
+        summary: "plots nominal stress over stretch in uniaxial, equibiaxial and pure-shear tests with free faces, as SVG or PNG; a curve \
+                  ends where the law has no state",
+        parameters: vec![
+            path_parameter("an `.svg` or `.png` file below the output folder"),
+            Parameter::new("options", Kind::Options(keys), "stretches and labels").or(Absent::Means("stretches from 0.5 to 3")),
+        ],
+        returns: "",
+        example: format!("{RUBBER}rubber.plot(\"rubber.svg\", #{{ stretches: [0.7, 2.0], y_label: \"nominal stress [MPa]\" }});").into(),
+        see_also: &["uniaxial", "equibiaxial", "pure_shear", "check"],
+        body: body(|call| {
+            let (material, options) = (call.receiver::<MaterialHandle>().0, call.options("options")?);
+            let given = options.argument("stretches");
+            let [low, high] = match given.is_given() {
+                false => STRETCHES,
+                true => match given.numbers_of(2)?[..] {
+                    [low, high] if 0.0 < low && low <= 1.0 && 1.0 <= high && low < high => [low, high],
+                    _ => {
+                        let failure = given.fail(format!("{} must go from at most 1 to at least 1", given.title()));
+                        return Err(failure.label("not around 1").hint("write `stretches: [0.5, 3.0]`").into());
+                    }
+                },
+            };
+            let title = options.argument("title");
+            let title = if title.is_given() { title.text()? } else { material.name().replace('_', " ") };
+            let y = PlotAxis { included: Some(0.0), ..PlotAxis::new(options.text("y_label")?) };
+            let curves = Piece::ALL.into_iter().map(|(name, piece)| curve(&material, name, piece, [low, high])).collect();
+            let plot = Plot { title, x: PlotAxis::new("stretch"), y, curves, ..Plot::default() };
+            Ok(write_drawing(call, None, || Ok(plot.draw()))?)
+        }),
+    }
+}
+
+/// Nominal stress over stretch, from the least stretch to the greatest.
+fn curve(material: &Material, name: &str, piece: Piece, [low, high]: [f64; 2]) -> Curve {
+    let side = |stretch: f64| if stretch == 1.0 { Vec::new() } else { path(&material.space(), piece, &way(stretch, POINTS)) };
+    let states = side(low).into_iter().rev().map(|state| (state.stretch, state.nominal_stress));
+    let states = states.chain([(1.0, 0.0)]).chain(side(high).into_iter().map(|state| (state.stretch, state.nominal_stress)));
+    let (x, y) = states.unzip();
+    Curve { label: name.into(), x, y, ..Curve::default() }
+}

@@ -1,0 +1,28 @@
+//! A material in a script.
+
+use crate::materials::{HYPERELASTIC, Material};
+use crate::script::language::digits::{number_text, vector_text};
+use crate::script::language::handle::Handle;
+
+/// A material in a script.
+#[derive(Clone)]
+pub struct MaterialHandle(pub Material);
+
+impl Handle for MaterialHandle {
+    const NAME: &'static str = "Material";
+    const MAKER: &'static str = "make one with a material function such as `neo_hookean`";
+
+    fn describe(&self) -> String {
+        let mut entries = Vec::new();
+        if let (HYPERELASTIC, Some(energy)) = (self.0.name(), self.0.energy()) {
+            entries.push(format!("energy: \"{}\"", energy.energy.text()));
+            entries.extend(energy.volumetric.iter().map(|text| format!("volumetric: \"{}\"", text.text())));
+            let fibers: Vec<String> = energy.fibers.iter().map(|fiber| vector_text(fiber)).collect();
+            if !fibers.is_empty() {
+                entries.push(format!("fibers: [{}]", fibers.join(", ")));
+            }
+        }
+        entries.extend(self.0.constants().iter().map(|(name, value)| format!("{name}: {}", number_text(*value))));
+        format!("{}(#{{ {} }})", self.0.name(), entries.join(", "))
+    }
+}

@@ -1,0 +1,20 @@
+//! Materials in scripts: laws of the catalogue, energies as text, what they do, how they are fitted.
+
+mod behavior;
+mod energies;
+mod fitting;
+mod handle;
+mod laws;
+
+use crate::script::language::function::Function;
+
+pub use handle::MaterialHandle;
+
+/// The functions of this topic.
+pub fn functions() -> Vec<Function> {
+    let mut all = laws::functions();
+    all.extend(energies::functions());
+    all.extend(behavior::functions());
+    all.push(fitting::function());
+    all
+}
