@@ -5,7 +5,11 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
+use conserva::elements::CellKind;
 use conserva::mesh::{Facet, Mesh, read_mesh, read_mesh_bytes};
+
+#[path = "common/mesh_damage.rs"]
+mod mesh_damage;
 
 fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -112,4 +116,96 @@ fn public_contact_meshes_are_read() {
             assert!(body.boundary(name).unwrap().facets.iter().all(|facet| hull.contains(facet)), "{file} {name}");
         }
     }
+}
+
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let (originals, mut random) = (mesh_damage::originals(), mesh_damage::Random(2026));
+    let read = (0..4000).filter(|_| mesh_damage::judged(&mesh_damage::damaged(&originals, &mut random))).count();
+    // damage to a byte of a comment or a coordinate does no harm; most does
+    assert!((100..3000).contains(&read), "{read}");
+}
+
+/// A file of another program, what it says of itself, and what follows from the geometry.
+struct Made {
+    file: &'static str,
+    kind: CellKind,
+    cells: usize,
+    /// Area or volume, and how near the mesh comes to it.
+    measure: (f64, f64),
+    /// A boundary with its length or area.
+    boundary: (&'static str, f64),
+}
+
+#[test]
+fn files_of_other_programs_are_what_their_geometry_says() {
+    use CellKind::{Hex8, Quad4, Quad8, Quad9, Tet4, Tri3, Tri6};
+    let made = |file, kind, cells, measure, boundary| Made { file, kind, cells, measure, boundary };
+    // a hole of radius 0.3 in a plate 2 x 1, a quarter of a ring of radii 1 and 2, a box 2 x 1 x 1; chords of the circles make the
+    // difference, whose areas were summed by another program (shoelace formula over the cells)
+    let (plate, ring) = (2.0 - PI * 0.09, 0.75 * PI);
+    // sums of a hundred terms of numbers that were written with 16 digits
+    let written = 1e-12;
+    for Made { file, kind, cells, measure: (measure, tolerance), boundary: (name, extent) } in [
+        made("plate_tri3_41_binary.msh", Tri3, 84, (1.7454415587728431, written), ("left", 1.0)),
+        made("plate_tri3_22.msh", Tri3, 88, (1.7454415587728431, written), ("hole", 0.6 * PI)),
+        made("plate_tri3_meshio_22.msh", Tri3, 88, (1.7454415587728431, written), ("1", 1.0)),
+        made("plate_tri3.inp", Tri3, 84, (1.7454415587728334, written), ("hole", 0.6 * PI)),
+        made("plate_tri6_22_binary.msh", Tri6, 88, (plate, 1e-3), ("hole", 0.6 * PI)),
+        made("plate_tri6_41.msh", Tri6, 88, (plate, 1e-3), ("top", 2.0)),
+        made("plate_quad4_22_binary.msh", Quad4, 112, (1.7244679286971352, written), ("right", 1.0)),
+        made("plate_quad4.inp", Quad4, 112, (1.7244679286971256, written), ("hole", 0.6 * PI)),
+        made("ring_quad4_41.msh", Quad4, 32, (2.3410838641935414, written), ("outer", PI)),
+        made("ring_quad4_41_parametric.msh", Quad4, 32, (2.3410838641935414, written), ("inner", 0.5 * PI)),
+        made("ring_quad8_41.msh", Quad8, 32, (ring, 1e-4), ("outer", PI)),
+        made("ring_quad8_meshio_binary.msh", Quad8, 32, (ring, 1e-4), ("start", 1.0)),
+        made("ring_quad8.inp", Quad8, 32, (ring, 1e-4), ("outer", PI)),
+        made("ring_quad9_22.msh", Quad9, 32, (ring, 1e-4), ("end", 1.0)),
+        made("ring_quad9_41_binary.msh", Quad9, 32, (ring, 1e-4), ("inner", 0.5 * PI)),
+        made("ring_tri6.inp", Tri6, 64, (ring, 1e-4), ("inner", 0.5 * PI)),
+        made("box_tet4_41_binary.msh", Tet4, 144, (2.0, written), ("left", 1.0)),
+        made("box_tet4.inp", Tet4, 144, (2.0, written), ("front", 2.0)),
+        made("box_hex8_22_binary.msh", Hex8, 8, (2.0, written), ("front", 2.0)),
+        made("box_hex8.inp", Hex8, 8, (2.0, written), ("left", 1.0)),
+    ] {
+        let path = repository().join("tests/meshes/made").join(file);
+        let mesh = read_mesh(path).unwrap_or_else(|error| panic!("{file}: {error} ({:?})", error.place()));
+        assert_eq!((mesh.kind, mesh.cell_count()), (kind, cells), "{file}");
+        assert_eq!(mesh.defects(), [], "{file}");
+        assert!((mesh.measure() - measure).abs() < tolerance, "{file}: {} for {measure}", mesh.measure());
+        assert!((length(&mesh, name) - extent).abs() < 0.03 * extent, "{file} {name}: {}", length(&mesh, name));
+        let text = mesh.to_gmsh();
+        let back = read_mesh_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{file}: {error}"));
+        assert_eq!((&back.points, &back.connectivity, &back.parts), (&mesh.points, &mesh.connectivity, &mesh.parts), "{file}");
+        assert_eq!(back.boundaries.len(), mesh.boundaries.len(), "{file}");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_used_are_refused_with_place_and_cure() {
+    let refusal = |file: &str, line: usize, text: &str, cure: &str| {
+        let error = read_mesh(repository().join("tests/meshes/refused").join(file)).expect_err(file);
+        assert_eq!((error.line(), error.to_string()), (Some(line), text.to_string()), "{file}");
+        assert!(error.cure().contains(cure), "{file}: {}", error.cure());
+    };
+    let mixed = "the file mixes cells: 76 quad4 and 16 tri3, but a mesh has cells of one kind; the first tri3 is element 49";
+    refusal("plate_mixed.msh", 313, mixed, "`Mesh.SubdivisionAlgorithm = 1;`");
+    let second_order = "element 37 is a 10-node tetrahedron (second order), \
+                        but cells read are tri3, quad4, tri6, quad8, quad9, tet4 and hex8";
+    refusal("box_tet10.msh", 761, second_order, "`Mesh.ElementOrder = 1;`");
+    let path = repository().join("tests/meshes/refused/plate_tri6_inverted.msh");
+    let inverted = read_mesh(path).expect_err("cells inside out");
+    assert_eq!(inverted.offset(), Some(5375));
+    assert!(inverted.to_string().contains("is inside out") && inverted.to_string().ends_with("(34 of 56 cells are)"), "{inverted}");
+    refusal("plate_partitioned.msh", 27, "the mesh is partitioned (section $PartitionedEntities)", "`UnpartitionMesh;`");
+}
+
+#[test]
+fn files_of_other_programs_run() {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_conserva"))
+        .args(["test", "tests/meshes/run.rhai"])
+        .current_dir(repository())
+        .output()
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
 }

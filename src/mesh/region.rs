@@ -1,6 +1,6 @@
 //! Unstructured cells in a region that curves bound.
 //!
-//! The region is triangulated; for quadrilaterals every triangle is cut from its center to the middles of its sides into three quadrilaterals. So every
+//! The region is triangulated; for quadrilaterals every triangle is cut from its center to the middles of its sides into three. So every
 //! region can be meshed, and every cell is convex. New nodes on the rim lie on its curves.
 
 use std::collections::HashMap;
@@ -24,8 +24,8 @@ pub struct Side {
     pub name: Option<String>,
 }
 
-/// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which consists of
-/// curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so on, and the
+/// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which
+/// consists of curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so on, and the
 /// names of the sides, equal ones joined. Middle nodes of second-order cells on the rim lie on its curves.
 ///
 /// # Errors

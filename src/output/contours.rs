@@ -3,7 +3,7 @@
 //! Painting the regions of ascending levels over each other gives filled contours without seams between cells, and a picture whose size
 //! depends on what it shows, not on how fine the mesh is. Cells with more than three corners are split into triangles around their
 //! middle, on which the field is linear (marching triangles). Loops close exactly, because their corners are identified by the mesh
-//! edge that they lie on and not by their coordinates. Cells with curved sides are drawn with straight ones.
+//! edge that they lie on and not by their coordinates. Curved sides are drawn as two straight ones.
 
 use std::collections::HashMap;
 

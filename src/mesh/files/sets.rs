@@ -78,6 +78,12 @@ pub(super) fn attach_node_sets(mesh: &mut Mesh, tables: &Tables, node: impl Fn(u
         if facets.is_empty() && nodes.is_empty() {
             continue;
         }
+        // programs that write a group of elements may write its nodes under the same name once more
+        let own = Boundary { name: set.name.clone(), facets, nodes };
+        if mesh.boundary(&set.name).is_some_and(|known| mesh.boundary_nodes(known) == mesh.boundary_nodes(&own)) {
+            continue;
+        }
+        let Boundary { facets, nodes, .. } = own;
         let name = free_name(mesh, &set.name, "nodes");
         mesh.boundaries.push(Boundary { name, facets, nodes });
     }

@@ -40,7 +40,8 @@ pub(super) fn undeformed_stroke() -> Stroke {
 }
 
 fn patch_of(body: &BodyFields, points: &[Point], values: &[f64]) -> Patch {
-    let corners: Vec<usize> = body.mesh.kind.facets().iter().map(|facet| facet[0]).collect();
+    // Around the cell: the start of every edge, and its middle node where it has one.
+    let corners: Vec<usize> = body.mesh.kind.facets().iter().flat_map(|facet| facet.iter().step_by(2)).copied().collect();
     let polygons: Vec<Vec<u32>> = body.mesh.cells().map(|cell| corners.iter().map(|&corner| cell[corner]).collect()).collect();
     Patch::new(points, values, polygons.iter().map(|polygon| &polygon[..]))
 }

@@ -38,8 +38,8 @@ pub fn with_elements() -> Function {
         name: "with_elements",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "the mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6`, `tri3` as `tri6`, \
-                  `hex8` as `tet4`; new nodes stand on straight edges (generators put them on their curves, by the option `element`)",
+        summary: "the mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6`, `tri3` as \
+                  `tri6`, `hex8` as `tet4`; new nodes stand on straight edges (generators put them on their curves, by the option `element`)",
         parameters: vec![Parameter::new("element", Kind::Choice(ALL), "the kind of its cells")],
         returns: MeshHandle::NAME,
         example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");".into(),

@@ -1,0 +1,153 @@
+//! Damaged mesh files: bytes flipped, cut, doubled and moved, numbers replaced by extreme ones, pieces of other files put in.
+//!
+//! Whatever a file holds, reading it ends with a sound mesh or a message, and takes no more memory than its length calls for.
+
+use std::path::{Path, PathBuf};
+
+use conserva::mesh::read_mesh_bytes;
+
+/// Random numbers by splitmix64 (Steele, Lea and Flood, 2014): a seed is all there is to know.
+pub struct Random(pub u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.next() % count.max(1) as u64) as usize
+    }
+}
+
+/// Texts that seldom mean anything where a number or a word stands.
+const STRANGE: &[&str] = &[
+    "0",
+    "-1",
+    "1",
+    "2",
+    "3",
+    "4",
+    "5",
+    "9",
+    "15",
+    "16",
+    "1000000000000",
+    "4294967296",
+    "2147483648",
+    "18446744073709551615",
+    "-9223372036854775808",
+    "99999999999999999999",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "nan",
+    "inf",
+    "-inf",
+    "1D5",
+    "",
+    ",",
+    ",,",
+    "$",
+    "*",
+    "**",
+    "\"",
+    "=",
+    "GENERATE",
+    "S1",
+    "S7",
+    "*NODE",
+    "*ELEMENT, TYPE=CPS4",
+    "*NSET, NSET=a",
+    "*INCLUDE",
+    "$EndNodes",
+    "$Elements",
+    "\n",
+    "\u{feff}",
+    "ä",
+];
+
+/// The files that damage begins with, by their paths.
+pub fn originals() -> Vec<(PathBuf, Vec<u8>)> {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes");
+    let mut found = Vec::new();
+    for folder in ["made", "refused", "."] {
+        let entries = std::fs::read_dir(tests.join(folder)).unwrap_or_else(|error| panic!("{folder}: {error}"));
+        let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        paths.sort();
+        paths.retain(|path| path.extension().is_some_and(|ending| ending == "msh" || ending == "inp"));
+        found.extend(paths.into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap_or_default())));
+    }
+    found
+}
+
+/// A file of one of the originals, damaged.
+pub fn damaged(originals: &[(PathBuf, Vec<u8>)], random: &mut Random) -> Vec<u8> {
+    let mut content = originals[random.below(originals.len())].1.clone();
+    for _ in 0..1 + random.below(4) {
+        damage(&mut content, originals, random);
+    }
+    content
+}
+
+fn damage(content: &mut Vec<u8>, originals: &[(PathBuf, Vec<u8>)], random: &mut Random) {
+    let place = random.below(content.len() + 1);
+    let end = (place + 1 + random.below(40)).min(content.len());
+    match random.below(9) {
+        0 if place < content.len() => content[place] ^= 1 << random.below(8),
+        1 if place < content.len() => content[place] = [0, 0xff, 0x7f, 0x80, b'\n', b'$', b'*', b'-', b'9'][random.below(9)],
+        2 => content.truncate(place),
+        3 => drop(content.drain(place.min(end)..end)),
+        4 => {
+            let piece = content[place.min(end)..end].to_vec();
+            let to = random.below(content.len() + 1);
+            drop(content.splice(to..to, piece));
+        }
+        5 => {
+            let other = &originals[random.below(originals.len())].1;
+            let from = random.below(other.len() + 1);
+            let piece = other[from..(from + random.below(200)).min(other.len())].to_vec();
+            drop(content.splice(place..place, piece));
+        }
+        6 => {
+            // eight bytes that are a count, a size or a number with a fraction
+            let number: [u8; 8] = match random.below(4) {
+                0 => 1_000_000_000_000u64.to_le_bytes(),
+                1 => f64::NAN.to_le_bytes(),
+                2 => u64::MAX.to_le_bytes(),
+                _ => (random.below(20) as u64).to_le_bytes(),
+            };
+            let end = (place + 8).min(content.len());
+            drop(content.splice(place..end, number));
+        }
+        _ => replace_word(content, place, random),
+    }
+}
+
+/// The word at a place of a text becomes another one.
+fn replace_word(content: &mut Vec<u8>, place: usize, random: &mut Random) {
+    let is_between = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',' || *byte == b'=';
+    let begin = content[..place].iter().rposition(is_between).map_or(0, |before| before + 1);
+    let end = content[place..].iter().position(is_between).map_or(content.len(), |after| place + after);
+    // words of a text are short; a long one is a piece of a binary file
+    if end - begin < 60 {
+        content.splice(begin..end, STRANGE[random.below(STRANGE.len())].bytes());
+    }
+}
+
+/// Whether a content was read; what is read must be sound, what is refused must say what to do.
+pub fn judged(content: &[u8]) -> bool {
+    match read_mesh_bytes(content) {
+        Ok(mesh) => {
+            assert_eq!(mesh.defects(), []);
+            true
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty() && !error.cure().is_empty());
+            false
+        }
+    }
+}
