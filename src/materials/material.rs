@@ -9,6 +9,7 @@ use super::energy::{EnergyError, StoredEnergy};
 use super::laws::{Kinematics, Laws};
 use super::row::{Construct, MaterialRow, YOUNGS_MODULUS};
 use super::split::Split;
+use super::viscosity::Viscosity;
 use crate::math::catalogue::{Interval, OutOfRange};
 use crate::math::lanes::Lanes;
 use crate::math::tolerances::RESIDUAL_STRESS;
@@ -66,6 +67,7 @@ pub struct Material {
     density: f64,
     laws: Laws,
     youngs_modulus: f64,
+    viscosity: Viscosity,
 }
 
 impl std::fmt::Debug for Material {
@@ -99,7 +101,8 @@ impl Material {
         let given = row.parameters.iter().position(|parameter| parameter.name == YOUNGS_MODULUS.name);
         let youngs_modulus = given.map_or_else(|| modulus_at_rest(&*laws.space), |index| values[index]);
         let density = *values.last().expect("every row has a density");
-        Material { origin: Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus }.stiff()
+        Material { origin: Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus, viscosity: Viscosity::default() }
+            .stiff()
     }
 
     /// The material of an energy that is given as text.
@@ -119,7 +122,7 @@ impl Material {
         Interval::Positive.check(density).map_err(wrong)?;
         let laws = energy.laws()?;
         let youngs_modulus = modulus_at_rest(&*laws.space);
-        Material { origin: Origin::Text, energy: Some(energy), density, laws, youngs_modulus }.stiff()
+        Material { origin: Origin::Text, energy: Some(energy), density, laws, youngs_modulus, viscosity: Viscosity::default() }.stiff()
     }
 
     /// The same, if contact and tolerances can be scaled by its stiffness.
@@ -151,7 +154,13 @@ impl Material {
             }
             (Origin::Text, None) => return Ok(self.clone()),
         };
-        material.map_err(|error| error.to_string())
+        let viscosity = if self.viscosity.is_none() {
+            Viscosity::default()
+        } else {
+            let factor = |dimension: &str| factor(dimension).ok_or_else(|| unknown("viscosity"));
+            self.viscosity.rescaled(factor("stress")?, factor("time")?)
+        };
+        Ok(Material { viscosity, ..material.map_err(|error| error.to_string())? })
     }
 
     /// The same in a body that is turned in the plane by an angle with that cosine and sine.
@@ -196,6 +205,16 @@ impl Material {
     /// Young's modulus at zero strain `[stress]`, of a law that is not isotropic a mean over all directions.
     pub fn youngs_modulus(&self) -> f64 {
         self.youngs_modulus
+    }
+
+    /// What it resists besides its stored energy.
+    pub fn viscosity(&self) -> &Viscosity {
+        &self.viscosity
+    }
+
+    /// The same with another viscosity.
+    pub fn with_viscosity(self, viscosity: Viscosity) -> Self {
+        Material { viscosity, ..self }
     }
 
     /// The strain that the law takes.

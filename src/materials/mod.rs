@@ -28,6 +28,7 @@ mod soundness;
 mod split;
 #[cfg(test)]
 mod tests;
+mod viscosity;
 mod volume;
 mod yeoh;
 
@@ -45,6 +46,7 @@ pub use row::MaterialRow;
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use soundness::Weakness;
 pub use split::{Split, VolumetricLaw};
+pub use viscosity::{Branch, Viscosity};
 
 /// Laws of small displacements, which rotations strain: no rows of [`CATALOGUE`], whose laws are invariant under them.
 pub static LINEAR: &[MaterialRow] = &[linear_elasticity::ROW];

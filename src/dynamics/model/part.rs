@@ -72,8 +72,8 @@ pub trait Part: Send {
     /// The iterate is no configuration of this part, or a time function failed.
     fn linearize(&self, at: &Iterate, memory: &[f64], sums: &mut Sums) -> Result<(), Refusal>;
 
-    /// What its potential stores at `q` `[energy]`; 0 for what pushes from outside.
-    fn energy(&self, q: &[f64]) -> f64;
+    /// What it stores at `q`, remembering `memory` `[energy]`; 0 for what pushes from outside.
+    fn energy(&self, q: &[f64], memory: &[f64]) -> f64;
 
     /// What it remembers at the start: a block of numbers that every state keeps.
     fn memory(&self) -> Vec<f64> {
@@ -81,9 +81,17 @@ pub trait Part: Send {
     }
 
     /// What it remembers after a step that has converged.
-    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Vec<f64> {
-        memory.to_vec()
+    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Remembered {
+        Remembered { memory: memory.to_vec(), dissipated: 0.0 }
     }
+}
+
+/// What a step leaves in a part.
+pub struct Remembered {
+    /// What it remembers at the end.
+    pub memory: Vec<f64>,
+    /// What it has turned into heat in the step `[energy]`.
+    pub dissipated: f64,
 }
 
 /// The numbers of a model's nodes, for parts that are made.

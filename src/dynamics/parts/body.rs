@@ -34,7 +34,7 @@ impl<const D: usize> Part for Body<D> {
         outcome.map_err(|inverted| Refusal::Inverted { body: self.name.clone(), inverted })
     }
 
-    fn energy(&self, q: &[f64]) -> f64 {
+    fn energy(&self, q: &[f64], _memory: &[f64]) -> f64 {
         self.elements.strain_energy(q)
     }
 }

@@ -126,7 +126,7 @@ impl<const D: usize> Part for NodalLoad<D> {
         Ok(())
     }
 
-    fn energy(&self, _q: &[f64]) -> f64 {
+    fn energy(&self, _q: &[f64], _memory: &[f64]) -> f64 {
         0.0
     }
 }

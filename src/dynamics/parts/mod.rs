@@ -10,3 +10,4 @@ pub mod nodes;
 pub mod pairing;
 pub mod spring;
 pub mod supports;
+pub mod viscosity;

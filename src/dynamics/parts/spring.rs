@@ -136,7 +136,7 @@ impl Part for Spring {
         Ok(())
     }
 
-    fn energy(&self, q: &[f64]) -> f64 {
+    fn energy(&self, q: &[f64], _memory: &[f64]) -> f64 {
         0.5 * self.stiffness * (self.vector(q).1 - self.rest_length).powi(2)
     }
 }
@@ -174,7 +174,7 @@ mod tests {
                 for derivative in Derivative::ALL {
                     let (force, tangent, spring) = linearized(dimension, derivative, q_0, &q_1);
                     let work: f64 = force.iter().zip(q_1.iter().zip(q_0)).map(|(f, (b, a))| f * (b - a)).sum();
-                    let gained = spring.energy(&q_1) - spring.energy(q_0);
+                    let gained = spring.energy(&q_1, &[]) - spring.energy(q_0, &[]);
                     assert!(derivative != Derivative::DiscreteGradient || (work - gained).abs() < 1e-15, "{work} {gained}");
                     let count = 2 * dimension;
                     for column in 0..count {

@@ -70,7 +70,11 @@ where
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             ..LedgerRow::default()
         };
-        row.potential = system.nodes.potential_energy(&at.q_1) + system.penalty_energy(&felt) + system.stored_energy(&at.q_1) + row.reserve;
+        let others = !system.others.is_empty();
+        let (memory, dissipation) = if others { system.memory_after(start, &at) } else { (self.state.memory.clone(), 0.0) };
+        row.dissipation = dissipation;
+        row.potential =
+            system.nodes.potential_energy(&at.q_1) + system.penalty_energy(&felt) + system.stored_energy(&at.q_1, &memory) + row.reserve;
         row.load_work = (0..at.q_1.len()).map(|k| outside.load[k] * (at.q_1[k] - start.q_0[k])).sum();
         let obstacle_work = outside.obstacle_work + jump.as_ref().map_or(0.0, |jump| jump.work);
         row.load_work += obstacle_work;
@@ -78,7 +82,7 @@ where
             row.load_work += outside.prescribed_work;
         }
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
-        row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work;
+        row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
 
         let pressing: Vec<f64> = match &jump {
@@ -101,7 +105,7 @@ where
             reserve,
             active,
             remembered,
-            memory: self.memory(start, &at),
+            memory,
             clock: self.state.clock,
             search,
             level: self.state.level,
@@ -119,14 +123,6 @@ where
         let inertia = self.system.nodes.momenta_of(&rate);
         let share = |k: usize| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered[k];
         (0..v_1.len()).map(|k| (1.0 - scheme.weight) / scheme.weight * share(k)).collect()
-    }
-
-    /// What the parts remember after a step; the same value where none remembers anything.
-    fn memory(&self, start: &StepStart, at: &Linearization) -> Arc<Vec<Vec<f64>>> {
-        if self.state.memory.iter().all(Vec::is_empty) {
-            return self.state.memory.clone();
-        }
-        self.system.memory_after(start, at)
     }
 
     /// What pushed from outside in a step, by the shares that its time integrator gives to start and end.
@@ -168,7 +164,7 @@ where
         let found = if system.pairs.iter().any(|pair| !pair.has_multipliers()) && !conditions.end_point {
             system.nodes.potential_energy(start.q_0)
                 + system.penalty_energy(&conditions.gap_n)
-                + system.stored_energy(start.q_0)
+                + system.stored_energy(start.q_0, &self.state.memory)
                 + old.reserve
                 - old.potential
         } else {

@@ -16,6 +16,8 @@ pub struct EnergyAccount {
     pub loads: f64,
     /// Work of contact, which update rules take on purpose and never give.
     pub contact: f64,
+    /// What viscous materials turned into heat, negative.
+    pub viscosity: f64,
     /// What the time integrator added: the sum of the energy defects.
     pub integrator: f64,
     /// What came otherwise: by `settle`, or by going back to another state.
@@ -29,16 +31,22 @@ impl EnergyAccount {
     pub fn of(rows: &[LedgerRow]) -> Self {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return EnergyAccount::default() };
         let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
-        let (loads, contact) = (sum(|row| row.load_work), sum(|row| row.contact_work));
+        let (loads, contact, viscosity) = (sum(|row| row.load_work), sum(|row| row.contact_work), -sum(|row| row.dissipation));
         let integrator = sum(|row| row.energy_defect);
         let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let otherwise = last.total() - first.total() - loads - contact - integrator;
-        EnergyAccount { start: first.total(), end: last.total(), loads, contact, integrator, otherwise, scale }
+        let otherwise = last.total() - first.total() - loads - contact - viscosity - integrator;
+        EnergyAccount { start: first.total(), end: last.total(), loads, contact, viscosity, integrator, otherwise, scale }
     }
 
     /// What changed the energy beyond round-off, each with its amount.
     pub fn changes(&self) -> Vec<(&'static str, f64)> {
-        let all = [("loads", self.loads), ("contact", self.contact), ("the integrator", self.integrator), ("settling", self.otherwise)];
+        let all = [
+            ("loads", self.loads),
+            ("contact", self.contact),
+            ("viscosity", self.viscosity),
+            ("the integrator", self.integrator),
+            ("settling", self.otherwise),
+        ];
         all.into_iter().filter(|(_, amount)| amount.abs() > CONSERVED * self.scale).collect()
     }
 }

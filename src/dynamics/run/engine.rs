@@ -62,10 +62,11 @@ where
             system.survey(&positions);
         }
         let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
+        let memory = system.memory_at_rest();
         let row = LedgerRow {
             kinetic: system.nodes.kinetic_energy(&velocities),
             strain: if model.initial_displacements.is_empty() { 0.0 } else { system.strain_energy(&positions) },
-            potential: system.nodes.potential_energy(&positions) + system.stored_energy(&positions),
+            potential: system.nodes.potential_energy(&positions) + system.stored_energy(&positions, &memory),
             momentum,
             angular_momentum,
             ..LedgerRow::default()
@@ -77,7 +78,7 @@ where
             reserve: vec![0.0; system.multipliers],
             active: vec![RowState::Open; system.multipliers],
             remembered: Arc::default(),
-            memory: Arc::new(system.parts().map(|part| part.memory()).collect()),
+            memory,
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
             search: system.search(),
             level: 0,

@@ -15,7 +15,7 @@ pub struct LedgerRow {
     pub kinetic: f64,
     /// Strain energy `[energy]`.
     pub strain: f64,
-    /// Potential energy of gravity, of penalty potentials, and the reserve of closed contacts `[energy]`.
+    /// Potential energy of gravity, of springs, viscous branches and penalty potentials, and the reserve of closed contacts `[energy]`.
     pub potential: f64,
     /// What closed contacts of the `velocity` rule took at their closing and give back at their opening, part of the potential `[energy]`.
     pub reserve: f64,
@@ -23,7 +23,9 @@ pub struct LedgerRow {
     pub load_work: f64,
     /// Work of contact in this step that the update rule loses or gains on purpose `[energy]`.
     pub contact_work: f64,
-    /// `change of total - load_work - contact_work` of this step `[energy]`: round-off when the scheme conserves.
+    /// What viscous materials turned into heat in this step `[energy]`, never negative.
+    pub dissipation: f64,
+    /// `change of total - load_work - contact_work + dissipation` of this step `[energy]`: round-off when the scheme conserves.
     pub energy_defect: f64,
     /// Linear momentum `[mass * length/time]`.
     pub momentum: [f64; 3],
@@ -160,6 +162,7 @@ impl LedgerRow {
             "active",
             "max_penetration",
             "reserve",
+            "dissipation",
         ]);
         names
     }
@@ -177,6 +180,7 @@ impl LedgerRow {
             "load_work" => self.load_work,
             "contact_work" => self.contact_work,
             "energy_defect" => self.energy_defect,
+            "dissipation" => self.dissipation,
             "momentum_x" => self.momentum[0],
             "momentum_y" => self.momentum[1],
             "momentum_z" => self.momentum[2],

@@ -143,10 +143,11 @@ where
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
         let probes = self.probe_values(&self.state.positions, &self.state.velocities);
-        let State { positions: q, velocities: v, row, active, felt, reserve, .. } = Arc::make_mut(&mut self.state);
+        let State { positions: q, velocities: v, row, active, felt, reserve, memory, .. } = Arc::make_mut(&mut self.state);
+        *memory = self.system.memory_at_rest();
         row.strain = self.system.strain_energy(q);
         let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
-        row.potential = self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(q);
+        row.potential = self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(q, memory);
         *felt = gaps;
         reserve.fill(0.0);
         row.reserve = 0.0;

@@ -11,7 +11,7 @@ use super::start::{Course, Motion, StepStart};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::model::part::{Iterate, Sums};
+use crate::dynamics::model::part::{Iterate, Remembered, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
@@ -118,14 +118,20 @@ where
         Ok(())
     }
 
-    /// What the parts remember after a step that ends at an iterate.
-    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Arc<Vec<Vec<f64>>> {
+    /// What the parts remember after a step that ends at an iterate, and what they have dissipated in it `[energy]`.
+    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> (Arc<Vec<Vec<f64>>>, f64) {
         let (derivative, weight, mut q_test) = (start.derivative(), start.weight(), Vec::new());
         derivative.placement().test.positions_into(start.q_0, &at.q_1, &mut q_test);
         let inertia: Vec<f64> = (0..self.bodies.len()).map(|body| start.inertia(body)).collect();
         let (time, dt, q_0, q_1) = (start.load_time(), start.dt(), start.q_0, &at.q_1[..]);
         let iterate = Iterate { derivative, weight, time, dt, q_0, q_1, q_test: &q_test, inertia: &inertia };
-        Arc::new(self.parts().zip(start.memory).map(|(part, memory)| part.remembered(&iterate, memory)).collect())
+        let mut dissipated = 0.0;
+        let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
+            let Remembered { memory, dissipated: more } = part.remembered(&iterate, memory);
+            dissipated += more;
+            memory
+        });
+        (Arc::new(remembered.collect()), dissipated)
     }
 
     /// Contact functions of all pairs and their forces.

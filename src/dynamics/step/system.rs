@@ -28,6 +28,7 @@ use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
 use crate::dynamics::parts::supports::Supports;
+use crate::dynamics::parts::viscosity::ViscousBody;
 use crate::linear::{LinearError, Watch, Work};
 use crate::math::workers::Workers;
 
@@ -84,7 +85,9 @@ where
         let mut loads = loads_of(model, &bodies);
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
-        let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
+        let viscous = model.bodies.iter().enumerate().filter_map(|(index, body)| ViscousBody::new(body, first(index)));
+        let viscous = viscous.map(|part| Box::new(part) as Box<dyn Part>);
+        let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).chain(viscous).collect();
         let middles = middles(model, first);
         let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &middles, &reference);
         let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
@@ -111,14 +114,19 @@ where
         Ok(system)
     }
 
-    /// Energy that parts other than bodies store `[energy]`.
-    pub fn stored_energy(&self, q: &[f64]) -> f64 {
-        self.others.iter().map(|part| part.energy(q)).sum()
+    /// Energy that parts other than bodies store with what each part remembers `[energy]`.
+    pub fn stored_energy(&self, q: &[f64], memory: &[Vec<f64>]) -> f64 {
+        self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.energy(q, memory)).sum()
+    }
+
+    /// What the parts remember at the start, and at rest.
+    pub fn memory_at_rest(&self) -> Arc<Vec<Vec<f64>>> {
+        Arc::new(self.parts().map(|part| part.memory()).collect())
     }
 
     /// Strain energy `[energy]`.
     pub fn strain_energy(&self, q: &[f64]) -> f64 {
-        self.bodies.iter().map(|body| body.energy(q)).sum()
+        self.bodies.iter().map(|body| body.elements.strain_energy(q)).sum()
     }
 }
 

@@ -82,6 +82,9 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         "energy" if window[1..].iter().any(|row| row.contact_work != 0.0) => {
             "closing contact costs energy under the update rule \"gap\"; \"ledger\" asks whether all of it is booked"
         }
+        "energy" if window[1..].iter().any(|row| row.dissipation > 0.0) => {
+            "viscous materials turn energy into heat; \"ledger\" asks whether all of it is booked"
+        }
         "energy" | "ledger" => "only `energy_momentum()` conserves the energy for every step size",
         _ => "supports and loads change momenta",
     };

@@ -1,6 +1,6 @@
 //! A material in a script.
 
-use crate::materials::{HYPERELASTIC, Material};
+use crate::materials::{HYPERELASTIC, Material, Viscosity};
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::handle::Handle;
 
@@ -23,6 +23,16 @@ impl Handle for MaterialHandle {
             }
         }
         entries.extend(self.0.constants().iter().map(|(name, value)| format!("{name}: {}", number_text(*value))));
-        format!("{}(#{{ {} }})", self.0.name(), entries.join(", "))
+        let mut text = format!("{}(#{{ {} }})", self.0.name(), entries.join(", "));
+        let Viscosity { shear, bulk, branches } = self.0.viscosity();
+        if *shear > 0.0 || *bulk > 0.0 {
+            let [shear, bulk] = [*shear, *bulk].map(number_text);
+            text += &format!(".viscous(#{{ shear_viscosity: {shear}, bulk_viscosity: {bulk} }})");
+        }
+        for branch in branches {
+            let [modulus, time] = [branch.shear_modulus, branch.relaxation_time].map(number_text);
+            text += &format!(".relaxing(#{{ shear_modulus: {modulus}, relaxation_time: {time} }})");
+        }
+        text
     }
 }

@@ -5,6 +5,7 @@ mod energies;
 mod fitting;
 mod handle;
 mod laws;
+mod viscosity;
 
 use crate::script::language::function::Function;
 
@@ -15,6 +16,7 @@ pub fn functions() -> Vec<Function> {
     let mut all = laws::functions();
     all.extend(energies::functions());
     all.extend(behavior::functions());
+    all.extend(viscosity::functions());
     all.push(fitting::function());
     all
 }

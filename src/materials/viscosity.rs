@@ -1,0 +1,59 @@
+//! What a material resists besides its stored energy: viscosity, and branches that remember the strain for a while.
+//!
+//! Kelvin and Voigt: a stress `2 eta dE/dt + zeta tr(dE/dt) I` on the rate of the Green-Lagrange strain. Maxwell: every branch stores
+//! `mu |Y|^2` of its own strain `Y = E - A`, whose viscous part creeps, `dA/dt = Y/tau`, and adds the stress `2 mu Y` (finite linear
+//! viscoelasticity with an internal strain: Simo and Hughes, Computational Inelasticity, 1998, section 10.2, on the Green-Lagrange strain).
+//! With the midpoint rule for `A`, a step of size `h tau` gives
+//!
+//! ```text
+//! Y_1 = ((1 - h/2) Y_0 + E_1 - E_0) / (1 + h/2),     stress 2 mu Y_mid,     Y_mid = (Y_0 + Y_1)/2
+//! mu |Y_1|^2 - mu |Y_0|^2 = 2 mu Y_mid : (E_1 - E_0) - 2 mu h |Y_mid|^2
+//! ```
+//!
+//! exactly: the work of the stress is stored or dissipated, and what is dissipated is never negative.
+
+/// A branch that relaxes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch {
+    /// Shear modulus `mu` that it adds to a sudden strain `[stress]`.
+    pub shear_modulus: f64,
+    /// Time `tau` in which its stress falls to 1/e at constant strain `[time]`.
+    pub relaxation_time: f64,
+}
+
+/// Viscosity of a material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Viscosity {
+    /// `eta` `[stress * time]`.
+    pub shear: f64,
+    /// `zeta`, the resistance to a change of volume besides `[stress * time]`.
+    pub bulk: f64,
+    /// Branches that relax.
+    pub branches: Vec<Branch>,
+}
+
+impl Branch {
+    /// What of the strain at the start is left at the end of a step, and what of the step's strain comes to it.
+    pub fn shares(&self, dt: f64) -> [f64; 2] {
+        let half = 0.5 * dt / self.relaxation_time;
+        [(1.0 - half) / (1.0 + half), 1.0 / (1.0 + half)]
+    }
+}
+
+impl Viscosity {
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        self.shear == 0.0 && self.bulk == 0.0 && self.branches.is_empty()
+    }
+
+    /// The same in other units.
+    pub fn rescaled(&self, stress: f64, time: f64) -> Self {
+        let branch =
+            |branch: &Branch| Branch { shear_modulus: branch.shear_modulus * stress, relaxation_time: branch.relaxation_time * time };
+        Viscosity {
+            shear: self.shear * stress * time,
+            bulk: self.bulk * stress * time,
+            branches: self.branches.iter().map(branch).collect(),
+        }
+    }
+}
