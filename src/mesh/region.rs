@@ -25,8 +25,8 @@ pub struct Side {
 }
 
 /// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which
-/// consists of curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so on, and the
-/// names of the sides, equal ones joined. Middle nodes of second-order cells on the rim lie on its curves.
+/// consists of curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so
+/// on, and the names of the sides, equal ones joined. Middle nodes of second-order cells on the rim lie on its curves.
 ///
 /// # Errors
 /// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells, what

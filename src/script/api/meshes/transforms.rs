@@ -182,7 +182,7 @@ fn extrude() -> Function {
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
         summary: "the plane mesh drawn out along z as a solid one: hexahedra from `quad4`, tetrahedra from `tri3`; \
-                  its boundaries become sides, with `bottom` at z = 0 and `top` (`bottom_` and `top_` where the plane mesh has these names)",
+                  its boundaries become sides, with `bottom` at z = 0 and `top` (`bottom_`, `top_` where the plane mesh has these names)",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
