@@ -1,8 +1,8 @@
 //! What a batch computes where a point's stress is more than its law's answer to its own strain in the cell's components: bodies of
 //! revolution, which are stretched around their axis, too, and cells with a mean dilatation.
 //!
-//! Kept apart from the loop that all cells share, because most bodies need none of it. The stress of a step comes from here as it is wanted,
-//! and what it does beyond the cell's own components is added when the others are summed:
+//! Kept apart from the loop that all cells share, because most bodies need none of it. The stress of a step comes from here as it is
+//! wanted, and what it does beyond the cell's own components is added when the others are summed:
 //!
 //! ```text
 //! around the axis   f_a,1 = w F_33 S_33 N_a / R                     (Hughes, The Finite Element Method, 2000, section 2.12)

@@ -1,8 +1,8 @@
 //! A law without stress across the plane: the strain there is solved for.
 //!
 //! `W(E) = min over E_33 of W(E, E_33)`, so `S_33 = 0`; the stress is that of the law with this strain, and the tangent is condensed,
-//! `T - T_3 (x) T_3 / T_33`. The minimum is an energy like any other, so a discrete gradient of it conserves (after Simo and Taylor, IJNME 22,
-//! 1986, who condense an elastoplastic law so). Its remainder is that of [`Law::remainder`](super::Law::remainder)'s default.
+//! `T - T_3 (x) T_3 / T_33`. The minimum is an energy like any other, so a discrete gradient of it conserves (after Simo and Taylor, IJNME
+//! 22, 1986, who condense an elastoplastic law so). Its remainder is that of [`Law::remainder`](super::Law::remainder)'s default.
 
 use std::sync::Arc;
 
