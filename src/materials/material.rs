@@ -207,6 +207,15 @@ impl Material {
         self.youngs_modulus
     }
 
+    /// Largest modulus at zero strain `[stress]`, that of a strain in one direction alone: what the round-off of its forces is measured by, far
+    /// above Young's modulus where the volume hardly changes.
+    pub fn stiffness(&self) -> f64 {
+        let mut response = [Response::ZERO];
+        self.laws.space.responses_into(&[[Lanes::ZERO; 6]], &mut response);
+        let diagonal = (0..3).map(|k| response[0].tangent[k][k].0[0]);
+        diagonal.fold(self.youngs_modulus, f64::max)
+    }
+
     /// What it resists besides its stored energy.
     pub fn viscosity(&self) -> &Viscosity {
         &self.viscosity

@@ -31,6 +31,8 @@ pub struct Piece {
     /// Square of the frequency of its slowest elastic motion: wave speed over its extent.
     pub frequency_squared: f64,
     modulus: f64,
+    /// Largest modulus, for the round-off of forces.
+    stiffness: f64,
     extent: f64,
 }
 
@@ -84,8 +86,8 @@ impl Balance {
                 let number = system.nodes.pieces[node];
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
                     numbers.push(number);
-                    let modulus = definition.material.youngs_modulus();
-                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, extent: 0.0 });
+                    let (modulus, stiffness) = (definition.material.youngs_modulus(), definition.material.stiffness());
+                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0 });
                     numbers.len() - 1
                 });
                 pieces[first + place].nodes.push(node);
@@ -130,7 +132,7 @@ impl Balance {
             }
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
-            let floor = tolerances::FORCE_FLOOR * piece.modulus * reach * piece.extent.powi(D as i32 - 2);
+            let floor = tolerances::FORCE_FLOOR * piece.stiffness * reach * piece.extent.powi(D as i32 - 2);
             let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
             imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));
             imbalance.of_nodes = imbalance.of_nodes.max(largest / target.max(f64::MIN_POSITIVE));
