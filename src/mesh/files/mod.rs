@@ -3,7 +3,8 @@
 //! A reader of a format fills tables of nodes, elements and groups; `assembly.rs` makes a mesh of them. Groups of cells become parts,
 //! groups one dimension below become boundaries; their elements are matched to facets of cells by their node sets, so that orientation
 //! always comes from the cell. Nodes that no cell uses are left out (centers of circles, for instance), and in space so are lines. Elements
-//! of a boundary that lies between two cells stand for both sides. Nothing is turned round or repaired: what is wrong is an error with its place.
+//! of a boundary that lies between two cells stand for both sides. Nothing is turned round or repaired: what is wrong is an error with its
+//! place.
 
 mod abaqus;
 mod assembly;
