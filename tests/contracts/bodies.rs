@@ -11,8 +11,8 @@ use conserva::mesh::{Mesh, block, rectangle};
 
 use crate::common::{Random, difference};
 
-/// Laws at the beginning of the catalogue that are written by hand; those as text have their contract in the kernels' own tests. Bounds here
-/// are for smooth isotropic laws: fibers that begin to pull make jumps, and have a direction.
+/// Laws at the beginning of the catalogue that are written by hand; those as text have their contract in the kernels' own tests. Bounds
+/// here are for smooth isotropic laws: fibers that begin to pull make jumps, and have a direction.
 const BY_HAND: usize = 2;
 
 const MODULUS: f64 = 1000.0;

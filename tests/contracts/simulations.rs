@@ -12,8 +12,8 @@ use conserva::mesh::{Mesh, block, rectangle, ring};
 
 use crate::common::{Builder, difference, drift, run, worst};
 
-/// Laws at the beginning of the catalogue that are written by hand; those as text have their contract in the kernels' own tests. Bounds here
-/// are for smooth isotropic laws: fibers that begin to pull make jumps, and have a direction.
+/// Laws at the beginning of the catalogue that are written by hand; those as text have their contract in the kernels' own tests. Bounds
+/// here are for smooth isotropic laws: fibers that begin to pull make jumps, and have a direction.
 const BY_HAND: usize = 2;
 
 /// A soft bar, 2 x 1 (x 1), that spins fast enough to stretch by some percent: waves travel at about 10 lengths per time.
