@@ -11,8 +11,8 @@ use crate::elements::CellKind;
 
 impl Mesh {
     /// The mesh of quad4 or tri3 cells drawn out along z from 0 to `height` `[length]` in `layers` of hex8 cells, or of prisms cut into
-    /// three tet4 each, of which the last is `grading` times the first; its boundaries as sides, and `bottom` and `top` (with an underscore
-    /// behind where the plane mesh has such names).
+    /// three tet4 each, of which the last is `grading` times the first; its boundaries as sides, and
+    /// `bottom` and `top` (with an underscore behind where the plane mesh has such names).
     ///
     /// # Errors
     /// Cells of other kinds, a height or ratio that is not positive, no layers, too many cells.

@@ -11,6 +11,10 @@ use conserva::mesh::{Mesh, block, rectangle};
 
 use crate::common::{Random, difference};
 
+/// Laws at the beginning of the catalogue that are written by hand; those as text have their contract in the kernels' own tests. Bounds
+/// here are for smooth isotropic laws: fibers that begin to pull make jumps, and have a direction.
+const BY_HAND: usize = 2;
+
 const MODULUS: f64 = 1000.0;
 
 /// Ten cells or so (more than one batch, the last one not full) with nodes at unit distance, every one of them moved at random.
@@ -94,7 +98,7 @@ fn formulations(mesh: &Mesh, material: &Material) -> Vec<(Formulation, String)> 
 /// Calls a contract for every cell kind, material, formulation and integrator.
 macro_rules! for_all {
     ($contract:ident) => {
-        for row in CATALOGUE {
+        for row in CATALOGUE.iter().take(BY_HAND) {
             let values = row.example(MODULUS, 1.0);
             let material = Material::new(row, &values).expect("the values are in their ranges");
             for &kind in CellKind::ALL {
