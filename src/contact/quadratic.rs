@@ -1,14 +1,15 @@
 //! Contact of edges of second order: each is two straight facets, through its ends and a point beside its middle node that keeps the area.
 //!
-//! A parabola with the sagitta `h` over a chord of length `l` holds the area `2/3 h l`, the two sides of a triangle of height `4/3 h` the same. So
-//! contact sees the middle node at
+//! A parabola with the sagitta `h` over a chord of length `l` holds the area `2/3 h l`, the two sides of a triangle of height `4/3 h` the
+//! same. So contact sees the middle node at
 //!
 //! ```text
 //! y = 4/3 x_middle - 1/6 (x_from + x_to),      on a straight even edge the middle node itself
 //! ```
 //!
-//! and a constant pressure on the straight facets, 1/4 1/2 1/4 of its resultant on their nodes, goes to the edge's nodes by the transpose as 1/6,
-//! 2/3, 1/6: the consistent forces of a quadratic edge. So contact methods for straight facets pass their patch tests on curved ones.
+//! and a constant pressure on the straight facets, 1/4 1/2 1/4 of its resultant on their nodes, goes to the edge's nodes by the transpose
+//! as 1/6, 2/3, 1/6: the consistent forces of a quadratic edge. So contact methods for straight facets pass their patch tests on curved
+//! ones.
 //! The coefficients sum to one, so positions move with rigid motions, and momenta and energy are kept as without.
 //! (Facets of two nodes on quadratic edges: Puso, Laursen and Solberg, CMAME 197, 2008; the point that keeps the area is ours.)
 

@@ -207,8 +207,8 @@ impl Material {
         self.youngs_modulus
     }
 
-    /// Largest modulus at zero strain `[stress]`, that of a strain in one direction alone: what the round-off of its forces is measured by, far
-    /// above Young's modulus where the volume hardly changes.
+    /// Largest modulus at zero strain `[stress]`, that of a strain in one direction alone: what the round-off of its forces is measured by,
+    /// far above Young's modulus where the volume hardly changes.
     pub fn stiffness(&self) -> f64 {
         let mut response = [Response::ZERO];
         self.laws.space.responses_into(&[[Lanes::ZERO; 6]], &mut response);

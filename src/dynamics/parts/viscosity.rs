@@ -1,8 +1,8 @@
 //! The viscous stress of a body, a part beside the element loop.
 //!
-//! Its stress is symmetric and acts on the body in the middle of a step, so momenta are kept; its work on the step's strain, which `B(q_mid)
-//! (q_1 - q_0)` is exactly, is what its branches store and what is dissipated (formulas: [`crate::materials::Viscosity`]). At rest, in
-//! `settle`, everything has relaxed.
+//! Its stress is symmetric and acts on the body in the middle of a step, so momenta are kept; its work on the step's strain, which
+//! `B(q_mid) (q_1 - q_0)` is exactly, is what its branches store and what is dissipated (formulas: [`crate::materials::Viscosity`]). At
+//! rest, in `settle`, everything has relaxed.
 
 use nalgebra::SMatrix;
 

@@ -92,14 +92,15 @@ fn formulation_keys() -> Vec<Parameter> {
         Parameter::new(
             "plane",
             Kind::Choice(&PLANES),
-            "how a plane body is completed to space: without stretch across the plane, without stress there (forces are per thickness), or as \
-             a body of revolution about the y axis with x as its radius (forces are those of the whole circumference)",
+            "how a plane body is completed to space: without stretch across the plane, without stress there (forces are per thickness), or \
+             as a body of revolution about the y axis with x as its radius (forces are those of the whole circumference)",
         )
         .or(Absent::Text(PLANES[0])),
         Parameter::new(
             "dilatation",
             Kind::Choice(&DILATATIONS),
-            "the change of volume at every point, or one mean for each cell, which does not lock where the material hardly changes its volume",
+            "the change of volume at every point, or one mean for each cell, which does not lock where the material hardly changes its \
+             volume",
         )
         .or(Absent::Text(DILATATIONS[0])),
     ]
