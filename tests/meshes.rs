@@ -149,7 +149,7 @@ fn files_of_other_programs_are_what_their_geometry_says() {
     for Made { file, kind, cells, measure: (measure, tolerance), boundary: (name, extent) } in [
         made("plate_tri3_41_binary.msh", Tri3, 84, (1.7454415587728431, written), ("left", 1.0)),
         made("plate_tri3_22.msh", Tri3, 88, (1.7454415587728431, written), ("hole", 0.6 * PI)),
-        made("plate_tri3_meshio_22.msh", Tri3, 88, (1.7454415587728431, written), ("1", 1.0)),
+        made("plate_tri3_meshio_22.msh", Tri3, 88, (1.7454415587728431, written), ("left", 1.0)),
         made("plate_tri3.inp", Tri3, 84, (1.7454415587728334, written), ("hole", 0.6 * PI)),
         made("plate_tri6_22_binary.msh", Tri6, 88, (plate, 1e-3), ("hole", 0.6 * PI)),
         made("plate_tri6_41.msh", Tri6, 88, (plate, 1e-3), ("top", 2.0)),

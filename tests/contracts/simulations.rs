@@ -12,9 +12,9 @@ use conserva::mesh::{Mesh, block, rectangle, ring};
 
 use crate::common::{Builder, difference, drift, run, worst};
 
-/// Laws at the beginning of the catalogue that are written by hand; those as text have their contract in the kernels' own tests. Bounds
-/// here are for smooth isotropic laws: fibers that begin to pull make jumps, and have a direction.
-const BY_HAND: usize = 2;
+/// Laws at the beginning of the catalogue whose waves in the plane are as slow as those of shear, so that steps resolve them; others hardly
+/// change their volume.
+const SLOW: usize = 2;
 
 /// A soft bar, 2 x 1 (x 1), that spins fast enough to stretch by some percent: waves travel at about 10 lengths per time.
 fn bar(kind: CellKind) -> Mesh {
@@ -43,7 +43,7 @@ fn thrown(kind: CellKind, row: &'static conserva::materials::MaterialRow) -> Bui
 
 fn for_all(check: impl Fn(CellKind, &'static conserva::materials::MaterialRow, &'static Scheme, &str)) {
     for &kind in CellKind::ALL {
-        for row in CATALOGUE.iter().take(BY_HAND) {
+        for row in CATALOGUE.iter().filter(|row| row.name != "holzapfel_gasser_ogden") {
             for &integrator in integrators::CATALOGUE {
                 check(kind, row, integrator, &format!("{} {} {}", kind.name(), row.name, integrator.name));
             }
@@ -90,7 +90,7 @@ fn stretched(kind: CellKind, row: &'static conserva::materials::MaterialRow, int
 #[test]
 fn every_integrator_is_of_the_promised_order_in_time() {
     for &kind in CellKind::ALL {
-        for row in CATALOGUE.iter().take(BY_HAND) {
+        for row in CATALOGUE.iter().take(SLOW) {
             // One reference for all: the schemes share the limit. Its own error is 1/64 of the finest run's.
             // Cells of second order and thin tetrahedra vibrate faster.
             let resolved = if kind.is_quadratic() || kind == CellKind::Tet4 { 2 } else { 1 };

@@ -37,7 +37,7 @@ fn ranges_and_types_are_checked() {
         ("rectangle(#{ size: 2, cells: [2, 1] })", "`size` of `rectangle` must be an array of numbers, such as `[1.0, 0.0]` [length]"),
         ("rectangle(#{ size: [2, \"1\"], cells: [2, 1] })", "`size` of `rectangle` must be an array of numbers"),
         ("rectangle(#{ size: [2, 1], cells: [2] })", "`cells` of `rectangle` must have 2 entries"),
-        ("rectangle(#{ size: [2, 1], cells: [2, 1], element: \"tri3\" })", "`element` of `rectangle` cannot be \"tri3\""),
+        ("rectangle(#{ size: [2, 1], cells: [2, 1], element: \"hex8\" })", "`element` of `rectangle` cannot be \"hex8\""),
         ("rectangle([2, 1])", "`options` of `rectangle` must be an object map `#{ … }`"),
         ("model(5)", "`name` of `model` must be a string"),
         ("expect(1)", "`condition` of `expect` must be `true` or `false`"),

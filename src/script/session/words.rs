@@ -26,6 +26,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("total", "the sum of the three energies [energy]"),
     ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
     ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),
+    ("dissipation", "the heat of viscous materials in this step, never negative [energy]"),
     (
         "energy_defect",
         "change of `total` - `load_work` - `contact_work` + `dissipation` in this step: round-off when the scheme conserves [energy]",

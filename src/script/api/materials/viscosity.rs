@@ -27,8 +27,8 @@ fn viscous() -> Function {
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
-                Parameter::number("shear_viscosity", "stress*time", Interval::NonNegative, "eta"),
-                Parameter::number("bulk_viscosity", "stress*time", Interval::NonNegative, "zeta").or(Absent::Number(0.0)),
+                Parameter::number("shear_viscosity", "stress*time", Interval::NonNegative, "the resistance eta to a rate of strain"),
+                Parameter::number("bulk_viscosity", "stress*time", Interval::NonNegative, "the resistance zeta to a change of volume besides").or(Absent::Number(0.0)),
             ]),
             "the viscosities",
         )],
