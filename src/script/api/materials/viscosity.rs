@@ -28,7 +28,13 @@ fn viscous() -> Function {
             "options",
             Kind::Options(vec![
                 Parameter::number("shear_viscosity", "stress*time", Interval::NonNegative, "the resistance eta to a rate of strain"),
-                Parameter::number("bulk_viscosity", "stress*time", Interval::NonNegative, "the resistance zeta to a change of volume besides").or(Absent::Number(0.0)),
+                Parameter::number(
+                    "bulk_viscosity",
+                    "stress*time",
+                    Interval::NonNegative,
+                    "the resistance zeta to a change of volume besides",
+                )
+                .or(Absent::Number(0.0)),
             ]),
             "the viscosities",
         )],
