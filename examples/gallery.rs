@@ -31,7 +31,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/seal", "seal.svg"),
     ("scenarios/rubber_block", "law.svg"),
     ("scenarios/bracket", "pulled.svg"),
-    ("scenarios/cooks_membrane", "rubber mean.svg"),
+    ("scenarios/cooks_membrane", "rubber_mean/rubber mean.svg"),
     ("scenarios/patch_test", "patch.svg"),
     ("scenarios/two_bars", "bars.svg"),
     ("scenarios/bar_impact", "history.svg"),

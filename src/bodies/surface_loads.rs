@@ -82,9 +82,12 @@ fn quadrilateral_shares(points: &[[f64; 3]]) -> Vec<f64> {
     shares
 }
 
+/// A matrix of two components.
+type Block = [[f64; 2]; 2];
+
 /// Forces of a unit pressure on an edge of a body of revolution with its nodes there, `2 pi int N_a r z x dx`, and their derivative:
 /// `[a][b][i][k]` that of component `i` at node `a` with respect to `k` at `b`.
-pub fn round_pressure(nodes: &[[f64; 2]]) -> ([[f64; 2]; 3], [[[[f64; 2]; 2]; 3]; 3]) {
+pub fn round_pressure(nodes: &[[f64; 2]]) -> ([[f64; 2]; 3], [[Block; 3]; 3]) {
     let (mut force, mut slope) = ([[0.0; 2]; 3], [[[[0.0; 2]; 2]; 3]; 3]);
     for (s, weight) in edge_points() {
         let (shapes, slopes) = edge_shapes(nodes.len(), s);

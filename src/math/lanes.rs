@@ -98,15 +98,7 @@ impl<const FMA: bool> Lanes<FMA> {
         const ROUND: f64 = 6_755_399_441_055_744.0;
         const LN_2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
         const LN_2_LOW: f64 = f64::from_bits(0x3dea_39ef_3579_3c76);
-        let x = self.map(|x| {
-            if x > 709.0 {
-                709.0
-            } else if x < -745.0 {
-                -745.0
-            } else {
-                x
-            }
-        });
+        let x = self.map(|x| x.clamp(-745.0, 709.0));
         let rounded = x.mul_add(Self::splat(std::f64::consts::LOG2_E), Self::splat(ROUND));
         let k = rounded + -ROUND;
         let r = k.mul_add(Self::splat(-LN_2_LOW), k.mul_add(Self::splat(-LN_2_HIGH), x));

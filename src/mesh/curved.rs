@@ -80,7 +80,8 @@ mod tests {
     #[test]
     fn round_meshes_of_every_kind_have_their_area_to_the_order_of_the_kind() {
         let center = [0.3, -0.2];
-        let make: [(&str, f64, &dyn Fn(usize) -> Mesh, Round); 4] = [
+        type Maker<'a> = &'a dyn Fn(usize) -> Mesh;
+        let make: [(&str, f64, Maker, Round); 4] = [
             ("ring", 0.75 * PI, &|n| ring(0.5, 1.0, [2 * n, 12 * n], center, 0.1).unwrap(), Round::About(center)),
             ("arc", 0.375, &|n| arc([0.5, 1.0], [0.2, 1.2], [2 * n, 4 * n], center, [1.0, 2.0]).unwrap(), Round::About(center)),
             ("disk", PI, &|n| disk(1.0, [2 * n, 16 * n], center).unwrap(), Round::On(center, 1.0)),

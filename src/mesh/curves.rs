@@ -201,7 +201,7 @@ impl Curve {
             (before, size_before) = (point, size_here);
         }
         let whole = wanted[SAMPLES];
-        if !(whole < limit as f64) {
+        if whole.is_nan() || whole >= limit as f64 {
             return Err(MeshError::TooManyCells { cells: whole as usize, limit }.into());
         }
         // round-off of the sum must not make one piece more

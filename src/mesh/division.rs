@@ -13,6 +13,9 @@ use crate::elements::{CellKind, CellShape};
 /// A place on a reference cell.
 type Place = [f64; 3];
 
+/// Weights of a parent's corners and of its nodes at several places.
+type Weights = Vec<(Vec<f64>, Vec<f64>)>;
+
 /// Children of one kind, by the places of their nodes on the parent's reference cell.
 struct Template {
     children: Vec<Vec<Place>>,
@@ -193,11 +196,11 @@ impl Mesh {
             return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });
         }
         let shape = self.kind.row().shape;
-        let weigh = |places: &[Place]| -> Vec<(Vec<f64>, Vec<f64>)> {
+        let weigh = |places: &[Place]| -> Weights {
             places.iter().map(|&place| (corner_weights(self.kind.shape(), place), shape(place))).collect()
         };
         let own = weigh(self.kind.row().node_places);
-        let weights: Vec<Vec<Vec<(Vec<f64>, Vec<f64>)>>> =
+        let weights: Vec<Vec<Weights>> =
             templates.iter().map(|template| template.children.iter().map(|places| weigh(places)).collect()).collect();
         let (mut points, mut connectivity) = (self.points.clone(), Vec::with_capacity(cells * kind.nodes()));
         let mut known: HashMap<NodeKey, u32> = HashMap::new();

@@ -81,7 +81,7 @@ fn rim<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: &mut Cel
             let places = match (&side.curve, &mut *size) {
                 (Curve::Line { from, to }, CellSize::Even(even)) => {
                     let wanted = (to[0] - from[0]).hypot(to[1] - from[1]) / (factor * *even);
-                    if !(wanted < SIDE_LIMIT as f64) {
+                    if wanted.is_nan() || wanted >= SIDE_LIMIT as f64 {
                         return Err(MeshError::TooManyCells { cells: wanted as usize, limit: SIDE_LIMIT }.into());
                     }
                     let pieces = wanted.ceil().max(1.0) as usize;

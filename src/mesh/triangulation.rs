@@ -123,7 +123,7 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
         CellSize::Even(even) => {
             // estimated before memory is taken
             let cells = rim.area() / (*even * *even);
-            if !(cells <= CELL_LIMIT as f64) {
+            if cells.is_nan() || cells > CELL_LIMIT as f64 {
                 return Err(MeshError::TooManyCells { cells: cells as usize, limit: CELL_LIMIT }.into());
             }
             let edge = factor * *even;
@@ -193,7 +193,7 @@ fn fill<E: From<MeshError>>(triangulation: &mut Constrained, size: &mut CellSize
                 wanted.push((excess, [at.x, at.y], [center.x, center.y]));
             }
         }
-        if !(cells <= CELL_LIMIT as f64) {
+        if cells.is_nan() || cells > CELL_LIMIT as f64 {
             return Err(MeshError::TooManyCells { cells: cells as usize, limit: CELL_LIMIT }.into());
         }
         wanted.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -23,8 +23,7 @@ fn bar(kind: CellKind) -> Mesh {
         2 => rectangle([2.0, 1.0], [4, 2], [0.5, -1.0]),
         _ => block([2.0, 1.0, 1.0], [3, 2, 2], [0.5, -1.0, 0.2]),
     };
-    let mesh = mesh.and_then(|mesh| mesh.with_cells(kind)).expect("the mesh is sound");
-    mesh
+    mesh.and_then(|mesh| mesh.with_cells(kind)).expect("the mesh is sound")
 }
 
 fn soft(row: &'static conserva::materials::MaterialRow) -> Material {

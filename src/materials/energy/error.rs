@@ -6,7 +6,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyError {
     /// The text.
-    pub text: String,
+    pub text: Box<str>,
     /// Bytes of the text at which the mistake is seen.
     pub span: Range<usize>,
     /// What is wrong, one sentence.
@@ -14,22 +14,22 @@ pub struct EnergyError {
     /// A few words at the place.
     pub label: String,
     /// What shows it; may be empty.
-    pub cause: String,
+    pub cause: Box<str>,
     /// How to mend it.
-    pub hint: String,
+    pub hint: Box<str>,
 }
 
 impl EnergyError {
     pub(super) fn new(text: &str, span: Range<usize>, title: impl Into<String>, label: impl Into<String>) -> Self {
-        EnergyError { text: text.into(), span, title: title.into(), label: label.into(), cause: String::new(), hint: String::new() }
+        EnergyError { text: text.into(), span, title: title.into(), label: label.into(), cause: "".into(), hint: "".into() }
     }
 
     pub(super) fn cause(self, cause: impl Into<String>) -> Self {
-        EnergyError { cause: cause.into(), ..self }
+        EnergyError { cause: cause.into().into(), ..self }
     }
 
     pub(super) fn hint(self, hint: impl Into<String>) -> Self {
-        EnergyError { hint: hint.into(), ..self }
+        EnergyError { hint: hint.into().into(), ..self }
     }
 }
 

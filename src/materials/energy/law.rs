@@ -128,10 +128,7 @@ struct Finish<'a, const S: usize, const N: usize, T> {
 /// The principal stretches of a point, where a law needs them.
 #[inline(always)]
 fn spectrum_of<const FMA: bool>(spectra: &[Spectrum<false>], n: usize) -> Option<Spectrum<FMA>> {
-    match spectra.get(n) {
-        Some(spectrum) => Some(spectrum.relabel()),
-        None => None,
-    }
+    spectra.get(n).map(Spectrum::relabel)
 }
 
 macro_rules! law {

@@ -116,12 +116,12 @@ impl StoredEnergy {
         };
         let rest = node(&self.energy)?;
         let volumetric = self.volumetric.as_ref().map(&mut node).transpose()?;
-        if let (Some(text), Some(id)) = (&self.volumetric, volumetric) {
-            if graph.variables(id).iter().any(|variable| *variable != Variable::J) {
-                let error =
-                    EnergyError::new(&text.text, 0..text.text.len(), "the volumetric energy depends on more than `J`", "not of `J` alone");
-                return Err(error.hint("move what depends on other quantities to `energy`"));
-            }
+        if let (Some(text), Some(id)) = (&self.volumetric, volumetric)
+            && graph.variables(id).iter().any(|variable| *variable != Variable::J)
+        {
+            let error =
+                EnergyError::new(&text.text, 0..text.text.len(), "the volumetric energy depends on more than `J`", "not of `J` alone");
+            return Err(error.hint("move what depends on other quantities to `energy`"));
         }
         Ok(Built { graph, rest, volumetric })
     }

@@ -75,10 +75,7 @@ impl Root {
     /// Its deviation, if it has one.
     #[inline(always)]
     pub(super) fn deviation<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Option<Lanes<FMA>> {
-        match self.place {
-            Some(place) => Some(Lanes(registers[place.register][point].0) * place.factor),
-            None => None,
-        }
+        self.place.map(|place| Lanes(registers[place.register][point].0) * place.factor)
     }
 
     /// Its value.

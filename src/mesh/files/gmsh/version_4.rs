@@ -56,7 +56,9 @@ pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables) -> Result<(),
     let mut section = Section::new("$Nodes", source);
     let mut header = source.entry(&section)?;
     let (blocks, announced) = (header.count(HEADER)?, header.count(HEADER)?);
-    (header.size(HEADER)?, header.size(HEADER)?);
+    // Smallest and largest number.
+    header.size(HEADER)?;
+    header.size(HEADER)?;
     section.announced = announced;
     for _ in 0..blocks {
         let is_binary = source.is_binary();
@@ -95,7 +97,9 @@ pub(super) fn read_elements(source: &mut Source, tables: &mut Tables, entities: 
     let mut section = Section::new("$Elements", source);
     let mut header = source.entry(&section)?;
     let (blocks, announced) = (header.count(HEADER)?, header.count(HEADER)?);
-    (header.size(HEADER)?, header.size(HEADER)?);
+    // Smallest and largest number.
+    header.size(HEADER)?;
+    header.size(HEADER)?;
     section.announced = announced;
     for _ in 0..blocks {
         let mut header = source.entry(&section)?;

@@ -56,7 +56,7 @@ fn hyperelastic() -> Function {
             let stored = StoredEnergy { energy, volumetric, fibers: fibers_of(&options)?, constants, factor: 1.0 };
             let material = Material::hyperelastic(stored, options.number("density")?).map_err(|error| match error {
                 MaterialError::Energy(error) => {
-                    let is_volumetric = options.argument("energy").value().into_string().is_ok_and(|text| text != error.text);
+                    let is_volumetric = options.argument("energy").value().into_string().is_ok_and(|text| *text != *error.text);
                     refused(&options.argument(if is_volumetric { "volumetric" } else { "energy" }), &error)
                 }
                 error => {
@@ -94,7 +94,7 @@ pub(super) fn refused(argument: &Argument, error: &EnergyError) -> Failure {
 fn inside(place: Place, error: &EnergyError) -> Option<Place> {
     let literal = place.text.get(place.range.clone())?;
     let held = literal.get(1..literal.len().checked_sub(1)?)?;
-    if held != error.text || !(literal.starts_with('"') || literal.starts_with('`')) {
+    if *held != *error.text || !(literal.starts_with('"') || literal.starts_with('`')) {
         return None;
     }
     let start = place.range.start + 1 + error.span.start;
