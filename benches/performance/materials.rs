@@ -1,14 +1,16 @@
-//! What a law costs per point, written by hand and as text, alone and within the assembly of a body.
+//! What a law costs per point, by hand and as text, alone and within the assembly of a body; and what cells of every kind cost there.
 
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-use conserva::dynamics::{Model, Options, Simulation};
+use conserva::bodies::{Dilatation, Formulation, Plane};
+use conserva::dynamics::{InitialDisplacement, Model, Options, Simulation};
+use conserva::elements::CellKind;
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::materials::{CATALOGUE, Components, IncrementResponse, Material, NeoHookean, Response, StoredEnergy};
 use conserva::math::lanes::{Lanes, WIDTH};
-use conserva::mesh::rectangle;
+use conserva::mesh::{Mesh, block, rectangle};
 
 const POINTS: usize = 4;
 const ROUNDS: usize = 2000;
@@ -37,12 +39,13 @@ fn law(material: &Material, repetitions: usize) -> [f64; 2] {
 }
 
 /// Least nanoseconds per point that a step spends in the assembly of a block that vibrates.
-fn assembly(material: &Material, repetitions: usize) -> Result<f64, Box<dyn Error>> {
-    let mut least = f64::INFINITY;
+fn assembly(mesh: &Mesh, formulation: Formulation, material: &Material, repetitions: usize) -> Result<f64, Box<dyn Error>> {
+    let (mut least, points) = (f64::INFINITY, (mesh.kind.row().quadrature)().len());
     for _ in 0..repetitions {
         let mut model = Model::new("block");
-        let body = model.add_body("block", rectangle([2.0, 1.0], [80, 40], [0.0; 2])?, material);
-        model.throw(body, [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
+        let body = model.add_formulated_body("block", mesh.clone(), material, formulation);
+        let displacement = mesh.points.iter().map(|[x, y, _]| [0.02 * x * y, 0.01 * x, 0.0]).collect();
+        model.initial_displacements.push(InitialDisplacement { body, displacement });
         let mut sim = Simulation::new(&model, Options { threads: 1, ..Options::new(&ENERGY_MOMENTUM, 0.01) })?;
         for _ in 0..10 {
             let before = sim.statistics();
@@ -50,7 +53,7 @@ fn assembly(material: &Material, repetitions: usize) -> Result<f64, Box<dyn Erro
             let after = sim.statistics();
             let assemblies = (after.newton_iterations - before.newton_iterations) as f64;
             let time = (after.times.assembly - before.times.assembly).as_secs_f64();
-            least = least.min(1e9 * time / (assemblies * (after.cells * POINTS) as f64));
+            least = least.min(1e9 * time / (assemblies * (after.cells * points) as f64));
         }
     }
     Ok(least)
@@ -72,7 +75,26 @@ pub fn costs(repetitions: usize) -> Result<(), Box<dyn Error>> {
     for row in CATALOGUE.iter().skip(1) {
         print(row.name, law(&Material::new(row, &row.example(1.0, 1.0))?, repetitions));
     }
-    let (by_hand, by_text) = (assembly(&hand, repetitions)?, assembly(&text, repetitions)?);
+    let (mesh, usual) = (rectangle([2.0, 1.0], [80, 40], [0.0; 2])?, Formulation::default());
+    let (by_hand, by_text) = (assembly(&mesh, usual, &hand, repetitions)?, assembly(&mesh, usual, &text, repetitions)?);
     println!("assembly, ns per point: by hand {by_hand:.1}, as text {by_text:.1}, ratio {:.2}", by_text / by_hand);
+    cells(&mesh, &hand, repetitions)
+}
+
+/// Prints what cells cost, and those of four nodes in each formulation.
+fn cells(mesh: &Mesh, material: &Material, repetitions: usize) -> Result<(), Box<dyn Error>> {
+    let usual = Formulation::default();
+    println!("assembly of cells, ns per point");
+    for &kind in CellKind::ALL {
+        let mesh = if kind.dimension() == 2 { mesh.clone() } else { block([2.0, 1.0, 1.0], [12, 8, 8], [0.0; 3])? }.with_cells(kind)?;
+        println!("{:>24} {:>8.1}", kind.name(), assembly(&mesh, usual, material, repetitions)?);
+    }
+    for (name, formulation) in [
+        ("quad4, mean dilatation", Formulation { dilatation: Dilatation::Mean, ..usual }),
+        ("quad4, plane stress", Formulation { plane: Plane::Stress, ..usual }),
+        ("quad4, axisymmetric", Formulation { plane: Plane::Axisymmetric, ..usual }),
+    ] {
+        println!("{name:>24} {:>8.1}", assembly(mesh, formulation, material, repetitions)?);
+    }
     Ok(())
 }
