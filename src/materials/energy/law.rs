@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use super::graph::{Graph, Id};
 use super::spectrum::Spectrum;
-use super::state::{State, Variables};
+use super::state::Variables;
 use super::tape::{Block, Root, Tape};
 use super::variable::Variable;
 use crate::materials::batched::{BatchedLaw, Components, IncrementResponse, Response};
@@ -47,53 +47,61 @@ fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOn
 /// The energy of a node of a graph as a law of strains with `S` components.
 pub(crate) struct EnergyLaw<const S: usize> {
     variables: Variables<S>,
-    energy: Tape,
-    /// Its derivatives with respect to the variables.
-    slopes: Tape,
-    /// The same, and then the second derivatives.
-    response: Tape,
+    /// Its stages are [`ENERGY`], [`SLOPES`] and [`RESPONSE`]; its roots the energy, its derivatives with respect to the variables, and
+    /// the second ones.
+    tape: Tape,
     /// Which of the second derivatives are not zero: two variables and the root.
     seconds: Vec<(usize, usize, usize)>,
     /// Stress at rest that no round-off explains.
     residual: [f64; S],
 }
 
+/// Stage of a tape that gives the energy.
+const ENERGY: usize = 0;
+/// Stage that gives its first derivatives, too.
+const SLOPES: usize = 1;
+/// Stage that gives its second derivatives, too.
+const RESPONSE: usize = 2;
+
 impl<const S: usize> EnergyLaw<S> {
     pub(super) fn new(graph: &mut Graph, energy: Id, fibers: &[[f64; 3]]) -> Self {
         let all = graph.variables(energy);
-        let mut roots: Vec<Id> = all.iter().map(|&variable| graph.derivative(energy, variable)).collect();
-        let slopes = Tape::new(graph, &all, &roots);
-        let mut pairs = Vec::new();
+        let slopes: Vec<Id> = all.iter().map(|&variable| graph.derivative(energy, variable)).collect();
+        let (mut pairs, mut seconds) = (Vec::new(), Vec::new());
         for k in 0..all.len() {
             for l in k..all.len() {
-                pairs.push((k, l, roots.len()));
-                roots.push(graph.derivative(roots[k], all[l]));
+                pairs.push((k, l, 1 + slopes.len() + seconds.len()));
+                seconds.push(graph.derivative(slopes[k], all[l]));
             }
         }
-        let response = Tape::new(graph, &all, &roots);
-        let energy = Tape::new(graph, &all, &[energy]);
+        let tape = Tape::new(graph, &all, &[&[energy], &slopes, &seconds]);
         let variables = Variables::new(all, fibers);
-        let seconds = pairs.into_iter().filter(|(.., root)| !response.roots[*root].is_zero()).collect();
+        let seconds = pairs.into_iter().filter(|(.., root)| !tape.roots[*root].is_zero()).collect();
         let mut residual = [0.0; S];
         for s in 0..S {
-            let terms = || slopes.roots.iter().zip(&variables.slopes_at_rest).map(|(root, slope)| root.rest * slope[s]);
+            let terms = || tape.roots[1..].iter().zip(&variables.slopes_at_rest).map(|(root, slope)| root.rest * slope[s]);
             let (sum, size) = (terms().sum::<f64>(), terms().map(f64::abs).sum::<f64>());
             residual[s] = if sum.abs() > RESIDUAL_STRESS * size { sum } else { 0.0 };
         }
-        EnergyLaw { variables, energy, slopes, response, seconds, residual }
+        EnergyLaw { variables, tape, seconds, residual }
     }
 }
 
-/// Runs a tape from rest, or on from where another run has come.
-struct Run<'a, const N: usize>(&'a Tape, Option<&'a [Block<N>]>, &'a mut [Block<N>]);
+/// Runs a tape up to a stage from rest, or on from where another run has come.
+struct Run<'a, const N: usize> {
+    tape: &'a Tape,
+    stage: usize,
+    start: Option<&'a [Block<N>]>,
+    registers: &'a mut [Block<N>],
+}
 
 impl<const N: usize> Kernel for Run<'_, N> {
     type Output = ();
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        match self.1 {
-            None => self.0.deviations::<FMA, N>(self.2),
-            Some(start) => self.0.changes::<FMA, N>(start, self.2),
+        match self.start {
+            None => self.tape.deviations::<FMA, N>(self.stage, self.registers),
+            Some(start) => self.tape.changes::<FMA, N>(self.stage, start, self.registers),
         }
     }
 }
@@ -103,15 +111,15 @@ struct Load<'a, const S: usize, const N: usize> {
     law: &'a EnergyLaw<S>,
     strains: &'a [Components<S>; N],
     registers: &'a mut [Block<N>],
-    states: &'a mut [State<false, S>; N],
     spectra: &'a mut [Spectrum<false>],
 }
 
-/// Changes of the variables of a block, into its registers.
+/// Changes of the variables of a block from strains whose variables are known to others, into its registers.
 struct LoadChanges<'a, const S: usize, const N: usize> {
     law: &'a EnergyLaw<S>,
-    states: [&'a [State<false, S>; N]; 2],
-    /// Of the start and then of the end.
+    from: &'a [Components<S>; N],
+    to: &'a [Components<S>; N],
+    at_start: &'a [Block<N>],
     spectra: &'a [Spectrum<false>],
     registers: &'a mut [Block<N>],
 }
@@ -119,10 +127,10 @@ struct LoadChanges<'a, const S: usize, const N: usize> {
 /// A block whose tape has run, and what it is put together to.
 struct Finish<'a, const S: usize, const N: usize, T> {
     law: &'a EnergyLaw<S>,
-    states: &'a [State<false, S>; N],
+    strains: &'a [Components<S>; N],
     spectra: &'a [Spectrum<false>],
     registers: &'a [Block<N>],
-    results: &'a mut [T; N],
+    results: [&'a mut T; N],
 }
 
 /// The principal stretches of a point, where a law needs them.
@@ -137,21 +145,16 @@ macro_rules! law {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
-                let Load { law, strains, registers, states, spectra } = self;
+                let Load { law, strains, registers, spectra } = self;
                 for n in 0..black_box(N).min(N) {
                     let strain = Mandel(relabel(&strains[n]));
                     let state = law.variables.state::<FMA>(strain);
-                    states[n] = state.relabel();
                     if law.variables.has_principal {
                         let spectrum = Spectrum::<FMA>::new(&strain);
                         spectra[n] = spectrum.relabel();
-                        for k in 0..law.variables.all.len() {
-                            registers[k][n] = Lanes(law.variables.deviation(k, &state, Some(&spectrum)).0);
-                        }
+                        law.variables.deviations_into(&state, Some(&spectrum), registers, n);
                     } else {
-                        for k in 0..law.variables.all.len() {
-                            registers[k][n] = Lanes(law.variables.deviation(k, &state, None).0);
-                        }
+                        law.variables.deviations_into(&state, None, registers, n);
                     }
                 }
             }
@@ -161,16 +164,16 @@ macro_rules! law {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
-                let LoadChanges { law, states: [starts, ends], spectra, registers } = self;
+                let LoadChanges { law, from, to, at_start, spectra, registers } = self;
                 for n in 0..black_box(N).min(N) {
-                    let (start, end) = (starts[n].relabel::<FMA>(), ends[n].relabel::<FMA>());
-                    let (from, to) = (spectrum_of::<FMA>(spectra, n), spectrum_of::<FMA>(spectra, N + n));
-                    let pair = match (&from, &to) {
-                        (Some(from), Some(to)) => Some([from, to]),
-                        _ => None,
-                    };
-                    for k in 0..law.variables.all.len() {
-                        registers[k][n] = Lanes(law.variables.change(k, [&start, &end], pair).0);
+                    let start = law.variables.known_state::<FMA, N>(&from[n], at_start, n);
+                    let end = law.variables.state::<FMA>(Mandel(relabel(&to[n])));
+                    match spectrum_of::<FMA>(spectra, n) {
+                        Some(from) => {
+                            let to = Spectrum::<FMA>::new(&end.strain);
+                            law.variables.changes_into([&start, &end], Some([&from, &to]), registers, n);
+                        }
+                        None => law.variables.changes_into([&start, &end], None, registers, n),
                     }
                 }
             }
@@ -180,15 +183,16 @@ macro_rules! law {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
-                let Finish { law, states, spectra, registers, results } = self;
+                let Finish { law, strains, spectra, registers, results } = self;
                 for n in 0..black_box(N).min(N) {
-                    let (state, spectrum) = (states[n].relabel::<FMA>(), spectrum_of::<FMA>(spectra, n));
+                    let state = law.variables.known_state::<FMA, N>(&strains[n], registers, n);
+                    let spectrum = spectrum_of::<FMA>(spectra, n);
                     let mut stress = law.stress_at_rest::<FMA>();
                     for k in 0..law.variables.all.len() {
                         let variation = law.variables.slope_variation(k, &state, spectrum.as_ref());
-                        law.add_stress(k, &law.slopes.roots[k], variation.as_ref(), (registers, n), &mut stress);
+                        law.add_stress(k, variation.as_ref(), (registers, n), &mut stress);
                     }
-                    results[n] = relabel(&stress.0);
+                    *results[n] = relabel(&stress.0);
                 }
             }
         }
@@ -197,104 +201,109 @@ macro_rules! law {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
-                let Finish { law, states, spectra, registers, results } = self;
+                let Finish { law, strains, spectra, registers, results } = self;
                 let count = law.variables.all.len();
                 // Room for the derivatives of the variables that most laws have; others are computed again.
-                let mut slopes = [Mandel([Lanes::<FMA>::ZERO; $size]); SLOPES];
+                let mut slopes = [Mandel([Lanes::<FMA>::ZERO; $size]); KEPT];
                 for n in 0..black_box(N).min(N) {
-                    let (state, spectrum) = (states[n].relabel::<FMA>(), spectrum_of::<FMA>(spectra, n));
+                    let state = law.variables.known_state::<FMA, N>(&strains[n], registers, n);
+                    let spectrum = spectrum_of::<FMA>(spectra, n);
                     let (mut stress, mut tangent) = (law.stress_at_rest::<FMA>(), [[Lanes::<FMA>::ZERO; $size]; $size]);
                     for k in 0..count {
                         let variation = law.variables.slope_variation(k, &state, spectrum.as_ref());
-                        let root = &law.response.roots[k];
-                        law.add_stress(k, root, variation.as_ref(), (registers, n), &mut stress);
+                        law.add_stress(k, variation.as_ref(), (registers, n), &mut stress);
                         let slope = law.slope(k, variation);
-                        let weight = root.value(registers, n);
+                        let weight = law.tape.roots[1 + k].value(registers, n);
                         law.variables.add_curvature(k, (&state, spectrum.as_ref()), &slope, weight, &mut tangent);
-                        if k < SLOPES {
+                        if k < KEPT {
                             slopes[k] = slope;
                         }
                     }
                     for &(k, l, root) in &law.seconds {
-                        let weight = law.response.roots[root].value(registers, n);
-                        let (mut a, mut b) = (slopes[k.min(SLOPES - 1)], slopes[l.min(SLOPES - 1)]);
-                        if k >= SLOPES {
+                        let weight = law.tape.roots[root].value(registers, n);
+                        let (mut a, mut b) = (slopes[k.min(KEPT - 1)], slopes[l.min(KEPT - 1)]);
+                        if k >= KEPT {
                             a = law.slope(k, law.variables.slope_variation(k, &state, spectrum.as_ref()));
                         }
-                        if l >= SLOPES {
+                        if l >= KEPT {
                             b = law.slope(l, law.variables.slope_variation(l, &state, spectrum.as_ref()));
                         }
                         add_product(&a, &b, weight, k == l, &mut tangent);
                     }
-                    results[n] = Response { stress: relabel(&stress.0), tangent: relabel_rows(&tangent) };
+                    *results[n] = Response { stress: relabel(&stress.0), tangent: relabel_rows(&tangent) };
                 }
             }
         }
 
         impl EnergyLaw<$size> {
+            /// Runs the tape up to a stage at some strains.
+            fn run_at<const N: usize>(
+                &self,
+                stage: usize,
+                strains: &[Components<$size>; N],
+                registers: &mut [Block<N>],
+                spectra: &mut [Spectrum<false>],
+            ) {
+                dispatch(Load { law: self, strains, registers, spectra });
+                dispatch(Run { tape: &self.tape, stage, start: None, registers });
+            }
+
             fn energy_block<const N: usize>(&self, strains: &[Components<$size>; N], energy: &mut [Lanes<false>; N]) {
-                with_scratch(self.energy.registers(), self.spectra::<N>(), |registers, spectra| {
-                    dispatch(Load { law: self, strains, registers, states: &mut [State::ZERO; N], spectra });
-                    dispatch(Run(&self.energy, None, registers));
+                with_scratch(self.tape.registers(), self.spectra::<N>(), |registers, spectra| {
+                    self.run_at(ENERGY, strains, registers, spectra);
                     for n in 0..N {
-                        energy[n] = self.energy.roots[0].deviation(registers, n).unwrap_or(Lanes::ZERO);
+                        energy[n] = self.tape.roots[0].deviation(registers, n).unwrap_or(Lanes::ZERO);
                     }
                 });
             }
 
             fn stress_block<const N: usize>(&self, strains: &[Components<$size>; N], results: &mut [Components<$size>; N]) {
-                let mut states = [State::ZERO; N];
-                with_scratch(self.slopes.registers(), self.spectra::<N>(), |registers, spectra| {
-                    dispatch(Load { law: self, strains, registers, states: &mut states, spectra });
-                    dispatch(Run(&self.slopes, None, registers));
-                    dispatch(Finish { law: self, states: &states, spectra, registers, results });
+                with_scratch(self.tape.registers(), self.spectra::<N>(), |registers, spectra| {
+                    self.run_at(SLOPES, strains, registers, spectra);
+                    dispatch(Finish { law: self, strains, spectra, registers, results: results.each_mut() });
                 });
             }
 
             fn response_block<const N: usize>(&self, strains: &[Components<$size>; N], results: &mut [Response<$size>; N]) {
-                let mut states = [State::ZERO; N];
-                with_scratch(self.response.registers(), self.spectra::<N>(), |registers, spectra| {
-                    dispatch(Load { law: self, strains, registers, states: &mut states, spectra });
-                    dispatch(Run(&self.response, None, registers));
-                    dispatch(Finish { law: self, states: &states, spectra, registers, results });
+                with_scratch(self.tape.registers(), self.spectra::<N>(), |registers, spectra| {
+                    self.run_at(RESPONSE, strains, registers, spectra);
+                    dispatch(Finish { law: self, strains, spectra, registers, results: results.each_mut() });
                 });
             }
 
-            /// Stress and tangent at the mean, stress at the end, and the change of the energy without what the stress at the mean works.
+            /// Stress and tangent at the mean, stress at the end, and the change of the energy without what the stress at the mean
+            /// works. The change is counted from the end, where the tape has run for the stress.
             fn increment_block<const N: usize>(
                 &self,
                 strain_n: &[Components<$size>; N],
                 strain_n1: &[Components<$size>; N],
                 increments: &mut [IncrementResponse<$size>; N],
             ) {
-                let (mut mid, mut d) = ([[Lanes::ZERO; $size]; N], [[Lanes::ZERO; $size]; N]);
+                let mut mid = *strain_n;
                 for n in 0..N {
                     for s in 0..$size {
                         mid[n][s] = (strain_n[n][s] + strain_n1[n][s]) * 0.5;
-                        d[n][s] = strain_n1[n][s] - strain_n[n][s];
                     }
                 }
-                let mut means = [Response::ZERO; N];
-                self.response_block(&mid, &mut means);
-                let (mut states, mut stresses, mut start) = ([State::ZERO; N], [[Lanes::ZERO; $size]; N], [State::ZERO; N]);
-                let (count, spectra) = (self.energy.registers(), self.spectra::<N>());
-                with_scratch(self.slopes.registers().max(2 * count), 2 * spectra, |registers, all| {
-                    let (from, to) = all.split_at_mut(spectra);
-                    dispatch(Load { law: self, strains: strain_n1, registers, states: &mut states, spectra: to });
-                    dispatch(Run(&self.slopes, None, registers));
-                    dispatch(Finish { law: self, states: &states, spectra: to, registers, results: &mut stresses });
-                    let (at_start, changes) = registers.split_at_mut(count);
-                    dispatch(Load { law: self, strains: strain_n, registers: at_start, states: &mut start, spectra: from });
-                    dispatch(Run(&self.energy, None, at_start));
-                    dispatch(LoadChanges { law: self, states: [&start, &states], spectra: all, registers: changes });
-                    dispatch(Run(&self.energy, Some(at_start), changes));
+                let count = self.tape.registers();
+                with_scratch(2 * count, self.spectra::<N>(), |registers, spectra| {
+                    let (registers, changes) = registers.split_at_mut(count);
+                    self.run_at(RESPONSE, &mid, registers, spectra);
+                    let results = increments.each_mut().map(|increment| &mut increment.mean);
+                    dispatch(Finish { law: self, strains: &mid, spectra, registers, results });
+                    self.run_at(SLOPES, strain_n1, registers, spectra);
+                    let results = increments.each_mut().map(|increment| &mut increment.stress_end);
+                    dispatch(Finish { law: self, strains: strain_n1, spectra, registers, results });
+                    let (from, to) = (strain_n1, strain_n);
+                    dispatch(LoadChanges { law: self, from, to, at_start: registers, spectra, registers: changes });
+                    dispatch(Run { tape: &self.tape, stage: ENERGY, start: Some(registers), registers: changes });
                     for n in 0..N {
-                        let change = self.energy.roots[0].deviation(changes, n).unwrap_or(Lanes::ZERO);
+                        let back = self.tape.roots[0].deviation(changes, n).unwrap_or(Lanes::ZERO);
                         let mut work = Lanes::ZERO;
                         for s in 0..$size {
-                            work = work + means[n].stress[s] * d[n][s];
+                            work = work + increments[n].mean.stress[s] * (strain_n[n][s] - strain_n1[n][s]);
                         }
-                        increments[n] = IncrementResponse { mean: means[n], stress_end: stresses[n], remainder: change - work };
+                        increments[n].remainder = work - back;
                     }
                 });
             }
@@ -339,7 +348,7 @@ macro_rules! law {
 }
 
 /// Variables whose derivatives are kept while a tangent is put together.
-const SLOPES: usize = 4;
+const KEPT: usize = 4;
 
 law!(3);
 law!(4);
@@ -378,11 +387,11 @@ impl<const S: usize> EnergyLaw<S> {
     fn add_stress<const FMA: bool, const N: usize>(
         &self,
         k: usize,
-        root: &Root,
         variation: Option<&Mandel<Lanes<FMA>, S>>,
         (registers, n): (&[Block<N>], usize),
         stress: &mut Mandel<Lanes<FMA>, S>,
     ) {
+        let root = &self.tape.roots[1 + k];
         if let Some(variation) = variation {
             let weight = root.value::<FMA, N>(registers, n);
             for s in 0..S {
@@ -417,42 +426,37 @@ fn add_product<const FMA: bool, const S: usize>(
     }
 }
 
-/// An energy of `J` alone.
-pub(super) struct VolumetricEnergy {
-    energy: Tape,
-    /// First and second derivative.
-    response: Tape,
-}
+/// An energy of `J` alone: a tape with the stages [`ENERGY`] and [`SLOPES`], the latter with the second derivative.
+pub(super) struct VolumetricEnergy(Tape);
 
 impl VolumetricEnergy {
     pub(super) fn new(graph: &mut Graph, energy: Id) -> Self {
         let slope = graph.derivative(energy, Variable::J);
         let curvature = graph.derivative(slope, Variable::J);
-        VolumetricEnergy {
-            response: Tape::new(graph, &[Variable::J], &[slope, curvature]),
-            energy: Tape::new(graph, &[Variable::J], &[energy]),
-        }
+        VolumetricEnergy(Tape::new(graph, &[Variable::J], &[&[energy], &[slope, curvature]]))
+    }
+
+    /// Runs the tape up to a stage at a `J - 1`, and reads its registers.
+    fn run_at(&self, stage: usize, change: &Lanes<false>, read: impl FnOnce(&[Root], &[Block<1>])) {
+        with_scratch::<1>(self.0.registers(), 0, |registers, _| {
+            registers[0] = [*change];
+            registers[1] = [-*change / (*change + 1.0)];
+            dispatch(Run { tape: &self.0, stage, start: None, registers });
+            read(&self.0.roots, registers);
+        });
     }
 }
 
 impl VolumetricLaw for VolumetricEnergy {
     fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]) {
         for (change, energy) in change.iter().zip(energy) {
-            with_scratch::<1>(self.energy.registers(), 0, |registers, _| {
-                registers[0] = [*change];
-                dispatch(Run(&self.energy, None, registers));
-                *energy = self.energy.roots[0].deviation(registers, 0).unwrap_or(Lanes::ZERO);
-            });
+            self.run_at(ENERGY, change, |roots, registers| *energy = roots[0].deviation(registers, 0).unwrap_or(Lanes::ZERO));
         }
     }
 
     fn responses_into(&self, change: &[Lanes<false>], responses: &mut [[Lanes<false>; 2]]) {
         for (change, response) in change.iter().zip(responses) {
-            with_scratch::<1>(self.response.registers(), 0, |registers, _| {
-                registers[0] = [*change];
-                dispatch(Run(&self.response, None, registers));
-                *response = [0, 1].map(|root| self.response.roots[root].value(registers, 0));
-            });
+            self.run_at(SLOPES, change, |roots, registers| *response = [1, 2].map(|root| roots[root].value(registers, 0)));
         }
     }
 }

@@ -6,7 +6,9 @@
 //! their digits.
 
 use super::spectrum::{Principal, Spectrum};
+use super::tape::Block;
 use super::variable::Variable;
+use crate::materials::batched::Components;
 use crate::materials::volume::growth;
 use crate::math::lanes::{Lanes, Real, relabel};
 use crate::math::tensor::{Mandel, Tensor, mandel_pairs, mandel_scale};
@@ -27,7 +29,8 @@ pub(super) struct Variables<const S: usize> {
     pub(super) slopes_at_rest: Vec<[f64; S]>,
     /// Those that are functions of the principal stretches.
     principal: Vec<Option<Principal>>,
-    has_volume: bool,
+    /// Which of them is `J`.
+    volume: Option<usize>,
     /// Whether some of them are functions of the principal stretches.
     pub(super) has_principal: bool,
 }
@@ -35,21 +38,11 @@ pub(super) struct Variables<const S: usize> {
 /// What is known of a strain.
 #[derive(Clone, Copy)]
 pub(super) struct State<const FMA: bool, const S: usize> {
-    strain: Mandel<Lanes<FMA>, S>,
+    pub(super) strain: Mandel<Lanes<FMA>, S>,
     /// `J - 1`.
     change: Lanes<FMA>,
     /// `1/J`.
     inverse: Lanes<FMA>,
-}
-
-impl<const FMA: bool, const S: usize> State<FMA, S> {
-    pub(super) const ZERO: Self = State { strain: Mandel([Lanes::ZERO; S]), change: Lanes::ZERO, inverse: Lanes::ZERO };
-
-    /// The same for code with another `FMA`.
-    #[inline(always)]
-    pub(super) fn relabel<const OTHER: bool>(&self) -> State<OTHER, S> {
-        State { strain: Mandel(relabel(&self.strain.0)), change: Lanes(self.change.0), inverse: Lanes(self.inverse.0) }
-    }
 }
 
 /// The principal function that a variable is.
@@ -78,30 +71,87 @@ impl<const S: usize> Variables<S> {
         };
         Variables {
             slopes_at_rest: all.iter().map(slope).collect(),
-            has_volume: all.contains(&Variable::J),
+            volume: all.iter().position(|variable| *variable == Variable::J),
             has_principal: all.iter().any(|variable| principal(*variable).is_some()),
             principal: all.iter().map(|variable| principal(*variable)).collect(),
             all,
         }
     }
 
+    /// What is known of a strain.
     #[inline(always)]
     pub(super) fn state<const FMA: bool>(&self, strain: Mandel<Lanes<FMA>, S>) -> State<FMA, S>
     where
         Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
     {
-        let mut state = State { strain, ..State::ZERO };
-        if self.has_volume {
+        let (mut change, mut inverse) = (Lanes::ZERO, Lanes::ZERO);
+        if self.volume.is_some() {
+            // J = sqrt(1 + x): J - 1 = x/(J + 1). One division for this and 1/J.
             let growth = growth(&strain);
-            state.change = growth / ((growth + 1.0).sqrt() + 1.0);
-            state.inverse = Lanes::splat(1.0) / (state.change + 1.0);
+            let root = (growth + 1.0).sqrt();
+            let both = Lanes::splat(1.0) / (root * (root + 1.0));
+            (change, inverse) = (growth * root * both, (root + 1.0) * both);
         }
-        state
+        State { strain, change, inverse }
+    }
+
+    /// What is known of a strain whose variables stand in the registers of a tape.
+    #[inline(always)]
+    pub(super) fn known_state<const FMA: bool, const N: usize>(
+        &self,
+        strain: &Components<S>,
+        registers: &[Block<N>],
+        n: usize,
+    ) -> State<FMA, S> {
+        let (mut change, mut inverse) = (Lanes::ZERO, Lanes::ZERO);
+        if let Some(volume) = self.volume {
+            (change, inverse) = (Lanes(registers[volume][n].0), Lanes(registers[self.all.len()][n].0) + 1.0);
+        }
+        State { strain: Mandel(relabel(strain)), change, inverse }
+    }
+
+    /// Writes the deviations of all variables from rest, and that of `1/J` behind them.
+    #[inline(always)]
+    pub(super) fn deviations_into<const FMA: bool, const N: usize>(
+        &self,
+        state: &State<FMA, S>,
+        spectrum: Option<&Spectrum<FMA>>,
+        registers: &mut [Block<N>],
+        n: usize,
+    ) where
+        Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+    {
+        for k in 0..self.all.len() {
+            registers[k][n] = Lanes(self.deviation(k, state, spectrum).0);
+        }
+        if self.volume.is_some() {
+            registers[self.all.len()][n] = Lanes((-state.change * state.inverse).0);
+        }
+    }
+
+    /// Writes the changes of all variables over a step, and that of `1/J` behind them.
+    #[inline(always)]
+    pub(super) fn changes_into<const FMA: bool, const N: usize>(
+        &self,
+        states: [&State<FMA, S>; 2],
+        spectra: Option<[&Spectrum<FMA>; 2]>,
+        registers: &mut [Block<N>],
+        n: usize,
+    ) where
+        Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
+    {
+        for k in 0..self.all.len() {
+            registers[k][n] = Lanes(self.change(k, states, spectra).0);
+        }
+        if let Some(volume) = self.volume {
+            let change = Lanes::<FMA>(registers[volume][n].0);
+            registers[self.all.len()][n] = Lanes((-change * (states[0].inverse * states[1].inverse)).0);
+        }
     }
 
     /// Deviation of a variable from rest.
     #[inline(always)]
-    pub(super) fn deviation<const FMA: bool>(&self, k: usize, state: &State<FMA, S>, spectrum: Option<&Spectrum<FMA>>) -> Lanes<FMA>
+    fn deviation<const FMA: bool>(&self, k: usize, state: &State<FMA, S>, spectrum: Option<&Spectrum<FMA>>) -> Lanes<FMA>
     where
         Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
     {
@@ -126,12 +176,7 @@ impl<const S: usize> Variables<S> {
     /// Change of a variable over a step, without cancellation: products at the mean strain, a quadrature for functions of principal
     /// stretches where the step is small.
     #[inline(always)]
-    pub(super) fn change<const FMA: bool>(
-        &self,
-        k: usize,
-        [start, end]: [&State<FMA, S>; 2],
-        spectra: Option<[&Spectrum<FMA>; 2]>,
-    ) -> Lanes<FMA>
+    fn change<const FMA: bool>(&self, k: usize, [start, end]: [&State<FMA, S>; 2], spectra: Option<[&Spectrum<FMA>; 2]>) -> Lanes<FMA>
     where
         Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
     {

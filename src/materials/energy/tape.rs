@@ -32,6 +32,8 @@ pub(super) type Block<const N: usize> = [Lanes<false>; N];
 struct Operand {
     register: Register,
     rest: f64,
+    /// Where its reciprocal stands, if that is known: it saves a division.
+    reciprocal: Option<Register>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,14 +90,18 @@ impl Root {
     }
 }
 
-/// A list of operations. The first registers are the variables, in the order in which they were given; operation `k` writes the register
-/// behind those of the variables and of the operations before it.
+/// A list of operations. The first registers are the variables, in the order in which they were given, and behind them `1/J` where `J` is
+/// one of them; operation `k` writes the register behind those and those of the operations before it. The list has stages, each with
+/// roots of its own: who wants the energy alone need not run what its derivatives are made of.
 #[derive(Debug)]
 pub(super) struct Tape {
-    variables: usize,
+    inputs: usize,
     operations: Vec<Operation>,
     /// Value at rest of each operation's result.
     rest: Vec<f64>,
+    /// How many operations give the roots of each stage.
+    stages: Vec<usize>,
+    /// Roots of all stages in a row.
     pub(super) roots: Vec<Root>,
 }
 
@@ -131,13 +137,17 @@ impl<const N: usize> Base for AtStart<'_, N> {
     }
     #[inline(always)]
     fn below<const FMA: bool>(&self, x: Lanes<FMA>, operand: Operand, point: usize) -> Lanes<FMA> {
-        x / self.value(operand, point)
+        match operand.reciprocal {
+            Some(register) => x * (Lanes(self.0[register][point].0) + 1.0 / operand.rest),
+            None => x / self.value(operand, point),
+        }
     }
 }
 
 /// Lowers a graph: places of the nodes that have one so far.
 struct Lowering<'a> {
     graph: &'a Graph,
+    variables: &'a [Variable],
     tape: Tape,
     places: Vec<Option<Place>>,
 }
@@ -160,7 +170,12 @@ impl Lowering<'_> {
             place = self.push(Operation::Scaled(place.factor, place.register), self.graph.rest(id));
             self.places[id] = Some(place);
         }
-        Operand { register: place.register, rest: self.graph.rest(id) }
+        let reciprocal = self.is_volume(id).then_some(self.variables.len());
+        Operand { register: place.register, rest: self.graph.rest(id), reciprocal }
+    }
+
+    fn is_volume(&self, id: Id) -> bool {
+        self.graph.node(id) == Node::Variable(Variable::J)
     }
 
     fn sum(&mut self, a: Id, b: Id, rest: f64) -> Place {
@@ -182,14 +197,15 @@ impl Lowering<'_> {
         self.push(operation, rest)
     }
 
-    fn lower(&mut self, id: Id, variables: &[Variable]) -> Option<Place> {
+    fn lower(&mut self, id: Id) -> Option<Place> {
         let rest = self.graph.rest(id);
         let operation = match self.graph.node(id) {
             Node::Constant(_) => return None,
             Node::Variable(variable) => {
-                let register = variables.iter().position(|known| *known == variable)?;
+                let register = self.variables.iter().position(|known| *known == variable)?;
                 return Some(Place { factor: 1.0, register });
             }
+            Node::Reciprocal(a) if self.is_volume(a) => return Some(Place { factor: 1.0, register: self.variables.len() }),
             Node::Sum(a, b) => return Some(self.sum(a, b, rest)),
             Node::Scaled(factor, a) => {
                 let place = self.place(a);
@@ -208,41 +224,50 @@ impl Lowering<'_> {
 }
 
 impl Tape {
-    /// The operations that give `roots`.
-    pub(super) fn new(graph: &Graph, variables: &[Variable], roots: &[Id]) -> Self {
-        let needed = graph.needed(roots);
-        let tape = Tape { variables: variables.len(), operations: Vec::new(), rest: Vec::new(), roots: Vec::new() };
-        let mut lowering = Lowering { graph, tape, places: vec![None; needed.len()] };
-        for id in (0..needed.len()).filter(|&id| needed[id]) {
-            lowering.places[id] = lowering.lower(id, variables);
+    /// The operations that give the roots of `stages`, one after the other.
+    pub(super) fn new(graph: &Graph, variables: &[Variable], stages: &[&[Id]]) -> Self {
+        let inputs = variables.len() + usize::from(variables.contains(&Variable::J));
+        let tape = Tape { inputs, operations: Vec::new(), rest: Vec::new(), stages: Vec::new(), roots: Vec::new() };
+        let nodes = stages.iter().flat_map(|roots| roots.iter()).max().map_or(0, |last| last + 1);
+        let mut lowering = Lowering { graph, variables, tape, places: vec![None; nodes] };
+        let mut known = vec![false; nodes];
+        for roots in stages {
+            for (id, is_needed) in graph.needed(roots).into_iter().enumerate() {
+                if is_needed && !known[id] {
+                    lowering.places[id] = lowering.lower(id);
+                    known[id] = true;
+                }
+            }
+            let roots = roots.iter().map(|&id| Root { place: lowering.places[id], rest: graph.rest(id) });
+            lowering.tape.roots.extend(roots);
+            lowering.tape.stages.push(lowering.tape.operations.len());
         }
-        let roots = roots.iter().map(|&id| Root { place: lowering.places[id], rest: graph.rest(id) }).collect();
-        Tape { roots, ..lowering.tape }
+        lowering.tape
     }
 
     /// How many registers a run needs.
     pub(super) fn registers(&self) -> usize {
-        self.variables + self.operations.len()
+        self.inputs + self.operations.len()
     }
 
-    /// Deviations from rest of all registers; those of the variables stand in the first already.
+    /// Deviations from rest of all registers up to those of a stage; those of the variables stand in the first already.
     #[inline(always)]
-    pub(super) fn deviations<const FMA: bool, const N: usize>(&self, registers: &mut [Block<N>]) {
-        self.run::<FMA, N>(registers, &AtRest);
+    pub(super) fn deviations<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>]) {
+        self.run::<FMA, N>(stage, registers, &AtRest);
     }
 
-    /// Changes of all registers from `start` (deviations there); those of the variables stand in the first already.
+    /// Changes of all registers up to those of a stage from `start` (deviations there); those of the variables stand in the first already.
     #[inline(always)]
-    pub(super) fn changes<const FMA: bool, const N: usize>(&self, start: &[Block<N>], registers: &mut [Block<N>]) {
-        self.run::<FMA, N>(registers, &AtStart(start));
+    pub(super) fn changes<const FMA: bool, const N: usize>(&self, stage: usize, start: &[Block<N>], registers: &mut [Block<N>]) {
+        self.run::<FMA, N>(stage, registers, &AtStart(start));
     }
 
     #[inline(always)]
-    fn run<const FMA: bool, const N: usize>(&self, registers: &mut [Block<N>], base: &impl Base) {
+    fn run<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>], base: &impl Base) {
         // Unrolled over points, too, the loops would be more than the compiler can put into vector registers.
         let points = black_box(N).min(N);
-        for (index, operation) in self.operations.iter().enumerate() {
-            let target = Operand { register: self.variables + index, rest: self.rest[index] };
+        for (index, operation) in self.operations[..self.stages[stage]].iter().enumerate() {
+            let target = Operand { register: self.inputs + index, rest: self.rest[index], reciprocal: None };
             let (done, rest) = registers.split_at_mut(target.register);
             let result = &mut rest[0];
             // Loops and no closures: what is not inlined here is compiled without the instructions that this function may use.
