@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 #[path = "../tests/common/mesh_damage.rs"]
 mod mesh_damage;
 
-use mesh_damage::{Random, damaged, judged, originals};
+use mesh_damage::{SplitMix, damaged, judged, originals};
 
 /// Longer than any of these small files may take.
 const SLOW: Duration = Duration::from_secs(2);
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let seconds: u64 = arguments.next().map_or(Ok(10), |text| text.parse())?;
     let seed: u64 = arguments.next().map_or(Ok(1), |text| text.parse())?;
-    let (originals, mut random) = (originals(), Random(seed));
+    let (originals, mut random) = (originals(), SplitMix(seed));
     let kept = std::env::temp_dir().join(format!("fuzz_mesh_{seed}"));
     let (begin, mut files, mut read, mut slowest) = (Instant::now(), 0u64, 0u64, Duration::ZERO);
     while begin.elapsed() < Duration::from_secs(seconds) {

@@ -12,34 +12,17 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+#[path = "common/splitmix.rs"]
+mod splitmix;
+
 use conserva::script::{Class, Diagnostic, Ink, Interactive, Kind, Mode, Observer, Parameter, Progress, Session, Settings};
+use splitmix::SplitMix;
 
 /// Time after which a script is asked to stop, as by Ctrl-C, and time after which it should have.
 const PATIENCE: Duration = Duration::from_millis(400);
 const HANG: Duration = Duration::from_secs(60);
 /// Operations of a script: no example needs a hundredth of it.
 const OPERATIONS: u64 = 300_000;
-
-/// Random numbers by splitmix64 (Steele, Lea and Flood, 2014): a seed is all there is to know.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() % count.max(1) as u64) as usize
-    }
-
-    fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
-        &from[self.below(from.len())]
-    }
-}
 
 /// An observer that draws every message, because drawing may fail, too.
 struct Drawing;
@@ -225,7 +208,7 @@ impl Corpus {
     }
 
     /// A script of a seed.
-    fn script(&self, random: &mut Random) -> String {
+    fn script(&self, random: &mut SplitMix) -> String {
         let mut parts = tokens(random.pick(&self.scripts).as_str());
         for _ in 0..1 + random.below(6) {
             self.mutate(&mut parts, random);
@@ -233,7 +216,7 @@ impl Corpus {
         parts.concat()
     }
 
-    fn mutate(&self, parts: &mut Vec<String>, random: &mut Random) {
+    fn mutate(&self, parts: &mut Vec<String>, random: &mut SplitMix) {
         if parts.is_empty() {
             parts.push(random.pick(WORDS).to_string());
         }
@@ -292,7 +275,7 @@ fn names_of(parameter: &Parameter) -> Vec<String> {
 }
 
 /// What a script is tried as.
-fn run(script: &str, random: &mut Random, folder: &Path, interrupt: &Arc<AtomicBool>) -> Option<Diagnostic> {
+fn run(script: &str, random: &mut SplitMix, folder: &Path, interrupt: &Arc<AtomicBool>) -> Option<Diagnostic> {
     let settings = Settings {
         mode: if random.below(8) == 0 { Mode::Check } else { Mode::Run },
         output: Some(folder.join("out")),
@@ -378,7 +361,7 @@ fn fuzz(first_seed: u64, time: Duration, name: &str) -> Result<u64, String> {
     let mut found = Vec::new();
     let (mut seed, mut slowest) = (first_seed, Duration::ZERO);
     while begun.elapsed() < time {
-        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut random = SplitMix(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
         let script = corpus.script(&mut random);
         std::fs::write(folder.join("current.rhai"), format!("// seed {seed}\n{script}")).unwrap();
         *state.script.lock().unwrap() = script.clone();

@@ -120,7 +120,7 @@ fn public_contact_meshes_are_read() {
 
 #[test]
 fn damaged_files_are_read_or_refused() {
-    let (originals, mut random) = (mesh_damage::originals(), mesh_damage::Random(2026));
+    let (originals, mut random) = (mesh_damage::originals(), mesh_damage::SplitMix(2026));
     let read = (0..4000).filter(|_| mesh_damage::judged(&mesh_damage::damaged(&originals, &mut random))).count();
     // damage to a byte of a comment or a coordinate does no harm; most does
     assert!((100..3000).contains(&read), "{read}");

@@ -5,9 +5,11 @@
 //! Everything is relative to the last node of a cell: the gradients of the shape functions sum to zero, so it takes what the others leave.
 
 use crate::elements::ReferenceCell;
-use crate::materials::Components;
-use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::integrators::discrete_gradient;
+use crate::materials::{Components, IncrementResponse};
+use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
 use crate::math::tensor::{mandel_index, mandel_scale};
+use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
 
 /// Most nodes and points for which loops are written out: those of the cells of first order.
 const FEW: usize = 4;
@@ -172,6 +174,21 @@ pub(super) fn many<const N: usize>() -> usize {
 #[inline(always)]
 pub(super) fn cast<const FMA: bool>(x: Lanes<false>) -> Lanes<FMA> {
     Lanes(x.0)
+}
+
+/// The discrete gradient of a stored energy between two strains, and its derivative with respect to the second.
+#[inline(always)]
+pub(super) fn discrete_stress<const FMA: bool, const S: usize>(
+    strains: [&Components<S>; 2],
+    increment: &IncrementResponse<S>,
+) -> ([Lanes<FMA>; S], [[Lanes<FMA>; S]; S]) {
+    let mut d = [Lanes::<FMA>::ZERO; S];
+    for s in 0..S {
+        d[s] = cast::<FMA>(strains[1][s]) - cast(strains[0][s]);
+    }
+    let IncrementResponse { mean, stress_end, remainder } = increment;
+    let (gradient, hessian) = (relabel(&mean.stress), relabel_rows(&mean.tangent));
+    discrete_gradient(&d, &gradient, &hessian, &relabel(stress_end), cast(*remainder), STRAIN_INCREMENT_SQUARED)
 }
 
 /// Determinant and cofactor matrix.

@@ -5,10 +5,10 @@
 use super::batch::{Table, cast, many};
 use super::special::{Answer, SpecialPoints};
 use super::sums::{add_force, finish_force};
-use super::workspace::{Workspace, own};
+use super::workspace::Workspace;
 use crate::integrators::{Configuration, Derivative, Placement};
 use crate::math::lanes::{Lanes, Real};
-use crate::math::tensor::{mandel_index, mandel_scale};
+use crate::math::tensor::{mandel_index, mandel_place, mandel_scale};
 
 /// How a step takes what is added.
 #[derive(Clone, Copy)]
@@ -77,7 +77,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             for i in 0..D {
                 for j in 0..D {
                     for m in 0..D {
-                        let (c, scale) = (own::<S>(mandel_index::<D>(m, j)), mandel_scale(m, j));
+                        let (c, scale) = (mandel_place::<S>(mandel_index::<D>(m, j)), mandel_scale(m, j));
                         to_plane[i][j] = (f_test[i][m] * scale).mul_add(cast(response.tangent[c][2]), to_plane[i][j]);
                         from_plane[i][j] = (f_trial[i][m] * scale).mul_add(cast(response.tangent[2][c]), from_plane[i][j]);
                     }
@@ -125,7 +125,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             for q in 0..many::<Q>() {
                 let mut ratio = [Lanes::<FMA>::ZERO; S];
                 for k in 0..S {
-                    ratio[k] = cast(answer.ratios[q][side][own::<S>(k)]);
+                    ratio[k] = cast(answer.ratios[q][side][mandel_place::<S>(k)]);
                 }
                 let volume = self.points[q].volume * factor;
                 add_force(&self.points[q].gradients, &self.deformation_gradient(q, at), &ratio, volume, &mut sides[side]);

@@ -16,6 +16,7 @@ use super::batch::cast;
 use crate::integrators::{Configuration, Derivative};
 use crate::materials::{Components, VolumetricLaw};
 use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::tensor::mandel_place;
 use crate::math::tolerances::STRAIN_QUOTIENT;
 
 /// The pressure of a step and its derivative with respect to `theta` at the configuration where that counts.
@@ -83,18 +84,12 @@ pub(super) struct VolumeRatio<const FMA: bool, const S: usize> {
 fn stretch<const FMA: bool, const S: usize>(strain: &Components<S>) -> [Lanes<FMA>; 6] {
     let mut c = [Lanes::ZERO; 6];
     for k in 0..S {
-        c[place::<S>(k)] = cast::<FMA>(strain[k]) * 2.0;
+        c[mandel_place::<S>(k)] = cast::<FMA>(strain[k]) * 2.0;
     }
     for component in c.iter_mut().take(3) {
         *component = *component + 1.0;
     }
     c
-}
-
-/// Where a component of a strain stands among six.
-#[inline(always)]
-fn place<const S: usize>(component: usize) -> usize {
-    if S == 3 && component == 2 { 3 } else { component }
 }
 
 /// Cofactor of a symmetric tensor.
@@ -111,7 +106,7 @@ fn cofactor<const FMA: bool, const S: usize>([xx, yy, zz, xy, yz, xz]: [Lanes<FM
     ];
     let mut result = [Lanes::ZERO; S];
     for k in 0..S {
-        result[k] = all[place::<S>(k)];
+        result[k] = all[mandel_place::<S>(k)];
     }
     result
 }
@@ -131,7 +126,7 @@ fn cofactor_slope<const FMA: bool, const S: usize>([xx, yy, zz, xy, yz, xz]: [La
     let mut result = [[Lanes::ZERO; S]; S];
     for k in 0..S {
         for l in 0..S {
-            result[k][l] = all[place::<S>(k)][place::<S>(l)];
+            result[k][l] = all[mandel_place::<S>(k)][mandel_place::<S>(l)];
         }
     }
     result

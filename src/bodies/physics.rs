@@ -7,6 +7,7 @@ use super::formulation::{Dilatation, Formulation, Plane};
 use super::special::Special;
 use crate::materials::{BatchedLaw, Components, Kinematics, Material, PlaneStress};
 use crate::math::lanes::Lanes;
+use crate::math::tensor::mandel_place;
 
 /// Laws and strains of a body.
 pub(super) struct Physics<const S: usize, const L: usize> {
@@ -47,7 +48,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
     pub(super) fn spatial_strain(&self, strain: &Components<S>, hoop: Lanes<false>) -> Components<6> {
         let mut all = [Lanes::ZERO; 6];
         for (k, component) in strain.iter().enumerate() {
-            all[if S == 3 && k == 2 { 3 } else { k }] = *component;
+            all[mandel_place::<S>(k)] = *component;
         }
         if self.is_round() {
             all[2] = self.strain.around(hoop);

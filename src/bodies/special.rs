@@ -11,13 +11,12 @@
 
 use std::sync::Arc;
 
-use super::batch::{Strain, cast, mean, volume_change};
+use super::batch::{Strain, cast, discrete_stress, mean, volume_change};
 use super::dilatation::{Pressure, VolumeRatio};
-use crate::integrators::{Configuration, Derivative, discrete_gradient};
+use crate::integrators::{Configuration, Derivative};
 use crate::materials::{BatchedLaw, Components, IncrementResponse, Response, VolumetricLaw};
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
-use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
 
 /// Most quadrature points of a cell.
 pub(super) const MOST_POINTS: usize = 9;
@@ -178,14 +177,7 @@ fn law_responses<const FMA: bool, const L: usize>(
             let mut increments = [IncrementResponse::ZERO; MOST_POINTS];
             law.increments_into(&strains[0][..count], &strains[1][..count], &mut increments[..count]);
             for q in 0..count {
-                let mut d = [Lanes::<FMA>::ZERO; L];
-                for k in 0..L {
-                    d[k] = cast::<FMA>(strains[1][q][k]) - cast(strains[0][q][k]);
-                }
-                let IncrementResponse { mean, stress_end, remainder } = &increments[q];
-                let (gradient, hessian) = (relabel(&mean.stress), relabel_rows(&mean.tangent));
-                let (stress, tangent) =
-                    discrete_gradient(&d, &gradient, &hessian, &relabel(stress_end), cast(*remainder), STRAIN_INCREMENT_SQUARED);
+                let (stress, tangent) = discrete_stress::<FMA, L>([&strains[0][q], &strains[1][q]], &increments[q]);
                 responses[q] = Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) };
             }
         }

@@ -4,21 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::formulation::Plane;
+use crate::elements::{edge_points, edge_shapes};
 use crate::mesh::{Boundary, Mesh};
-
-/// Three Gauss points of an edge, `s` from -1 to 1, and their weights.
-fn edge_points() -> [(f64, f64); 3] {
-    [(-0.6f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)]
-}
-
-/// Shape functions of an edge and their slopes at `s`: its ends, then its middle node if it has one.
-fn edge_shapes(nodes: usize, s: f64) -> ([f64; 3], [f64; 3]) {
-    if nodes == 2 {
-        ([0.5 * (1.0 - s), 0.5 * (1.0 + s), 0.0], [-0.5, 0.5, 0.0])
-    } else {
-        ([0.5 * s * (s - 1.0), 0.5 * s * (s + 1.0), 1.0 - s * s], [s - 0.5, s + 0.5, -2.0 * s])
-    }
-}
 
 fn sum(shares: &[f64], values: impl Iterator<Item = f64>) -> f64 {
     shares.iter().zip(values).map(|(share, value)| share * value).sum()

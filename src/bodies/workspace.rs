@@ -1,12 +1,12 @@
 //! Force and tangent of eight cells, from their displacement gradients and the law's answers.
 
-use super::batch::{Batch, Point, Strain, Table, cast, deformation_gradient, determinant_and_cofactor, many, mean};
+use super::batch::{Batch, Point, Strain, Table, cast, deformation_gradient, determinant_and_cofactor, discrete_stress, many, mean};
 use super::special::{Answer, MOST_POINTS, SpecialPoints};
 use super::sums::{add_force, add_point, finish_force};
-use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};
+use crate::integrators::{Configuration, Derivative, Placement};
 use crate::materials::{BatchedLaw, Components, IncrementResponse, Response};
 use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
-use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
+use crate::math::tensor::mandel_place;
 
 /// What is known of a batch at its points while it is computed: strains and the law's answers, force and tangent.
 pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: usize> {
@@ -91,9 +91,9 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         self.is_final = true;
         for q in 0..many::<Q>() {
             for k in 0..S {
-                self.responses[q].stress[k] = answer.responses[q].stress[own::<S>(k)];
+                self.responses[q].stress[k] = answer.responses[q].stress[mandel_place::<S>(k)];
                 for l in 0..S {
-                    self.responses[q].tangent[k][l] = answer.responses[q].tangent[own::<S>(k)][own::<S>(l)];
+                    self.responses[q].tangent[k][l] = answer.responses[q].tangent[mandel_place::<S>(k)][mandel_place::<S>(l)];
                 }
             }
         }
@@ -167,19 +167,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     #[inline(always)]
     fn stress_and_tangent(&self, q: usize, derivative: Derivative) -> ([Lanes<FMA>; S], [[Lanes<FMA>; S]; S]) {
         if !self.is_final && derivative == Derivative::DiscreteGradient {
-            let mut d = [Lanes::<FMA>::ZERO; S];
-            for s in 0..S {
-                d[s] = cast::<FMA>(self.strain_1[q][s]) - cast(self.strain_0[q][s]);
-            }
-            let IncrementResponse { mean, stress_end, remainder } = &self.increments[q];
-            return discrete_gradient(
-                &d,
-                &relabel(&mean.stress),
-                &relabel_rows(&mean.tangent),
-                &relabel(stress_end),
-                cast(*remainder),
-                STRAIN_INCREMENT_SQUARED,
-            );
+            return discrete_stress([&self.strain_0[q], &self.strain_1[q]], &self.increments[q]);
         }
         let (stress, mut tangent) = (relabel(&self.responses[q].stress), relabel_rows(&self.responses[q].tangent));
         if !self.is_final && derivative == Derivative::Gradient(Configuration::Middle) {
@@ -288,10 +276,4 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             }
         }
     }
-}
-
-/// Where a component of the cells stands among those of a special stress.
-#[inline(always)]
-pub(super) fn own<const S: usize>(component: usize) -> usize {
-    if S == 3 && component == 2 { 3 } else { component }
 }

@@ -3,6 +3,7 @@
 //! Node order of every kind is the one that Gmsh and VTK share. Facets are listed so that the cell lies to the left (2D) or the
 //! normal points outward (3D) when a cell is positively oriented. A new kind is one file with its row, and a line in each list below.
 
+mod edge;
 mod hex8;
 mod quad4;
 mod quad8;
@@ -12,6 +13,7 @@ mod tet4;
 mod tri3;
 mod tri6;
 
+pub use edge::{edge_points, edge_shapes};
 pub use hex8::Hex8;
 pub use quad4::Quad4;
 pub use quad8::Quad8;

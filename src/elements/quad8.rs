@@ -3,19 +3,11 @@
 //! `N = (1 + xi xi_a)(1 + eta eta_a)(xi xi_a + eta eta_a - 1)/4` at the corners, `(1 - xi^2)(1 + eta eta_a)/2` and its like at the middles
 //! (Hughes, The Finite Element Method, 2000, section 3.7).
 
-use super::quad9::{FACETS, gauss, nearness};
+use super::quad9::{self, FACETS, gauss, nearness};
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
 
-const PLACES: [[f64; 3]; 8] = [
-    [-1.0, -1.0, 0.0],
-    [1.0, -1.0, 0.0],
-    [1.0, 1.0, 0.0],
-    [-1.0, 1.0, 0.0],
-    [0.0, -1.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [-1.0, 0.0, 0.0],
-];
+/// Those of the biquadratic cell without its center.
+const PLACES: [[f64; 3]; 8] = *quad9::PLACES.first_chunk().expect("eight of nine");
 
 pub(super) static ROW: CellRow = CellRow {
     name: "quad8",

@@ -3,9 +3,10 @@
 //! Shape functions are products of the quadratic ones of an interval, `x (x - 1)/2`, `1 - x^2`, `x (x + 1)/2` (Hughes, The Finite Element
 //! Method, 2000, section 3.6).
 
+use super::edge::edge_points;
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
 
-const PLACES: [[f64; 3]; 9] = [
+pub(super) const PLACES: [[f64; 3]; 9] = [
     [-1.0, -1.0, 0.0],
     [1.0, -1.0, 0.0],
     [1.0, 1.0, 0.0],
@@ -44,7 +45,7 @@ fn quadratic(at: f64, x: f64) -> (f64, f64) {
 
 /// 3 x 3 Gauss points.
 pub(super) fn gauss() -> [([f64; 2], f64); 9] {
-    let points = [(-0.6f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6f64.sqrt(), 5.0 / 9.0)];
+    let points = edge_points();
     std::array::from_fn(|q| {
         let ((x, v), (y, w)) = (points[q % 3], points[q / 3]);
         ([x, y], v * w)

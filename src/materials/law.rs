@@ -22,8 +22,8 @@ pub trait Law: Send + Sync + 'static {
         let stress_mid = self.stress(&mid);
         let difference = self.energy(strain_n1) - self.energy(strain_n) - stress_mid.dot(&d);
         let slope = |s: f64| (self.stress(&(mid + d * s)) - stress_mid).dot(&d);
-        let s = 0.5 * (3.0f64 / 7.0).sqrt();
-        let line = (slope(-0.5) + slope(0.5)) * 0.05 + (slope(-s) + slope(s)) * (49.0 / 180.0);
+        let s = lobatto_place();
+        let line = lobatto([slope(-0.5), slope(-s), slope(s), slope(0.5)]);
         let square = d.dot(&d);
         let limit = STRAIN_QUOTIENT * STRAIN_QUOTIENT;
         line + square.if_above(limit, difference - line)
@@ -34,6 +34,18 @@ pub trait Law: Send + Sync + 'static {
         let (stress, tangent) = self.stress_tangent(&((*strain_n + *strain_n1) * 0.5));
         Increment { stress, tangent, stress_end: self.stress(strain_n1), remainder: self.remainder(strain_n, strain_n1) }
     }
+}
+
+/// The inner points of the five-point Lobatto rule on the interval from -1/2 to 1/2 are here, in its middle, and at minus this.
+#[inline(always)]
+pub(super) fn lobatto_place() -> f64 {
+    0.5 * (3.0f64 / 7.0).sqrt()
+}
+
+/// The integral over the interval of a function that vanishes in its middle, from its values at the start, the inner points and the end.
+#[inline(always)]
+pub(super) fn lobatto<R: Real>([start, before, after, end]: [R; 4]) -> R {
+    (start + end) * 0.05 + (before + after) * (49.0 / 180.0)
 }
 
 /// What a discrete gradient needs of an increment of the strain.

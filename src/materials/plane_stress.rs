@@ -7,7 +7,9 @@
 use std::sync::Arc;
 
 use super::batched::{BatchedLaw, Components, IncrementResponse, Response};
+use super::law::{lobatto, lobatto_place};
 use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::tensor::mandel_place;
 use crate::math::tolerances::{STRAIN_QUOTIENT, THICKNESS_STRAIN};
 
 /// Most iterations for the strain across the plane: Newton's method needs four to six.
@@ -15,9 +17,6 @@ const ITERATIONS: usize = 40;
 
 /// A law with `E_33` solved for.
 pub struct PlaneStress(pub Arc<dyn BatchedLaw<4>>);
-
-/// A place of the four components for each of the three.
-const PLACES: [usize; 3] = [0, 1, 3];
 
 impl PlaneStress {
     /// The strain across the plane where the stress there vanishes, for strains in the plane.
@@ -57,9 +56,11 @@ impl PlaneStress {
     fn response(&self, strain: &Components<3>) -> Response<3> {
         let (_, Response { stress, tangent }) = self.solved(strain);
         let mut condensed = Response::ZERO;
-        for (k, &row) in PLACES.iter().enumerate() {
+        for k in 0..3 {
+            let row = mandel_place::<3>(k);
             condensed.stress[k] = stress[row];
-            for (l, &column) in PLACES.iter().enumerate() {
+            for l in 0..3 {
+                let column = mandel_place::<3>(l);
                 condensed.tangent[k][l] = tangent[row][column] - tangent[row][2] * tangent[2][column] / tangent[2][2];
             }
         }
@@ -82,9 +83,9 @@ impl PlaneStress {
             }
             sum
         };
-        let s = 0.5 * (3.0f64 / 7.0).sqrt();
+        let s = lobatto_place();
         let slope = |s: f64| work(&self.response(&at(s)).stress, middle);
-        let line = (slope(-0.5) + work(end, middle)) * 0.05 + (slope(-s) + slope(s)) * (49.0 / 180.0);
+        let line = lobatto([slope(-0.5), slope(-s), slope(s), work(end, middle)]);
         let difference = self.energy(n1) - self.energy(n) - work(middle, &[Lanes::ZERO; 3]);
         let mut square = Lanes::ZERO;
         for k in 0..3 {

@@ -134,32 +134,44 @@ impl<const FMA: bool, const S: usize> Mul<Lanes<FMA>> for Mandel<Lanes<FMA>, S> 
     }
 }
 
-impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 3> {
-    type Scalar = Lanes<FMA>;
-    type Tangent = [[Lanes<FMA>; 3]; 3];
-    const PLANE: bool = true;
+/// A tensor of `$size` Mandel components, of which the first `$direct` stand on the diagonal, with the operations that differ.
+macro_rules! tensor {
+    ($size:literal, $direct:literal, $($particular:item)*) => {
+        impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, $size> {
+            type Scalar = Lanes<FMA>;
+            type Tangent = [[Lanes<FMA>; $size]; $size];
+            const PLANE: bool = $direct == 2;
 
-    #[inline(always)]
-    fn plus_identity(&self, s: Lanes<FMA>) -> Self {
-        self.plus_diagonal::<2>(s)
-    }
-    #[inline(always)]
-    fn mul_add(&self, s: Lanes<FMA>, b: &Self) -> Self {
-        self.zip(*b, |a, b| a.mul_add(s, b))
-    }
-    #[inline(always)]
-    fn identity() -> Self {
-        let (one, zero) = (Lanes::splat(1.0), Lanes::splat(0.0));
-        Mandel([one, one, zero])
-    }
-    #[inline(always)]
-    fn dot(&self, other: &Self) -> Lanes<FMA> {
-        self.product(other)
-    }
-    #[inline(always)]
-    fn trace(&self) -> Lanes<FMA> {
-        self.0[0] + self.0[1]
-    }
+            #[inline(always)]
+            fn identity() -> Self {
+                Mandel([Lanes::ZERO; $size]).plus_diagonal::<$direct>(Lanes::splat(1.0))
+            }
+            #[inline(always)]
+            fn plus_identity(&self, s: Lanes<FMA>) -> Self {
+                self.plus_diagonal::<$direct>(s)
+            }
+            #[inline(always)]
+            fn mul_add(&self, s: Lanes<FMA>, b: &Self) -> Self {
+                self.zip(*b, |a, b| a.mul_add(s, b))
+            }
+            #[inline(always)]
+            fn dot(&self, other: &Self) -> Lanes<FMA> {
+                self.product(other)
+            }
+            #[inline(always)]
+            fn trace(&self) -> Lanes<FMA> {
+                let mut sum = self.0[0] + self.0[1];
+                for component in &self.0[2..$direct] {
+                    sum = sum + *component;
+                }
+                sum
+            }
+            $($particular)*
+        }
+    };
+}
+
+tensor! { 3, 2,
     #[inline(always)]
     fn second_invariant(&self) -> Lanes<FMA> {
         (self.0[2] * -0.5).mul_add(self.0[2], self.0[0] * self.0[1])
@@ -183,32 +195,7 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 3> {
     }
 }
 
-impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 4> {
-    type Scalar = Lanes<FMA>;
-    type Tangent = [[Lanes<FMA>; 4]; 4];
-    const PLANE: bool = false;
-
-    #[inline(always)]
-    fn plus_identity(&self, s: Lanes<FMA>) -> Self {
-        self.plus_diagonal::<3>(s)
-    }
-    #[inline(always)]
-    fn mul_add(&self, s: Lanes<FMA>, b: &Self) -> Self {
-        self.zip(*b, |a, b| a.mul_add(s, b))
-    }
-    #[inline(always)]
-    fn identity() -> Self {
-        let (one, zero) = (Lanes::splat(1.0), Lanes::splat(0.0));
-        Mandel([one, one, one, zero])
-    }
-    #[inline(always)]
-    fn dot(&self, other: &Self) -> Lanes<FMA> {
-        self.product(other)
-    }
-    #[inline(always)]
-    fn trace(&self) -> Lanes<FMA> {
-        self.0[0] + self.0[1] + self.0[2]
-    }
+tensor! { 4, 3,
     #[inline(always)]
     fn second_invariant(&self) -> Lanes<FMA> {
         let [xx, yy, zz, xy] = self.0;
@@ -245,32 +232,7 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 4> {
     }
 }
 
-impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 6> {
-    type Scalar = Lanes<FMA>;
-    type Tangent = [[Lanes<FMA>; 6]; 6];
-    const PLANE: bool = false;
-
-    #[inline(always)]
-    fn plus_identity(&self, s: Lanes<FMA>) -> Self {
-        self.plus_diagonal::<3>(s)
-    }
-    #[inline(always)]
-    fn mul_add(&self, s: Lanes<FMA>, b: &Self) -> Self {
-        self.zip(*b, |a, b| a.mul_add(s, b))
-    }
-    #[inline(always)]
-    fn identity() -> Self {
-        let (one, zero) = (Lanes::splat(1.0), Lanes::splat(0.0));
-        Mandel([one, one, one, zero, zero, zero])
-    }
-    #[inline(always)]
-    fn dot(&self, other: &Self) -> Lanes<FMA> {
-        self.product(other)
-    }
-    #[inline(always)]
-    fn trace(&self) -> Lanes<FMA> {
-        self.0[0] + self.0[1] + self.0[2]
-    }
+tensor! { 6, 3,
     #[inline(always)]
     fn second_invariant(&self) -> Lanes<FMA> {
         let [xx, yy, zz, xy, yz, xz] = self.0;
@@ -310,6 +272,12 @@ impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, 6> {
     }
 }
 
+/// Where a component of a tensor with `S` of them stands among the six in space, and among the four without shear of the third direction.
+#[inline(always)]
+pub const fn mandel_place<const S: usize>(component: usize) -> usize {
+    if S == 3 && component == 2 { 3 } else { component }
+}
+
 /// Indices of the Mandel components in space.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
@@ -318,9 +286,7 @@ pub const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
     let mut pairs = [(0, 1); S];
     let mut k = 0;
     while k < S {
-        if S != 3 || k < 2 {
-            pairs[k] = PAIRS[k];
-        }
+        pairs[k] = PAIRS[mandel_place::<S>(k)];
         k += 1;
     }
     pairs

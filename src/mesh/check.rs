@@ -8,7 +8,7 @@
 
 use super::error::rounded;
 use super::{Boundary, Facet, Mesh, MeshError};
-use crate::elements::{CellKind, CellShape};
+use crate::elements::{CellKind, CellShape, edge_points, edge_shapes};
 use crate::math::tolerances::DEGENERATE_CELL;
 
 /// How good the cells of a mesh are.
@@ -106,9 +106,11 @@ pub(super) fn between(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// Length of a quadratic edge by three Gauss points.
 fn edge_length(from: [f64; 3], to: [f64; 3], middle: [f64; 3]) -> f64 {
-    let slope = |s: f64| norm([0, 1, 2].map(|i| 0.5 * (to[i] - from[i]) + s * (from[i] + to[i] - 2.0 * middle[i])));
-    let s = 0.6f64.sqrt();
-    (5.0 * (slope(-s) + slope(s)) + 8.0 * slope(0.0)) / 9.0
+    let slope = |s: f64| {
+        let (_, [a, b, c]) = edge_shapes(3, s);
+        norm([0, 1, 2].map(|i| a * from[i] + b * to[i] + c * middle[i]))
+    };
+    edge_points().into_iter().map(|(s, weight)| weight * slope(s)).sum()
 }
 
 /// Smallest scaled Jacobian of a triangle or tetrahedron with these corners: the determinant of the edges, the same at every corner, over

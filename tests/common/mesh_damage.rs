@@ -6,22 +6,10 @@ use std::path::{Path, PathBuf};
 
 use conserva::mesh::read_mesh_bytes;
 
-/// Random numbers by splitmix64 (Steele, Lea and Flood, 2014): a seed is all there is to know.
-pub struct Random(pub u64);
+#[path = "splitmix.rs"]
+mod splitmix;
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() % count.max(1) as u64) as usize
-    }
-}
+pub use splitmix::SplitMix;
 
 /// Texts that seldom mean anything where a number or a word stands.
 const STRANGE: &[&str] = &[
@@ -85,15 +73,15 @@ pub fn originals() -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// A file of one of the originals, damaged.
-pub fn damaged(originals: &[(PathBuf, Vec<u8>)], random: &mut Random) -> Vec<u8> {
-    let mut content = originals[random.below(originals.len())].1.clone();
+pub fn damaged(originals: &[(PathBuf, Vec<u8>)], random: &mut SplitMix) -> Vec<u8> {
+    let mut content = random.pick(originals).1.clone();
     for _ in 0..1 + random.below(4) {
         damage(&mut content, originals, random);
     }
     content
 }
 
-fn damage(content: &mut Vec<u8>, originals: &[(PathBuf, Vec<u8>)], random: &mut Random) {
+fn damage(content: &mut Vec<u8>, originals: &[(PathBuf, Vec<u8>)], random: &mut SplitMix) {
     let place = random.below(content.len() + 1);
     let end = (place + 1 + random.below(40)).min(content.len());
     match random.below(9) {
@@ -107,7 +95,7 @@ fn damage(content: &mut Vec<u8>, originals: &[(PathBuf, Vec<u8>)], random: &mut 
             drop(content.splice(to..to, piece));
         }
         5 => {
-            let other = &originals[random.below(originals.len())].1;
+            let other = &random.pick(originals).1;
             let from = random.below(other.len() + 1);
             let piece = other[from..(from + random.below(200)).min(other.len())].to_vec();
             drop(content.splice(place..place, piece));
@@ -128,13 +116,13 @@ fn damage(content: &mut Vec<u8>, originals: &[(PathBuf, Vec<u8>)], random: &mut 
 }
 
 /// The word at a place of a text becomes another one.
-fn replace_word(content: &mut Vec<u8>, place: usize, random: &mut Random) {
+fn replace_word(content: &mut Vec<u8>, place: usize, random: &mut SplitMix) {
     let is_between = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',' || *byte == b'=';
     let begin = content[..place].iter().rposition(is_between).map_or(0, |before| before + 1);
     let end = content[place..].iter().position(is_between).map_or(content.len(), |after| place + after);
     // words of a text are short; a long one is a piece of a binary file
     if end - begin < 60 {
-        content.splice(begin..end, STRANGE[random.below(STRANGE.len())].bytes());
+        content.splice(begin..end, random.pick(STRANGE).bytes());
     }
 }
 

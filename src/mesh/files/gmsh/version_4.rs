@@ -48,18 +48,23 @@ pub(super) fn read_entities(source: &mut Source, entities: &mut Entities) -> Res
     source.close(&section)
 }
 
+/// A section of blocks, and how many it has; of the smallest and the largest number nothing follows.
+fn blocks(source: &mut Source, name: &'static str, expected: &'static str) -> Result<(Section, usize), MeshError> {
+    let mut section = Section::new(name, source);
+    let mut header = source.entry(&section)?;
+    let (blocks, announced) = (header.count(expected)?, header.count(expected)?);
+    header.size(expected)?;
+    header.size(expected)?;
+    section.announced = announced;
+    Ok((section, blocks))
+}
+
 /// Blocks of `dimension entity parametric count`, then the numbers of the nodes, then as many entries of coordinates.
 pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables) -> Result<(), MeshError> {
     const HEADER: &str = "the numbers of blocks and nodes and the least and greatest node number";
     const BLOCK: &str = "a block of nodes with dimension, entity, 0 or 1, and the number of nodes";
     const POINT: &str = "three coordinates of a node";
-    let mut section = Section::new("$Nodes", source);
-    let mut header = source.entry(&section)?;
-    let (blocks, announced) = (header.count(HEADER)?, header.count(HEADER)?);
-    // Smallest and largest number.
-    header.size(HEADER)?;
-    header.size(HEADER)?;
-    section.announced = announced;
+    let (mut section, blocks) = blocks(source, "$Nodes", HEADER)?;
     for _ in 0..blocks {
         let is_binary = source.is_binary();
         let mut header = source.entry(&section)?;
@@ -94,13 +99,7 @@ pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables) -> Result<(),
 pub(super) fn read_elements(source: &mut Source, tables: &mut Tables, entities: &Entities) -> Result<(), MeshError> {
     const HEADER: &str = "the numbers of blocks and elements and the least and greatest element number";
     const BLOCK: &str = "a block of elements with dimension, entity, type and the number of elements";
-    let mut section = Section::new("$Elements", source);
-    let mut header = source.entry(&section)?;
-    let (blocks, announced) = (header.count(HEADER)?, header.count(HEADER)?);
-    // Smallest and largest number.
-    header.size(HEADER)?;
-    header.size(HEADER)?;
-    section.announced = announced;
+    let (mut section, blocks) = blocks(source, "$Elements", HEADER)?;
     for _ in 0..blocks {
         let mut header = source.entry(&section)?;
         let (dimension, entity, gmsh_type) = (header.natural(BLOCK)? as usize, header.int(BLOCK)?, header.natural(BLOCK)?);
