@@ -137,7 +137,8 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
                 changes[k][q] = change(h, *hoop);
             }
         }
-        law_responses::<FMA, L>(special, &strains, count, derivative, answer);
+        let all = strains.each_ref().map(|strains| &strains[..count]);
+        law_responses::<FMA, L>(&*special.law, all, derivative, &mut answer.responses[..count]);
         answer.slope = None;
         let Some(law) = &special.volumetric else { return };
         let theta = |k: usize| points.mean(|q| changes[k][q]);
@@ -163,24 +164,22 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
     }
 }
 
-/// The law's part of the stresses and of their derivatives.
+/// The law's part of the stresses and of their derivatives, for strains at start, end and middle of no more than [`MOST_POINTS`].
 #[inline(always)]
-fn law_responses<const FMA: bool, const L: usize>(
-    special: &Special<L>,
-    strains: &[[Components<L>; MOST_POINTS]; 3],
-    count: usize,
+pub(super) fn law_responses<const FMA: bool, const L: usize>(
+    law: &dyn BatchedLaw<L>,
+    [start, end, middle]: [&[Components<L>]; 3],
     derivative: Derivative,
-    answer: &mut Answer<L>,
+    responses: &mut [Response<L>],
 ) {
-    let (law, responses) = (&special.law, &mut answer.responses[..count]);
     match derivative {
         Derivative::DiscreteGradient => {
             let mut increments = [IncrementResponse::ZERO; MOST_POINTS];
-            law.increments_into(&strains[0][..count], &strains[1][..count], &mut increments[..count]);
-            for q in 0..count {
+            law.increments_into(start, end, &mut increments[..start.len()]);
+            for q in 0..start.len() {
                 let mut d = [Lanes::<FMA>::ZERO; L];
                 for k in 0..L {
-                    d[k] = cast::<FMA>(strains[1][q][k]) - cast(strains[0][q][k]);
+                    d[k] = cast::<FMA>(end[q][k]) - cast(start[q][k]);
                 }
                 let IncrementResponse { mean, stress_end, remainder } = &increments[q];
                 let (gradient, hessian) = (relabel(&mean.stress), relabel_rows(&mean.tangent));
@@ -190,11 +189,11 @@ fn law_responses<const FMA: bool, const L: usize>(
             }
         }
         Derivative::Gradient(Configuration::Middle) => {
-            law.responses_into(&strains[2][..count], responses);
+            law.responses_into(middle, responses);
             for component in responses.iter_mut().flat_map(|response| response.tangent.iter_mut().flatten()) {
                 *component = *component * 0.5;
             }
         }
-        Derivative::Gradient(Configuration::End) => law.responses_into(&strains[1][..count], responses),
+        Derivative::Gradient(Configuration::End) => law.responses_into(end, responses),
     }
 }

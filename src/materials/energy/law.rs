@@ -334,6 +334,10 @@ macro_rules! law {
                 let (from, to, last) = (from_rest.as_chunks::<1>().0, to_rest.as_chunks::<1>().0, last.as_chunks_mut::<1>().0);
                 from.iter().zip(to).zip(last).for_each(|((n, n1), increment)| self.increment_block(n, n1, increment));
             }
+
+            fn has_kinks(&self) -> bool {
+                self.energy.has_kinks()
+            }
         }
     };
 }

@@ -99,6 +99,13 @@ pub(super) struct Tape {
     pub(super) roots: Vec<Root>,
 }
 
+impl Tape {
+    /// Whether some slope of it jumps.
+    pub(super) fn has_kinks(&self) -> bool {
+        self.operations.iter().any(|operation| matches!(operation, Operation::Positive(_)))
+    }
+}
+
 /// Values that deviations are counted from.
 trait Base {
     /// Value of a register.
