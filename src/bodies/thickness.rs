@@ -10,8 +10,8 @@
 //! ```
 //!
 //! exactly: what is neither stored nor kept by branches is heat. The body's element loop has the law in its own plane stress,
-//! `W~(E) = min over E_33 of W` ([`crate::materials::PlaneStress`]); here is what the strain across adds, `W - W~ >= 0`, which vanishes at rest.
-//! The tangent is condensed as there. (The thickness strain as an unknown of each
+//! `W~(E) = min over E_33 of W` ([`crate::materials::PlaneStress`]); here is what the strain across adds, `W - W~ >= 0`, which vanishes at
+//! rest. The tangent is condensed as there. (The thickness strain as an unknown of each
 //! point: de Borst, Communications in Applied Numerical Methods 7, 1991; that of a step that conserves is ours.)
 
 use std::sync::Arc;
@@ -134,7 +134,7 @@ impl Kernel for Solve<'_> {
         let mut own_response = [Response::ZERO];
         law_responses::<FMA, 3>(equilibrium, [&start, &end, &middle].map(std::slice::from_ref), derivative, &mut own_response);
         let elastic = response[0].tangent;
-        let viscous = |k: usize, l: usize| if k == l { shear } else { 0.0 } + if k < 3 && l < 3 { bulk } else { 0.0 };
+        let viscous = |k: usize, l: usize| shear * f64::from(k == l) + bulk * f64::from(k < 3 && l < 3);
         let across = elastic[2][2] + viscous(2, 2);
         let mut step = ThicknessStep {
             change: across_1 - across_0,

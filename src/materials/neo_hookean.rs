@@ -1,11 +1,12 @@
 //! Compressible neo-Hookean law, in two forms of its volumetric part.
 //!
-//! `W = mu/2 (tr C - 3) - mu ln J + U(J)`, `C = I + 2 E`, `J^2 = det C`. Logarithmic form: `U = lambda/2 (ln J)^2` (Bonet and Wood, Nonlinear
-//! Continuum Mechanics, 2008, section 6.4.3), whose pressure falls again beyond `J = e`. Power form: `U = lambda/4 (J^2 - 1 - 2 ln J)`
-//! (Ciarlet and Geymonat, Comptes Rendus 295, 1982; Ciarlet, Mathematical Elasticity, 1988, section 4.10), which is polyconvex: `U` is
-//! convex, so it stiffens without end. Both are the same at small strains. Everything is evaluated from `E` without the differences of near-equal numbers that the formula shows: with
-//! `x = det C - 1 = 2 tr E + 4 II(E) + 8 det E`, `ln J = ln(1 + x)/2` and `tr E - ln J = (x - ln(1 + x))/2 - 2 II(E) - 4 det E`.
-//! The remainder of the discrete gradient has a closed form without cancellation (see [`Law::remainder`] below).
+//! `W = mu/2 (tr C - 3) - mu ln J + U(J)`, `C = I + 2 E`, `J^2 = det C`. Logarithmic form: `U = lambda/2 (ln J)^2` (Bonet and Wood,
+//! Nonlinear Continuum Mechanics, 2008, section 6.4.3), whose pressure falls again beyond `J = e`. Power form:
+//! `U = lambda/4 (J^2 - 1 - 2 ln J)` (Ciarlet and Geymonat, Comptes Rendus 295, 1982; Ciarlet, Mathematical Elasticity, 1988, section
+//! 4.10), which is polyconvex: `U` is convex, so it stiffens without end. Both are the same at small strains. Everything is evaluated from
+//! `E` without the differences of near-equal numbers that the formula shows: with `x = det C - 1 = 2 tr E + 4 II(E) + 8 det E`,
+//! `ln J = ln(1 + x)/2` and `tr E - ln J = (x - ln(1 + x))/2 - 2 II(E) - 4 det E`. The remainder of the discrete gradient has a closed form
+//! without cancellation (see [`Law::remainder`] below).
 
 use super::law::{Increment, Law};
 use super::laws::Laws;
@@ -15,8 +16,8 @@ use super::volume::{Logarithmic, Power, cofactor_of_c, excess, growth};
 use crate::math::lanes::Real;
 use crate::math::tensor::Tensor;
 
-const FORMULA: &str = "W = mu/2 (tr C - 3) - mu ln J + U(J); `volumetric` chooses U: \"logarithmic\" lambda/2 (ln J)^2 (Bonet and Wood 2008, \
-                       section 6.4.3), \"power\" lambda/4 (J^2 - 1 - 2 ln J), which stiffens without end (Ciarlet and Geymonat 1982)";
+const FORMULA: &str = "W = mu/2 (tr C - 3) - mu ln J + U(J); `volumetric` chooses U: \"logarithmic\" lambda/2 (ln J)^2 (Bonet and Wood \
+                       2008, section 6.4.3), \"power\" lambda/4 (J^2 - 1 - 2 ln J), which stiffens without end (Ciarlet and Geymonat 1982)";
 
 /// Names of the forms of the volumetric part, the usual one first.
 const FORMS: &[&str] = &["logarithmic", "power"];

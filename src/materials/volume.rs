@@ -1,4 +1,5 @@
-//! Change of volume and cofactor of `C = I + 2 E`, from the strain without differences of near-equal numbers; and energies of the volume alone.
+//! Change of volume and cofactor of `C = I + 2 E`, from the strain without differences of near-equal numbers; and energies of the volume
+//! alone.
 
 use super::split::VolumetricLaw;
 use crate::math::lanes::{Lanes, Real};

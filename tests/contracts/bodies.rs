@@ -48,8 +48,8 @@ struct Loop<const D: usize> {
     pattern: Pattern,
     nodes: usize,
     reference: Vec<f64>,
-    /// What random states are about: the state at rest, or where one family of fibers clearly pulls and the other is clearly pressed, so that
-    /// no difference quotient is taken across the strain at which a fiber begins to pull.
+    /// What random states are about: the state at rest, or where one family of fibers clearly pulls and the other is clearly pressed, so
+    /// that no difference quotient is taken across the strain at which a fiber begins to pull.
     middle: Vec<f64>,
     /// Size of what is random, relative to laws without fibers.
     spread: f64,

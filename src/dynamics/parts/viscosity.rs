@@ -461,7 +461,7 @@ mod tests {
         }
     }
 
-    /// The work of the force is what is stored and what is dissipated, beyond what the body's own law stores; nothing for linear parts of it.
+    /// The work of the force is what is stored beyond what the body's own law stores, and what is dissipated.
     #[test]
     fn the_work_of_a_step_is_stored_or_heat() {
         for (plane, kind, law) in cases() {
