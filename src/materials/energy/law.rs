@@ -459,4 +459,8 @@ impl VolumetricLaw for VolumetricEnergy {
             });
         }
     }
+
+    fn has_kinks(&self) -> bool {
+        self.energy.has_kinks()
+    }
 }
