@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use conserva::elements::CellKind;
-use conserva::mesh::{Facet, Mesh, read_mesh, read_mesh_bytes};
+use conserva::mesh::{Boundary, Facet, Mesh, read_mesh, read_mesh_bytes};
 
 #[path = "common/mesh_damage.rs"]
 mod mesh_damage;
@@ -126,6 +126,9 @@ fn damaged_files_are_read_or_refused() {
     assert!((100..3000).contains(&read), "{read}");
 }
 
+/// All facets that belong to one cell alone, in a file that names no boundary.
+const HULL: &str = "hull";
+
 /// A file of another program, what it says of itself, and what follows from the geometry.
 struct Made {
     file: &'static str,
@@ -133,7 +136,7 @@ struct Made {
     cells: usize,
     /// Area or volume, and how near the mesh comes to it.
     measure: (f64, f64),
-    /// A boundary with its length or area.
+    /// A boundary with its length or area, or [`HULL`].
     boundary: (&'static str, f64),
 }
 
@@ -167,13 +170,22 @@ fn files_of_other_programs_are_what_their_geometry_says() {
         made("box_tet4.inp", Tet4, 144, (2.0, written), ("front", 2.0)),
         made("box_hex8_22_binary.msh", Hex8, 8, (2.0, written), ("front", 2.0)),
         made("box_hex8.inp", Hex8, 8, (2.0, written), ("left", 1.0)),
+        // meshio writes no sets: there is the whole edge or surface of the body.
+        made("plate_quad4_meshio.inp", Quad4, 112, (1.7244679286971352, written), (HULL, 6.0 + 0.6 * PI)),
+        made("box_hex8_meshio.inp", Hex8, 8, (2.0, written), (HULL, 10.0)),
     ] {
         let path = repository().join("tests/meshes/made").join(file);
         let mesh = read_mesh(path).unwrap_or_else(|error| panic!("{file}: {error} ({:?})", error.place()));
         assert_eq!((mesh.kind, mesh.cell_count()), (kind, cells), "{file}");
         assert_eq!(mesh.defects(), [], "{file}");
         assert!((mesh.measure() - measure).abs() < tolerance, "{file}: {} for {measure}", mesh.measure());
-        assert!((length(&mesh, name) - extent).abs() < 0.03 * extent, "{file} {name}: {}", length(&mesh, name));
+        let found = if name == HULL {
+            assert_eq!((boundary_names(&mesh), part_names(&mesh)), (Vec::new(), Vec::new()), "{file}");
+            mesh.boundary_measure(&Boundary { name: HULL.into(), facets: mesh.hull(), nodes: Vec::new() })
+        } else {
+            length(&mesh, name)
+        };
+        assert!((found - extent).abs() < 0.03 * extent, "{file} {name}: {found}");
         let text = mesh.to_gmsh();
         let back = read_mesh_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{file}: {error}"));
         assert_eq!((&back.points, &back.connectivity, &back.parts), (&mesh.points, &mesh.connectivity, &mesh.parts), "{file}");

@@ -73,7 +73,7 @@ pub fn costs(repetitions: usize) -> Result<(), Box<dyn Error>> {
     print("the same as text", by_text);
     println!("{:>24} {:>8.2} {:>8.2}", "ratio", by_text[0] / by_hand[0], by_text[1] / by_hand[1]);
     for row in CATALOGUE.iter().skip(1) {
-        print(row.name, law(&Material::new(row, &row.example(1.0, 1.0))?, repetitions));
+        print(&row.title(), law(&Material::new(row, &row.example(1.0, 1.0))?, repetitions));
     }
     let (mesh, usual) = (rectangle([2.0, 1.0], [80, 40], [0.0; 2])?, Formulation::default());
     let (by_hand, by_text) = (assembly(&mesh, usual, &hand, repetitions)?, assembly(&mesh, usual, &text, repetitions)?);

@@ -17,7 +17,7 @@ use crate::integrators::{Configuration, Derivative};
 use crate::materials::{Components, VolumetricLaw};
 use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::mandel_place;
-use crate::math::tolerances::STRAIN_QUOTIENT;
+use crate::math::tolerances::{KINK_QUOTIENT, STRAIN_QUOTIENT};
 
 /// The pressure of a step and its derivative with respect to `theta` at the configuration where that counts.
 #[derive(Clone, Copy)]
@@ -44,7 +44,7 @@ impl Pressure {
     }
 
     /// The discrete gradient of `U` and its derivative with respect to the end: a Gauss rule for the line integrals of `U'` and `U''`,
-    /// and the quotient where the step is too large for it.
+    /// and the quotient where the step is too large for it or `U''` may jump within.
     pub(super) fn between(law: &dyn VolumetricLaw, from: Lanes<false>, to: Lanes<false>) -> Self {
         let step = to - from;
         let changes = GAUSS.map(|(s, _)| from + step * s);
@@ -55,15 +55,18 @@ impl Pressure {
             pressure.value = pressure.value + first * weight;
             pressure.slope = pressure.slope + second * (weight * s);
         }
-        if step.0.iter().any(|step| step.abs() > STRAIN_QUOTIENT) {
+        let least = if law.has_kinks() { KINK_QUOTIENT } else { STRAIN_QUOTIENT };
+        if step.0.iter().any(|step| step.abs() > least) {
             let mut energies = [Lanes::ZERO; 2];
             law.energies_into(&[from, to], &mut energies);
             let end = Pressure::at(law, to).value;
             for lane in 0..WIDTH {
                 let step = step.0[lane];
-                if step.abs() > STRAIN_QUOTIENT {
-                    let value = (energies[1].0[lane] - energies[0].0[lane]) / step;
+                let value = (energies[1].0[lane] - energies[0].0[lane]) / step;
+                if step.abs() > least {
                     pressure.value.0[lane] = value;
+                }
+                if step.abs() > STRAIN_QUOTIENT {
                     pressure.slope.0[lane] = (end.0[lane] - value) / step;
                 }
             }

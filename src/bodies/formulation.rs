@@ -62,9 +62,6 @@ pub enum FormulationError {
         /// Smallest first coordinate `[length]`.
         x: f64,
     },
-    /// A viscosity where the third direction is stretched, or of small strains.
-    #[error("viscosity is one of large strains in plane strain or in space")]
-    Viscous,
     /// Strains that a formulation is not made for.
     #[error("a mean dilatation is one of large strains, and `{law}` is linear")]
     MeanOfLinear {
@@ -85,7 +82,6 @@ impl FormulationError {
             MeanInPlaneStress => "leave one of the two out".into(),
             NotPlane { .. } => "leave `plane` out".into(),
             BeyondAxis { .. } => "mesh one half of the section, with x >= 0 as the radius".into(),
-            Viscous => "leave `plane` out and take another law than `linear_elasticity`, or leave out the viscosity".into(),
             MeanOfLinear { .. } => "take `neo_hookean`, whose small strains are those of linear elasticity".into(),
         }
     }
@@ -111,9 +107,6 @@ impl Formulation {
             if material.split().is_none() {
                 return Err(FormulationError::NoVolumetricPart { law });
             }
-        }
-        if !material.viscosity().is_none() && (self.plane != Plane::Strain || material.kinematics() == Kinematics::Linear) {
-            return Err(FormulationError::Viscous);
         }
         let least = mesh.points.iter().map(|point| point[0]).fold(f64::INFINITY, f64::min);
         if self.plane == Plane::Axisymmetric && least < 0.0 {

@@ -15,9 +15,11 @@ mod rounds;
 mod special;
 mod sums;
 mod surface_loads;
+mod thickness;
 mod workspace;
 
 pub use element_loop::{ElementLoop, Inverted, Projected, Step};
 pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{Elements, Space};
 pub use surface_loads::{nodal_areas, pressure_shares, round_pressure, torque_forces};
+pub use thickness::{PlaneGradients, Resistance, Thickness, ThicknessStep};

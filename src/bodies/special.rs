@@ -136,7 +136,8 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
                 changes[k][q] = change(h, *hoop);
             }
         }
-        law_responses::<FMA, L>(special, &strains, count, derivative, answer);
+        let all = strains.each_ref().map(|strains| &strains[..count]);
+        law_responses::<FMA, L>(&*special.law, all, derivative, &mut answer.responses[..count]);
         answer.slope = None;
         let Some(law) = &special.volumetric else { return };
         let theta = |k: usize| points.mean(|q| changes[k][q]);
@@ -162,31 +163,29 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
     }
 }
 
-/// The law's part of the stresses and of their derivatives.
+/// The law's part of the stresses and of their derivatives, for strains at start, end and middle of no more than [`MOST_POINTS`].
 #[inline(always)]
-fn law_responses<const FMA: bool, const L: usize>(
-    special: &Special<L>,
-    strains: &[[Components<L>; MOST_POINTS]; 3],
-    count: usize,
+pub(super) fn law_responses<const FMA: bool, const L: usize>(
+    law: &dyn BatchedLaw<L>,
+    [start, end, middle]: [&[Components<L>]; 3],
     derivative: Derivative,
-    answer: &mut Answer<L>,
+    responses: &mut [Response<L>],
 ) {
-    let (law, responses) = (&special.law, &mut answer.responses[..count]);
     match derivative {
         Derivative::DiscreteGradient => {
             let mut increments = [IncrementResponse::ZERO; MOST_POINTS];
-            law.increments_into(&strains[0][..count], &strains[1][..count], &mut increments[..count]);
-            for q in 0..count {
-                let (stress, tangent) = discrete_stress::<FMA, L>([&strains[0][q], &strains[1][q]], &increments[q]);
+            law.increments_into(start, end, &mut increments[..start.len()]);
+            for q in 0..start.len() {
+                let (stress, tangent) = discrete_stress::<FMA, L>([&start[q], &end[q]], &increments[q]);
                 responses[q] = Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) };
             }
         }
         Derivative::Gradient(Configuration::Middle) => {
-            law.responses_into(&strains[2][..count], responses);
+            law.responses_into(middle, responses);
             for component in responses.iter_mut().flat_map(|response| response.tangent.iter_mut().flatten()) {
                 *component = *component * 0.5;
             }
         }
-        Derivative::Gradient(Configuration::End) => law.responses_into(&strains[1][..count], responses),
+        Derivative::Gradient(Configuration::End) => law.responses_into(end, responses),
     }
 }

@@ -13,6 +13,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     summary: "Arruda-Boyce law: rubber as a network of eight chains, in a series of five terms",
     formula: "W = mu sum_i C_i/m^(2i-2) (I1bar^i - 3^i) + K/4 (J^2 - 1 - 2 ln J), \
               C = 1/2, 1/20, 11/1050, 19/7000, 519/673750 (Arruda and Boyce 1993)",
+    volumetric: None,
     parameters: &[
         stress("mu", Interval::Positive, "rubber modulus n k T; a little less than the shear modulus at rest"),
         number("locking_stretch", Interval::Positive, "stretch of a chain at its full length: m, 2 to 8 for rubber"),

@@ -16,6 +16,10 @@ pub trait BatchedLaw<const S: usize>: Send + Sync {
     fn responses_into(&self, strain: &[Components<S>], responses: &mut [Response<S>]);
     /// What a discrete gradient needs of all pairs of strains.
     fn increments_into(&self, strain_n: &[Components<S>], strain_n1: &[Components<S>], increments: &mut [IncrementResponse<S>]);
+    /// Whether its stiffness may jump, so that no quadrature over a step is exact.
+    fn has_kinks(&self) -> bool {
+        false
+    }
 }
 
 /// Stress and tangent `[stress]` in eight elements.

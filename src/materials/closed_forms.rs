@@ -162,6 +162,51 @@ fn laws_of_the_stretch_and_the_strain() {
     venant.volume(|j| j.powf(-1.0 / 3.0) * (3.0 * lambda + 2.0 * mu) * strain(j.cbrt()));
 }
 
+/// Cauchy stresses of both forms of the neo-Hookean law are `(mu (l_i^2 - 1) + J U'(J))/J`. Where a side is free, `mu (1 - l^2) = J U'`
+/// there: of the power form a quadratic equation for the square `y` of its stretch, of the logarithmic form one that gives the
+/// stretch along for a chosen `y`.
+#[test]
+fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
+    let (youngs_modulus, poisson_ratio) = (1.0, 0.3);
+    let (lambda, mu) = row::lame(youngs_modulus, poisson_ratio);
+    let (logarithmic, power) = (Compared::new(&neo_hookean::ROW), Compared::new(&neo_hookean::POWER_ROW));
+    let check = |compared: &Compared, stretches: [f64; 3], free: &[usize]| {
+        let s = cauchy(&*compared.law, &stretched(stretches[0], stretches[1], stretches[2]));
+        let j: f64 = stretches.iter().product();
+        // J U' is what the free side says: the stress along is mu times the difference of the squares.
+        let along = mu * (stretches[0].powi(2) - stretches[free[0]].powi(2)) / j;
+        compared.close(&format!("along {stretches:?}"), s[(0, 0)] / mu, along / mu);
+        free.iter().for_each(|&i| compared.close(&format!("across {stretches:?}"), s[(i, i)] / mu, 0.0));
+        let piece = if free.len() == 2 { Piece::Uniaxial } else { Piece::Equibiaxial };
+        let found = path(&compared.law, piece, &[stretches[0]])[0].nominal_stress;
+        compared.close(&format!("{piece:?} {stretches:?}"), found / mu, along * j / stretches[0] / mu);
+    };
+    for l in [0.4f64, 0.8, 1.0 + 1e-9, 1.5, 3.0] {
+        // lambda/2 (l^2 y^2 - 1) = mu (1 - y) and lambda/2 (l^4 y - 1) = mu (1 - y).
+        let y = ((mu * mu + 2.0 * lambda * l * l * (mu + 0.5 * lambda)).sqrt() - mu) / (lambda * l * l);
+        check(&power, [l, y.sqrt(), y.sqrt()], &[1, 2]);
+        let y = (mu + 0.5 * lambda) / (mu + 0.5 * lambda * l.powi(4));
+        check(&power, [l, l, y.sqrt()], &[2]);
+    }
+    for y in [0.5f64, 0.9, 1.0 - 1e-9, 1.3] {
+        // lambda ln(l y) = mu (1 - y) and lambda ln(l^2 sqrt y) = mu (1 - y).
+        check(&logarithmic, [(mu / lambda * (1.0 - y)).exp() / y, y.sqrt(), y.sqrt()], &[1, 2]);
+        let l = (0.5 * (mu / lambda * (1.0 - y) - 0.5 * y.ln())).exp();
+        check(&logarithmic, [l, l, y.sqrt()], &[2]);
+    }
+    for compared in [&logarithmic, &power] {
+        for g in [1e-9, 0.3, 1.0, 2.5] {
+            // The volume stays: s = mu (b - 1), whatever the form.
+            let s = cauchy(&*compared.law, &sheared(g));
+            compared.close("shear", s[(0, 1)] / mu, g);
+            compared.close("shear, along", s[(0, 0)] / mu, g * g);
+            [1, 2].into_iter().for_each(|i| compared.close("shear, across", s[(i, i)], 0.0));
+        }
+    }
+    power.invariants(|_| 0.5 * mu, 0.0);
+    power.volume(|j| (mu * (j.powf(2.0 / 3.0) - 1.0) + 0.5 * lambda * (j * j - 1.0)) / j);
+}
+
 #[test]
 fn fibers_pull_and_do_not_push() {
     // Gasser, Ogden and Holzapfel 2006, with both families along the first axis: s = 2 W1 b + 2 W4 a a - p.

@@ -11,6 +11,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     name: "gent",
     summary: "Gent law: rubber that locks at a limiting stretch",
     formula: "W = -mu Jm/2 ln(1 - (I1bar - 3)/Jm) + K/4 (J^2 - 1 - 2 ln J), Jm: limit (Gent 1996)",
+    volumetric: None,
     parameters: &[
         stress("mu", Interval::Positive, "shear modulus at rest"),
         number("limit", Interval::Positive, "value of I1bar - 3 that no stretch reaches: Jm, 30 to 100 for rubber"),

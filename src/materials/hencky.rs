@@ -11,6 +11,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     name: "hencky",
     summary: "Hencky law: stress linear in the logarithmic strain; metals and plastics at moderate strains",
     formula: "W = mu sum (ln l_i)^2 + lambda/2 (ln J)^2 (Hencky 1928, Anand 1979)",
+    volumetric: None,
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     example: &[1.0, 0.3, 1.0],
     construct: Construct::Text(|values| {

@@ -15,6 +15,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     summary: "Holzapfel-Gasser-Ogden law: soft tissue with two families of fibers that do not push",
     formula: "W = mu/2 (I1bar - 3) + k1/(2 k2) sum_i (exp(k2 <E_i>^2) - 1) + K/4 (J^2 - 1 - 2 ln J), \
               E_i = kappa (I1bar - 3) + (1 - 3 kappa) (I4bar_i - 1) (Gasser, Ogden and Holzapfel 2006)",
+    volumetric: None,
     parameters: &[
         stress("mu", Interval::Positive, "shear modulus of the matrix"),
         stress("k1", Interval::NonNegative, "stiffness of the fibers"),

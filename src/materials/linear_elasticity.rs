@@ -13,6 +13,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     name: "linear_elasticity",
     summary: "linear elasticity of small displacements; not for rotations",
     formula: "W = lambda/2 (tr e)^2 + mu e:e, e = sym(grad u) (Hughes 2000, section 2.7)",
+    volumetric: None,
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     example: &[1.0, 0.3, 1.0],
     construct: Construct::Formula(|values| {

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::batched::{BatchedLaw, Response};
 use super::energy::{EnergyError, StoredEnergy};
 use super::laws::{Kinematics, Laws};
-use super::row::{Construct, MaterialRow, YOUNGS_MODULUS};
+use super::row::{Construct, MaterialRow, VolumetricForm, YOUNGS_MODULUS};
 use super::split::Split;
 use super::viscosity::Viscosity;
 use crate::math::catalogue::{Interval, OutOfRange};
@@ -178,6 +178,14 @@ impl Material {
         match &self.origin {
             Origin::Row(row, _) => row.name,
             Origin::Text => HYPERELASTIC,
+        }
+    }
+
+    /// The form of its volumetric part, of a law that is written in several.
+    pub fn volumetric_form(&self) -> Option<VolumetricForm> {
+        match &self.origin {
+            Origin::Row(row, _) => row.volumetric,
+            Origin::Text => None,
         }
     }
 

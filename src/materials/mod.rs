@@ -42,7 +42,7 @@ pub use linear_elasticity::LinearElasticity;
 pub use material::{HYPERELASTIC, Material, MaterialError};
 pub use neo_hookean::NeoHookean;
 pub use plane_stress::PlaneStress;
-pub use row::MaterialRow;
+pub use row::{MaterialRow, VolumetricForm};
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use soundness::Weakness;
 pub use split::{Split, VolumetricLaw};
@@ -51,9 +51,10 @@ pub use viscosity::{Branch, Viscosity};
 /// Laws of small displacements, which rotations strain: no rows of [`CATALOGUE`], whose laws are invariant under them.
 pub static LINEAR: &[MaterialRow] = &[linear_elasticity::ROW];
 
-/// The catalogue of materials.
+/// The catalogue of materials; a law that is written in several forms has a row for each, the usual one first.
 pub static CATALOGUE: &[MaterialRow] = &[
     neo_hookean::ROW,
+    neo_hookean::POWER_ROW,
     saint_venant_kirchhoff::ROW,
     hencky::ROW,
     mooney_rivlin::ROW,

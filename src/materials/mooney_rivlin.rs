@@ -11,6 +11,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     name: "mooney_rivlin",
     summary: "Mooney-Rivlin law: rubber at moderate stretches, up to about 2",
     formula: "W = c10 (I1bar - 3) + c01 (I2bar - 3) + K/4 (J^2 - 1 - 2 ln J) (Mooney 1940, Rivlin 1948)",
+    volumetric: None,
     parameters: &[
         stress("c10", Interval::Finite, "coefficient of the first invariant; the shear modulus at rest is 2 (c10 + c01)"),
         stress("c01", Interval::Finite, "coefficient of the second invariant"),

@@ -1,29 +1,47 @@
-//! Compressible neo-Hookean law.
+//! Compressible neo-Hookean law, in two forms of its volumetric part.
 //!
-//! `W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2`, `C = I + 2 E`, `J^2 = det C` (Bonet and Wood, Nonlinear Continuum Mechanics, 2008,
-//! section 6.4.3). Everything is evaluated from `E` without the differences of near-equal numbers that the formula shows: with
-//! `x = det C - 1 = 2 tr E + 4 II(E) + 8 det E`, `ln J = ln(1 + x)/2` and `tr E - ln J = (x - ln(1 + x))/2 - 2 II(E) - 4 det E`.
-//! The remainder of the discrete gradient has a closed form without cancellation (see [`Law::remainder`] below).
+//! `W = mu/2 (tr C - 3) - mu ln J + U(J)`, `C = I + 2 E`, `J^2 = det C`. Logarithmic form: `U = lambda/2 (ln J)^2` (Bonet and Wood,
+//! Nonlinear Continuum Mechanics, 2008, section 6.4.3), whose pressure falls again beyond `J = e`. Power form:
+//! `U = lambda/4 (J^2 - 1 - 2 ln J)` (Ciarlet and Geymonat, Comptes Rendus 295, 1982; Ciarlet, Mathematical Elasticity, 1988, section
+//! 4.10), which is polyconvex: `U` is convex, so it stiffens without end. Both are the same at small strains. Everything is evaluated from
+//! `E` without the differences of near-equal numbers that the formula shows: with `x = det C - 1 = 2 tr E + 4 II(E) + 8 det E`,
+//! `ln J = ln(1 + x)/2` and `tr E - ln J = (x - ln(1 + x))/2 - 2 II(E) - 4 det E`. The remainder of the discrete gradient has a closed form
+//! without cancellation (see [`Law::remainder`] below).
 
 use super::law::{Increment, Law};
 use super::laws::Laws;
 use super::material::{Material, MaterialError};
-use super::row::{Construct, DENSITY, MaterialRow, POISSON_RATIO, YOUNGS_MODULUS, lame};
-use super::split::VolumetricLaw;
-use super::volume::{cofactor_of_c, growth};
-use crate::math::lanes::{Lanes, Real};
+use super::row::{Construct, DENSITY, MaterialRow, POISSON_RATIO, VolumetricForm, YOUNGS_MODULUS, lame};
+use super::volume::{Logarithmic, Power, cofactor_of_c, excess, growth};
+use crate::math::lanes::Real;
 use crate::math::tensor::Tensor;
+
+const FORMULA: &str = "W = mu/2 (tr C - 3) - mu ln J + U(J); `volumetric` chooses U: \"logarithmic\" lambda/2 (ln J)^2 (Bonet and Wood \
+                       2008, section 6.4.3), \"power\" lambda/4 (J^2 - 1 - 2 ln J), which stiffens without end (Ciarlet and Geymonat 1982)";
+
+/// Names of the forms of the volumetric part, the usual one first.
+const FORMS: &[&str] = &["logarithmic", "power"];
 
 pub(super) const ROW: MaterialRow = MaterialRow {
     name: "neo_hookean",
     summary: "compressible neo-Hookean law: rubber-like, for large strains",
-    formula: "W = mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2 (Bonet and Wood 2008, section 6.4.3)",
+    formula: FORMULA,
+    volumetric: Some(VolumetricForm { name: "logarithmic", all: FORMS }),
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     example: &[1.0, 0.3, 1.0],
     construct: Construct::Formula(|values| {
         let (lambda, mu) = lame(values[0], values[1]);
         Laws::new(Lame { lambda, mu }).split_into(Lame { lambda: 0.0, mu }, Logarithmic { lambda })
     }),
+};
+
+pub(super) const POWER_ROW: MaterialRow = MaterialRow {
+    volumetric: Some(VolumetricForm { name: "power", all: FORMS }),
+    construct: Construct::Formula(|values| {
+        let (lambda, mu) = lame(values[0], values[1]);
+        Laws::new(PowerForm(Lame { lambda, mu })).split_into(Lame { lambda: 0.0, mu }, Power { lambda })
+    }),
+    ..ROW
 };
 
 /// Constants of the compressible neo-Hookean law at zero strain.
@@ -55,6 +73,21 @@ impl NeoHookean {
     pub fn material(self) -> Result<Material, MaterialError> {
         Material::new(&ROW, &[self.youngs_modulus, self.poisson_ratio, self.density])
     }
+
+    /// The material with these constants whose volumetric part has the power form `lambda/4 (J^2 - 1 - 2 ln J)`.
+    ///
+    /// ```
+    /// # use conserva::materials::NeoHookean;
+    /// let foam = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.2, density: 0.1 }.material_of_power_form()?;
+    /// assert_eq!(foam.volumetric_form().map(|form| form.name), Some("power"));
+    /// # Ok::<(), conserva::materials::MaterialError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A constant outside its range.
+    pub fn material_of_power_form(self) -> Result<Material, MaterialError> {
+        Material::new(&POWER_ROW, &[self.youngs_modulus, self.poisson_ratio, self.density])
+    }
 }
 
 /// The law with Lame's constants `[stress]`.
@@ -64,31 +97,8 @@ struct Lame {
     mu: f64,
 }
 
-/// `U(J) = lambda/2 (ln J)^2`.
-#[derive(Clone, Copy, Debug)]
-struct Logarithmic {
-    lambda: f64,
-}
-
-impl VolumetricLaw for Logarithmic {
-    fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]) {
-        for (change, energy) in change.iter().zip(energy) {
-            let log = change.ln_1p();
-            *energy = log * log * (0.5 * self.lambda);
-        }
-    }
-
-    fn responses_into(&self, change: &[Lanes<false>], responses: &mut [[Lanes<false>; 2]]) {
-        for (change, response) in change.iter().zip(responses) {
-            let (log, inverse) = (change.ln_1p(), Lanes::splat(1.0) / (*change + 1.0));
-            let slope = inverse * self.lambda;
-            *response = [slope * log, slope * inverse * (-log + 1.0)];
-        }
-    }
-}
-
 impl Lame {
-    /// Stress for given `det C` (its inverse), `ln J` and `cof C`:
+    /// Stress for given `det C` (its inverse), `ln J` and `cof C`; of the power form with `(J^2 - 1)/2` in place of `ln J`:
     /// `S = mu (I - C^-1) + lambda ln J C^-1`, and `det C (I - C^-1) = 2 E + 4 (II I - cof E) + 8 det E I`, free of cancellation.
     #[inline(always)]
     fn stress_of<T: Tensor>(&self, strain: &T, inverse_det: T::Scalar, log: T::Scalar, cofactor: &T) -> T {
@@ -113,9 +123,7 @@ impl Law for Lame {
     fn energy<T: Tensor>(&self, strain: &T) -> T::Scalar {
         let x = growth(strain);
         let log = x.ln_1p();
-        let y = x / (x + 2.0);
-        let excess = x * y - y.atanh_excess() * 2.0; // x - ln(1 + x)
-        (excess * 0.5 - strain.second_invariant() * 2.0 - strain.determinant() * 4.0) * self.mu + log * log * (self.lambda / 8.0)
+        (excess(x) * 0.5 - strain.second_invariant() * 2.0 - strain.determinant() * 4.0) * self.mu + log * log * (self.lambda / 8.0)
     }
 
     #[inline(always)]
@@ -169,6 +177,71 @@ impl Law for Lame {
             tangent: self.tangent_of(inverse, log_mid, &cofactor),
             stress_end: self.stress_of(strain_n1, inverse * (inverses * (a * two)), log_end, &cofactor_of_c(strain_n1)),
             remainder: ((log_mid + second) * self.lambda + -self.mu) * third + second * delta * self.lambda,
+        }
+    }
+}
+
+/// The law with the power form of its volumetric part: `S = mu (I - C^-1) + lambda/2 (J^2 - 1) C^-1`.
+#[derive(Clone, Copy, Debug)]
+struct PowerForm(Lame);
+
+impl PowerForm {
+    /// With `x = det C - 1`: `lambda J^2 C^-1 (x) C^-1 + (2 mu - lambda x) I_(C^-1)`.
+    #[inline(always)]
+    fn tangent_of<T: Tensor>(&self, inverse_det: T::Scalar, x: T::Scalar, cofactor: &T) -> T::Tangent {
+        let Lame { lambda, mu } = self.0;
+        T::isotropic_tangent((x + 1.0) * lambda, x * -lambda + 2.0 * mu, &(*cofactor * inverse_det))
+    }
+}
+
+impl Law for PowerForm {
+    #[inline(always)]
+    fn energy<T: Tensor>(&self, strain: &T) -> T::Scalar {
+        let Lame { lambda, mu } = self.0;
+        excess(growth(strain)) * (0.5 * mu + 0.25 * lambda) - (strain.second_invariant() * 2.0 + strain.determinant() * 4.0) * mu
+    }
+
+    #[inline(always)]
+    fn stress<T: Tensor>(&self, strain: &T) -> T {
+        let x = growth(strain);
+        self.0.stress_of(strain, T::Scalar::splat(1.0) / (x + 1.0), x * 0.5, &cofactor_of_c(strain))
+    }
+
+    #[inline(always)]
+    fn stress_tangent<T: Tensor>(&self, strain: &T) -> (T, T::Tangent) {
+        let (x, cofactor) = (growth(strain), cofactor_of_c(strain));
+        let inverse_det = T::Scalar::splat(1.0) / (x + 1.0);
+        (self.0.stress_of(strain, inverse_det, x * 0.5, &cofactor), self.tangent_of(inverse_det, x, &cofactor))
+    }
+
+    #[inline(always)]
+    fn remainder<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> T::Scalar {
+        self.increment(strain_n, strain_n1).remainder
+    }
+
+    /// That of `-(mu + lambda/2) ln J`, as in the logarithmic form, and of `lambda/4 det C`, a polynomial: `lambda/4 t/4` with
+    /// `t = 8 det dE`. What is linear in `E` has none.
+    #[inline(always)]
+    fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
+        let Lame { lambda, mu } = self.0;
+        let (mid, d) = ((*strain_n + *strain_n1) * 0.5, *strain_n1 - *strain_n);
+        let (x, cofactor, x_end) = (growth(&mid), cofactor_of_c(&mid), growth(strain_n1));
+        let inverse = T::Scalar::splat(1.0) / (x + 1.0);
+        let delta = cofactor.dot(&d) * inverse;
+        let mut rho = d.second_invariant() * inverse;
+        let (mut b, mut defect) = (delta, delta * rho);
+        if !T::PLANE {
+            rho = (d.second_invariant() + mid.dot(&d.cofactor()) * 2.0) * inverse;
+            let eighth = d.determinant() * inverse;
+            (b, defect) = (delta + eighth, delta * rho - eighth);
+        }
+        let inverse_a = T::Scalar::splat(1.0) / (rho + 1.0);
+        let third = (b * inverse_a).atanh_excess() - defect * inverse_a; // ln J_1 - ln J_0 - delta
+        Increment {
+            stress: self.0.stress_of(&mid, inverse, x * 0.5, &cofactor),
+            tangent: self.tangent_of(inverse, x, &cofactor),
+            stress_end: self.0.stress_of(strain_n1, T::Scalar::splat(1.0) / (x_end + 1.0), x_end * 0.5, &cofactor_of_c(strain_n1)),
+            remainder: d.determinant() * (0.5 * lambda) - third * (mu + 0.5 * lambda),
         }
     }
 }

@@ -12,6 +12,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     name: "ogden",
     summary: "Ogden law: rubber to the largest stretches, in up to three powers of the principal stretches",
     formula: "W = sum_p mu_p/alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) of J^(-1/3) l_i, + K/4 (J^2 - 1 - 2 ln J) (Ogden 1972)",
+    volumetric: None,
     parameters: &[
         stress("mu1", Interval::Finite, "coefficient of the first term; the shear modulus at rest is half of the sum of mu_p alpha_p"),
         number("alpha1", Interval::Finite, "power of the first term, not 0"),

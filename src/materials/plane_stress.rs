@@ -2,7 +2,8 @@
 //!
 //! `W(E) = min over E_33 of W(E, E_33)`, so `S_33 = 0`; the stress is that of the law with this strain, and the tangent is condensed,
 //! `T - T_3 (x) T_3 / T_33`. The minimum is an energy like any other, so a discrete gradient of it conserves (after Simo and Taylor, IJNME
-//! 22, 1986, who condense an elastoplastic law so). Its remainder is that of [`Law::remainder`](super::Law::remainder)'s default.
+//! 22, 1986, who condense an elastoplastic law so). Its remainder is that of [`Law::remainder`](super::Law::remainder)'s default; where
+//! stiffness may jump within a step, no quadrature is exact, and it follows from that of the law itself.
 
 use std::sync::Arc;
 
@@ -67,6 +68,20 @@ impl PlaneStress {
         condensed
     }
 
+    /// `W(E1) - W(E0) - S((E0 + E1)/2):(E1 - E0)` from the law's own increment in four components, whose stress at the mean strain is not
+    /// `middle`, because the strain across is not its mean there.
+    fn remainder_of_law(&self, n: &Components<3>, n1: &Components<3>, middle: &Components<3>) -> Lanes<false> {
+        let ((start, _), (end, _)) = (self.solved(n), self.solved(n1));
+        let mut increment = [IncrementResponse::ZERO];
+        self.0.increments_into(&[start], &[end], &mut increment);
+        let [IncrementResponse { mean, remainder, .. }] = increment;
+        let mut sum = remainder + mean.stress[2] * (end[2] - start[2]);
+        for k in 0..3 {
+            sum = sum + (mean.stress[mandel_place::<3>(k)] - middle[k]) * (n1[k] - n[k]);
+        }
+        sum
+    }
+
     /// `W(E1) - W(E0) - S((E0 + E1)/2):(E1 - E0)`; `end` is the stress at `E1`.
     fn remainder(&self, n: &Components<3>, n1: &Components<3>, middle: &Components<3>, end: &Components<3>) -> Lanes<false> {
         let at = |s: f64| {
@@ -122,7 +137,11 @@ impl BatchedLaw<3> for PlaneStress {
             }
             increment.mean = self.response(&middle);
             increment.stress_end = self.response(n1).stress;
-            increment.remainder = self.remainder(n, n1, &increment.mean.stress, &increment.stress_end);
+            increment.remainder = if self.0.has_kinks() {
+                self.remainder_of_law(n, n1, &increment.mean.stress)
+            } else {
+                self.remainder(n, n1, &increment.mean.stress, &increment.stress_end)
+            };
         }
     }
 }

@@ -4,6 +4,22 @@ use super::energy::{EnergyError, StoredEnergy};
 use super::laws::Laws;
 use crate::math::catalogue::{Interval, Parameter};
 
+/// The form of a law's volumetric part, where it is written in several: a row for each, which share name and parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VolumetricForm {
+    /// The form of this row.
+    pub name: &'static str,
+    /// All forms of the law, the usual one first.
+    pub all: &'static [&'static str],
+}
+
+impl VolumetricForm {
+    /// Whether it is the one that is taken when none is named.
+    pub fn is_usual(&self) -> bool {
+        self.all.first() == Some(&self.name)
+    }
+}
+
 /// A row of the catalogue of materials.
 pub struct MaterialRow {
     /// Name as written in a script.
@@ -12,6 +28,8 @@ pub struct MaterialRow {
     pub summary: &'static str,
     /// The formula and its source, for the reference.
     pub formula: &'static str,
+    /// Which form of the volumetric part it has, of a law that is written in several.
+    pub volumetric: Option<VolumetricForm>,
     /// Parameters in the order in which [`super::Material::new`] takes their values; the density is the last.
     pub parameters: &'static [Parameter],
     /// Values of the parameters of a material that is about as stiff as one with Young's modulus 1; stresses grow with it.
@@ -29,6 +47,19 @@ pub(super) enum Construct {
 }
 
 impl MaterialRow {
+    /// Whether it is the row that the law's name means where no form is named.
+    pub fn is_usual(&self) -> bool {
+        self.volumetric.is_none_or(|form| form.is_usual())
+    }
+
+    /// Its name, with the form where it is not the usual one: `neo_hookean`, `neo_hookean, power`.
+    pub fn title(&self) -> String {
+        match self.volumetric.filter(|form| !form.is_usual()) {
+            Some(form) => format!("{}, {}", self.name, form.name),
+            None => self.name.into(),
+        }
+    }
+
     /// Whether its energy has a part of the volume alone, so that all other constants tell of pieces that keep their volume.
     pub fn is_incompressible(&self) -> bool {
         self.parameters.iter().any(|parameter| parameter.name == BULK_MODULUS.name)
@@ -61,7 +92,7 @@ impl MaterialRow {
 
 impl std::fmt::Debug for MaterialRow {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(out, "{}", self.name)
+        write!(out, "{}", self.title())
     }
 }
 

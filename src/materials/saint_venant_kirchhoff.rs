@@ -15,6 +15,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     name: "saint_venant_kirchhoff",
     summary: "Saint Venant-Kirchhoff law: stress linear in the Green-Lagrange strain; for large rotations with small strains",
     formula: "W = lambda/2 (tr E)^2 + mu E:E (Simo and Hughes 1998, section 6.4)",
+    volumetric: None,
     parameters: &[YOUNGS_MODULUS, POISSON_RATIO, DENSITY],
     example: &[1.0, 0.3, 1.0],
     construct: Construct::Formula(|values| {

@@ -99,7 +99,7 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool)
         }
         let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
         // Energies as text are differences of terms of first order, and so is the plain remainder of them.
-        let is_text = !["neo_hookean", "saint_venant_kirchhoff"].contains(&name);
+        let is_text = !["neo_hookean", "neo_hookean, power", "saint_venant_kirchhoff"].contains(&name);
         let first_order = n.iter().chain(&n1).map(|e| e.0[0].abs()).fold(0.0, f64::max);
         let scale = scale + if is_text { mu * first_order } else { 0.0 };
         assert!((remainder - plain).abs() < 1e-14 * scale, "{name}: remainder {remainder} against {plain}");
@@ -117,9 +117,9 @@ fn every_law_fulfils_the_contract_in_every_kind_of_strain() {
     for row in CATALOGUE {
         let material = example(row);
         let is_given = row.parameters[0].name == "youngs_modulus";
-        contract::<3>(row.name, &*material.plane(), is_given);
-        contract::<4>(row.name, &*material.axisymmetric(), is_given);
-        contract::<6>(row.name, &*material.space(), is_given);
+        contract::<3>(&row.title(), &*material.plane(), is_given);
+        contract::<4>(&row.title(), &*material.axisymmetric(), is_given);
+        contract::<6>(&row.title(), &*material.space(), is_given);
     }
 }
 

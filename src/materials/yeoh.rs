@@ -11,6 +11,7 @@ pub(super) const ROW: MaterialRow = MaterialRow {
     name: "yeoh",
     summary: "Yeoh law: filled rubber to large stretches, from uniaxial tests alone",
     formula: "W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c30 (I1bar - 3)^3 + K/4 (J^2 - 1 - 2 ln J) (Yeoh 1993)",
+    volumetric: None,
     parameters: &[
         stress("c10", Interval::Finite, "coefficient of the linear term; the shear modulus at rest is 2 c10"),
         stress("c20", Interval::Finite, "coefficient of the quadratic term"),

@@ -43,6 +43,10 @@ pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
 /// round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
 
+/// Change of the mean volume ratio above which the energy quotient is taken of an energy whose slope has kinks, which no quadrature knows:
+/// at its size the quotient's round-off and what a quadrature misses at a kink are alike, the root of 1e-16.
+pub const KINK_QUOTIENT: f64 = 1e-8;
+
 /// Change of the strain across the plane at which its Newton iteration ends: the next one would be its square.
 pub const THICKNESS_STRAIN: f64 = 1e-10;
 

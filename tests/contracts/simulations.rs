@@ -14,7 +14,7 @@ use crate::common::{Builder, difference, drift, run, worst};
 
 /// Laws at the beginning of the catalogue whose waves in the plane are as slow as those of shear, so that steps resolve them; others hardly
 /// change their volume.
-const SLOW: usize = 2;
+const SLOW: usize = 3;
 
 /// A soft bar, 2 x 1 (x 1), that spins fast enough to stretch by some percent: waves travel at about 10 lengths per time.
 fn bar(kind: CellKind) -> Mesh {
@@ -42,9 +42,9 @@ fn thrown(kind: CellKind, row: &'static conserva::materials::MaterialRow) -> Bui
 
 fn for_all(check: impl Fn(CellKind, &'static conserva::materials::MaterialRow, &'static Scheme, &str)) {
     for &kind in CellKind::ALL {
-        for row in CATALOGUE.iter().filter(|row| row.name != "holzapfel_gasser_ogden") {
+        for row in CATALOGUE {
             for &integrator in integrators::CATALOGUE {
-                check(kind, row, integrator, &format!("{} {} {}", kind.name(), row.name, integrator.name));
+                check(kind, row, integrator, &format!("{} {} {}", kind.name(), row.title(), integrator.name));
             }
         }
     }
@@ -100,13 +100,13 @@ fn every_integrator_is_of_the_promised_order_in_time() {
                 let errors =
                     [20, 40, 80].map(|steps| steps * finer).map(|steps| difference(&stretched(kind, row, integrator, steps), &reference));
                 let rates = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
-                println!("{} {} {}: errors {errors:.8?}, rates {rates:.3?}", kind.name(), row.name, integrator.name);
+                println!("{} {} {}: errors {errors:.8?}, rates {rates:.3?}", kind.name(), row.title(), integrator.name);
                 // The reference's own error adds 0.02 to the rate, the next term of the error some hundredths.
                 assert!(
                     (rates[1] - integrator.promises.order as f64).abs() < 0.1,
                     "{} {} {}: rates {rates:?}",
                     kind.name(),
-                    row.name,
+                    row.title(),
                     integrator.name
                 );
             }
@@ -118,14 +118,18 @@ fn every_integrator_is_of_the_promised_order_in_time() {
 fn a_model_that_stands_elsewhere_behaves_the_same() {
     for_all(|kind, row, integrator, name| {
         let builder = thrown(kind, row);
-        let axis = if kind.dimension() == 2 { [0.0, 0.0, 1.0] } else { [1.0, 2.0, -0.5] };
+        // Fibers turn with the body, in the plane of the first two axes.
+        let material = soft(row);
+        let is_plain = material.energy().is_none_or(|energy| energy.fibers.is_empty());
+        let axis = if kind.dimension() == 3 && is_plain { [1.0, 2.0, -0.5] } else { [0.0, 0.0, 1.0] };
+        let turned = if is_plain { material } else { material.turned(0.7f64.cos(), 0.7f64.sin()).expect("it turns") };
         let rotation = nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(nalgebra::Vector3::from(axis)), 0.7);
         let turn = |vector: [f64; 3]| -> [f64; 3] { (rotation * nalgebra::Vector3::from(vector)).into() };
         let shift = if kind.dimension() == 2 { [3.0, -2.0, 0.0] } else { [3.0, -2.0, 5.0] };
         let mesh = bar(kind).rotate_about(0.7, [0.0; 3], axis).expect("it turns").translate(shift).expect("it moves");
         let thrown = builder.model.initial_velocities[0];
         let mut moved = Builder::default();
-        moved.body("bar", mesh, &soft(row));
+        moved.body("bar", mesh, &turned);
         moved.throw(0, turn(thrown.linear), turn(thrown.angular));
         let (mut here, mut there) = (builder.simulate(integrator, 0.05), moved.simulate(integrator, 0.05));
         let (rows, others) = (run(&mut here, 1.0), run(&mut there, 1.0));

@@ -11,3 +11,4 @@ pub mod pairing;
 pub mod spring;
 pub mod supports;
 pub mod viscosity;
+pub mod viscous_points;

@@ -15,7 +15,7 @@ pub struct LedgerRow {
     pub kinetic: f64,
     /// Strain energy `[energy]`.
     pub strain: f64,
-    /// Potential energy of gravity, of springs, viscous branches and penalty potentials, and the reserve of closed contacts `[energy]`.
+    /// Potential energy of gravity, of springs, viscous materials and penalty potentials, and the reserve of closed contacts `[energy]`.
     pub potential: f64,
     /// What closed contacts of the `velocity` rule took at their closing and give back at their opening, part of the potential `[energy]`.
     pub reserve: f64,

@@ -343,6 +343,10 @@ macro_rules! law {
                 let (from, to, last) = (from_rest.as_chunks::<1>().0, to_rest.as_chunks::<1>().0, last.as_chunks_mut::<1>().0);
                 from.iter().zip(to).zip(last).for_each(|((n, n1), increment)| self.increment_block(n, n1, increment));
             }
+
+            fn has_kinks(&self) -> bool {
+                self.tape.has_kinks()
+            }
         }
     };
 }
@@ -458,5 +462,9 @@ impl VolumetricLaw for VolumetricEnergy {
         for (change, response) in change.iter().zip(responses) {
             self.run_at(SLOPES, change, |roots, registers| *response = [1, 2].map(|root| roots[root].value(registers, 0)));
         }
+    }
+
+    fn has_kinks(&self) -> bool {
+        self.0.has_kinks()
     }
 }

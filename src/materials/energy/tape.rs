@@ -105,6 +105,13 @@ pub(super) struct Tape {
     pub(super) roots: Vec<Root>,
 }
 
+impl Tape {
+    /// Whether some slope of its first stage jumps.
+    pub(super) fn has_kinks(&self) -> bool {
+        self.operations[..self.stages[0]].iter().any(|operation| matches!(operation, Operation::Positive(_)))
+    }
+}
+
 /// Values that deviations are counted from.
 trait Base {
     /// Value of a register.

@@ -22,7 +22,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("dt", "the size of the step [time]"),
     ("kinetic", "the kinetic energy [energy]"),
     ("strain", "the strain energy [energy]"),
-    ("potential", "the potential energy of gravity and of penalty potentials, and the `reserve` [energy]"),
+    ("potential", "the potential energy of gravity, springs, viscous materials and penalty potentials, and the `reserve` [energy]"),
     ("total", "the sum of the three energies [energy]"),
     ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
     ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),

@@ -23,6 +23,8 @@ impl Handle for MaterialHandle {
             }
         }
         entries.extend(self.0.constants().iter().map(|(name, value)| format!("{name}: {}", number_text(*value))));
+        let form = self.0.volumetric_form().filter(|form| !form.is_usual());
+        entries.extend(form.map(|form| format!("volumetric: \"{}\"", form.name)));
         let mut text = format!("{}(#{{ {} }})", self.0.name(), entries.join(", "));
         let Viscosity { shear, bulk, branches } = self.0.viscosity();
         if *shear > 0.0 || *bulk > 0.0 {

@@ -3,7 +3,7 @@
 use rhai::Dynamic;
 
 use super::handle::MaterialHandle;
-use crate::materials::{CATALOGUE, LINEAR, Material, MaterialError, MaterialRow};
+use crate::materials::{CATALOGUE, LINEAR, Material, MaterialError, MaterialRow, VolumetricForm};
 use crate::math::catalogue::Parameter as Constant;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::number_text;
@@ -21,6 +21,24 @@ fn key(parameter: &Constant) -> Parameter {
     }
 }
 
+/// The key that chooses the form of the volumetric part.
+const VOLUMETRIC: &str = "volumetric";
+
+/// The options of a law: its constants, and its form where there are several.
+fn options_of(row: &MaterialRow) -> Vec<Parameter> {
+    let form = row.volumetric.map(|VolumetricForm { all, .. }| {
+        Parameter::new(VOLUMETRIC, Kind::Choice(all), "the form of the energy's part that depends on the volume alone")
+            .or(Absent::Text(all[0]))
+    });
+    row.parameters.iter().map(key).chain(form).collect()
+}
+
+/// The row of the same law with a form of that name.
+fn of_form(row: &'static MaterialRow, name: &str) -> &'static MaterialRow {
+    let is_wanted = |other: &&MaterialRow| other.name == row.name && other.volumetric.is_some_and(|form| form.name == name);
+    CATALOGUE.iter().find(is_wanted).unwrap_or(row)
+}
+
 fn constructor(row: &'static MaterialRow) -> Function {
     let is_given = |(parameter, value): &(&Constant, f64)| parameter.default.is_none_or(|default| default != *value);
     let values = row.parameters.iter().zip(row.example(1000.0, 1000.0)).filter(is_given);
@@ -30,13 +48,14 @@ fn constructor(row: &'static MaterialRow) -> Function {
         form: Form::Function,
         topic: Topic::Materials,
         summary: row.summary,
-        parameters: vec![Parameter::new("options", Kind::Options(row.parameters.iter().map(key).collect()), "the constants of the law")],
+        parameters: vec![Parameter::new("options", Kind::Options(options_of(row)), "the constants of the law")],
         returns: MaterialHandle::NAME,
         example: format!("let material = {}(#{{ {} }});", row.name, values.join(", ")).into(),
         see_also: &["add_body"],
         body: body(move |call| {
             let options = call.options("options")?;
             let values = row.parameters.iter().map(|parameter| options.number(parameter.name)).collect::<Result<Vec<f64>, _>>()?;
+            let row = if row.volumetric.is_some() { of_form(row, &options.text(VOLUMETRIC)?) } else { row };
             let material = Material::new(row, &values).map_err(|error| match error {
                 MaterialError::Energy(error) => {
                     call.fail(format!("{} with these constants", error.title)).cause(format!("its energy is `{}`", error.text))
@@ -50,7 +69,7 @@ fn constructor(row: &'static MaterialRow) -> Function {
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
-    let mut all: Vec<Function> = CATALOGUE.iter().chain(LINEAR).map(constructor).collect();
+    let mut all: Vec<Function> = CATALOGUE.iter().filter(|row| row.is_usual()).chain(LINEAR).map(constructor).collect();
     all.push(Function {
         name: "constant",
         form: Form::Column(MaterialHandle::receiver()),

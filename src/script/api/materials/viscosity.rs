@@ -23,7 +23,8 @@ fn viscous() -> Function {
         form: Form::Method(MaterialHandle::receiver()),
         topic: Topic::Materials,
         summary: "the material with a viscosity of Kelvin and Voigt: a stress 2 eta dE/dt + zeta tr(dE/dt) I on the rate of the strain; \
-                  what it turns into heat is the column `dissipation` of the history",
+                  what it turns into heat is the column `dissipation` of the history; in plane stress elastic and viscous stress \
+                  vanish together across the plane",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
