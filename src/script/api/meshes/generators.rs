@@ -2,6 +2,7 @@
 
 use super::handle::{MeshHandle, mesh_value, vector_or_zero};
 use super::kinds::{PLANE, SOLID, element, kind_of};
+use super::layers;
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, Round};
 use crate::script::language::arguments::{Arguments, Options};
@@ -208,6 +209,7 @@ fn polygon() -> Function {
                 Parameter::new("holes", Kind::Array, "holes, each an array of its corners; their boundaries are `hole 1`, `hole 2`, …")
                     .of("length")
                     .or(Absent::Means("none")),
+                layers::parameter(),
                 element(PLANE),
             ]),
             "shape and cells",
@@ -235,7 +237,8 @@ fn polygon() -> Function {
             };
             let holes = options.argument("holes");
             let holes = if holes.is_given() { holes.lists_of_points()? } else { Vec::new() };
-            mesh_value(call, mesh::polygon_of(kind, &corners, &holes, options.number("size")?, &names))
+            let layers = layers::layers_of(&options)?;
+            mesh_value(call, mesh::layered_polygon(kind, &corners, &holes, options.number("size")?, &names, layers.as_ref()))
         }),
     }
 }
