@@ -518,7 +518,9 @@ mod tests {
                 let curve = if k % 3 == 1 { Curve::arc_through(from, out, to) } else { Curve::line(from, to) };
                 Side { curve: curve.unwrap(), name: Some(format!("side {}", k + 1)) }
             }).collect();
-            let names = [&["outer"][..], &["bore"], &["side 1"], &["side 2", "side 3"], &["side 1", "side 3", "hole 1"], &["outer", "bore"]][choice];
+            let choices = [&["outer"][..], &["bore"], &["side 1"],
+                &["side 2", "side 3"], &["side 1", "side 3", "hole 1"], &["outer", "bore"]];
+            let names = choices[choice];
             let layers = Layers { along, ..layers(names, first, count, growth) };
             let size = CellSize::<MeshError>::Even(0.15);
             match layered_region(&outline, &[circle(hole, "bore")], size, KINDS[kind], Some(&layers)) {

@@ -41,20 +41,20 @@ impl MeshError {
             },
             LayersCollide { .. } => "take fewer or thinner layers, or a smaller growth, so that something is left between them".into(),
             LayersCramped { .. } => "take thinner layers, which leave more between them, or smaller cells there".into(),
-            LayerCorner { .. } => "layers go round corners of 30 to 330 degrees: round the corner off, or leave out one of its sides".into(),
+            LayerCorner { .. } => "layers go round corners of 30 to 330 degrees: round it off, or leave out one of its sides".into(),
             OddLayers { count, .. } => {
                 format!("ask for {} layers, name the side that follows, too, or take cells of tri3 or tri6", count + 1)
             }
             NotLocally { kind: "tet4" | "hex8" } => {
-                "refine all of it with `refine()`, or make the mesh finer where it was made; in the plane, triangles are refined in places".into()
+                "refine all of it with `refine()`, or make the mesh finer where it was made; only triangles are refined in places".into()
             }
             NotLocally { kind: "quad4" } => {
-                "cut them into triangles with `.with_elements(\"tri3\")` or `\"tri6\"` before, refine all of it with `refine()`, or make it \
-                 with `region` and a `size: |x, y| …`"
+                "cut them into triangles with `.with_elements(\"tri3\")` before, refine all of it with `refine()`, or make it with \
+                 `region` and a `size: |x, y| …`"
                     .into()
             }
             NotLocally { .. } => {
-                "make the mesh of triangles (`element: \"tri6\"`), refine all of it with `refine()`, or make it with `region` and a \
+                "make it of triangles (`element: \"tri6\"`), refine all of it with `refine()`, or make it with `region` and a \
                  `size: |x, y| …`"
                     .into()
             }

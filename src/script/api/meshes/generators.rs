@@ -1,5 +1,7 @@
 //! Meshes of simple shapes, from a few numbers.
 
+use rhai::Dynamic;
+
 use super::handle::{MeshHandle, mesh_value, vector_or_zero};
 use super::kinds::{PLANE, SOLID, element, kind_of};
 use super::layers;
@@ -238,7 +240,8 @@ fn polygon() -> Function {
             let holes = options.argument("holes");
             let holes = if holes.is_given() { holes.lists_of_points()? } else { Vec::new() };
             let layers = layers::layers_of(&options)?;
-            mesh_value(call, mesh::layered_polygon(kind, &corners, &holes, options.number("size")?, &names, layers.as_ref()))
+            let made = mesh::layered_polygon(kind, &corners, &holes, options.number("size")?, &names, layers.as_ref());
+            made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| layers::failure(&options, &error).into())
         }),
     }
 }

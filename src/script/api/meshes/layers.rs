@@ -2,8 +2,9 @@
 
 use rhai::Array;
 
+use super::handle::mesh_failure;
 use crate::math::catalogue::Interval;
-use crate::mesh::Layers;
+use crate::mesh::{Layers, MeshError};
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -25,8 +26,8 @@ pub fn parameter() -> Parameter {
         )
         .or(Absent::Means("`size`")),
     ];
-    let summary = "strips of thin cells along boundaries: stacks of quadrilaterals (of triangles, two in place of each), with columns on the \
-                   bisectors of corners";
+    let summary = "strips of thin cells along boundaries: stacks of quadrilaterals (or of triangles, two in place of each), with \
+                   columns on the bisectors of corners";
     Parameter::new("layers", Kind::Options(keys), summary).or(Absent::Means("none"))
 }
 
@@ -56,4 +57,16 @@ pub fn layers_of(options: &Options) -> Result<Option<Layers>, Failure> {
     })?;
     let (first, count) = (given.number("first")?, given.integer("count")? as usize);
     Ok(Some(Layers { boundaries, first, count, growth: given.number("growth")?, along: given.optional_number("along")? }))
+}
+
+/// The failure of a mesh that options describe: what is wrong with layers is shown there.
+pub fn failure(options: &Options, error: &MeshError) -> Failure {
+    use MeshError::{LayerCorner, LayersCollide, LayersCramped, OddLayers, UnknownLayers};
+    let argument = options.argument("layers");
+    match error {
+        UnknownLayers { .. } | LayersCollide { .. } | LayersCramped { .. } | LayerCorner { .. } | OddLayers { .. } => {
+            argument.fail(error.to_string()).hint(error.cure())
+        }
+        _ => mesh_failure(argument.call(), error),
+    }
 }

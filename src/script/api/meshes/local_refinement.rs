@@ -19,8 +19,8 @@ pub fn refine_where() -> Function {
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
         summary: "the mesh of triangles (`tri3`, `tri6`) with cells cut into four where a condition holds at their centers, or where they \
-                  touch a boundary; beside them cells are bisected so that no node hangs on an edge. Curved sides stay as they are, no angle \
-                  falls below half the smallest, however often it is done",
+                  touch a boundary; beside them cells are bisected so that no node hangs on an edge. Curved sides stay as they are, and \
+                  no angle falls below half the smallest, however often it is done",
         parameters: vec![
             Parameter::new(
                 "where",
