@@ -180,6 +180,11 @@ impl Mesh {
         if self.kind.shape() != CellShape::Triangle {
             return Err(MeshError::NotLocally { kind: self.kind.name() });
         }
+        // before memory is taken
+        let cells = self.cell_count() + 3 * is_chosen.iter().filter(|chosen| **chosen).count();
+        if cells > CELL_LIMIT {
+            return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });
+        }
         let mut middles = HashMap::new();
         if self.kind.is_quadratic() {
             for nodes in self.cells() {
