@@ -35,6 +35,29 @@ impl MeshError {
             FewPoints { .. } => "name more points, each once; a closed spline ends at its first point".into(),
             OpenOutline { .. } => "name the curves in their order around the outline".into(),
             CrossingCurves { .. } => "let curves meet at their ends only; where they come close, smaller cells keep them apart".into(),
+            UnknownLayers { name, available } => match nearest_name(name, available) {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => "use one of these names".into(),
+            },
+            LayersCollide { .. } => "take fewer or thinner layers, or a smaller growth, so that something is left between them".into(),
+            LayersCramped { .. } => "take thinner layers, which leave more between them, or smaller cells there".into(),
+            LayerCorner { .. } => "layers go round corners of 30 to 330 degrees: round it off, or leave out one of its sides".into(),
+            OddLayers { count, .. } => {
+                format!("ask for {} layers, name the side that follows, too, or take cells of tri3 or tri6", count + 1)
+            }
+            NotLocally { kind: "tet4" | "hex8" } => {
+                "refine all of it with `refine()`, or make the mesh finer where it was made; only triangles are refined in places".into()
+            }
+            NotLocally { kind: "quad4" } => {
+                "cut them into triangles with `.with_elements(\"tri3\")` before, refine all of it with `refine()`, or make it with \
+                 `region` and a `size: |x, y| …`"
+                    .into()
+            }
+            NotLocally { .. } => {
+                "make it of triangles (`element: \"tri6\"`), refine all of it with `refine()`, or make it with `region` and a \
+                 `size: |x, y| …`"
+                    .into()
+            }
             Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
             Extruded { .. } => "extrude a plane mesh of quad4 or tri3 cells".into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),

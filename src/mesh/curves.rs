@@ -11,6 +11,18 @@ use crate::math::tolerances::{ON_CIRCLE, SUM_OF_LENGTHS};
 
 type Point = [f64; 2];
 
+/// Most pieces of one side: with as many, any region but a thin strip has more cells than a mesh may have.
+pub(super) const SIDE_LIMIT: usize = 100_000;
+
+/// A curve of an outline or a hole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// Its shape.
+    pub curve: Curve,
+    /// The boundary that it belongs to besides `outer`, or that of its hole.
+    pub name: Option<String>,
+}
+
 /// A curve with a parameter from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Curve {

@@ -47,7 +47,8 @@ fn key(cell: &[u32], weights: &[f64]) -> NodeKey {
     key
 }
 
-fn mean(a: Place, b: Place) -> Place {
+/// The place half way between two.
+pub(super) fn mean(a: Place, b: Place) -> Place {
     [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]))
 }
 
@@ -91,7 +92,7 @@ fn corners(kind: CellKind) -> Vec<Place> {
 }
 
 /// Corners of the children of a refined cell, the first ones at the parent's corners.
-fn halves(kind: CellKind) -> Vec<Vec<Place>> {
+pub(super) fn halves(kind: CellKind) -> Vec<Vec<Place>> {
     let corners = corners(kind);
     let middle = |a: usize, b: usize| mean(corners[a], corners[b]);
     let mut children: Vec<Vec<Place>> = (0..corners.len()).map(|a| (0..corners.len()).map(|b| middle(a, b)).collect()).collect();

@@ -159,6 +159,65 @@ pub enum MeshError {
         /// About where.
         near: [f64; 2],
     },
+    /// Layers along a boundary that no side belongs to.
+    #[error("there is no boundary \"{name}\" for layers; the boundaries are {}", listed(.available))]
+    UnknownLayers {
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        available: Vec<String>,
+    },
+    /// Layers that meet each other or the rim.
+    #[error(
+        "the layers of {names} are {} thick together, but near {} there is room for {}",
+        rounded(*.thickness), spot(.near), rounded(*.room)
+    )]
+    LayersCollide {
+        /// Their boundaries, quoted.
+        names: String,
+        /// Thickness of all layers `[length]`.
+        thickness: f64,
+        /// The thickness that there is room for, about.
+        room: f64,
+        /// About where.
+        near: [f64; 2],
+    },
+    /// Layers beside which a cell has no room.
+    #[error("the layers of {names}, {} thick together, leave a cell near {} without room", rounded(*.thickness), spot(.near))]
+    LayersCramped {
+        /// Their boundaries, quoted.
+        names: String,
+        /// Thickness of all layers `[length]`.
+        thickness: f64,
+        /// About where.
+        near: [f64; 2],
+    },
+    /// A corner that layers cannot go round.
+    #[error("the layers of {names} cannot go round the corner of {:.0} degrees at {}", degrees, spot(.near))]
+    LayerCorner {
+        /// Their boundaries, quoted.
+        names: String,
+        /// Angle of the body there, in degrees.
+        degrees: f64,
+        /// Where it is.
+        near: [f64; 2],
+    },
+    /// An odd number of layers of quadrilaterals that end within the body.
+    #[error("the {count} layers of {names} end within the body at {}, where quadrilaterals fit to an even number only", spot(.near))]
+    OddLayers {
+        /// Their boundaries, quoted.
+        names: String,
+        /// How many layers.
+        count: usize,
+        /// Where they end.
+        near: [f64; 2],
+    },
+    /// Cells that cannot be refined here and there.
+    #[error("cells of the kind {kind} cannot be refined in some places only: nodes would hang on the edges of their neighbors")]
+    NotLocally {
+        /// Their kind.
+        kind: &'static str,
+    },
     /// Cells that grow so fast that some of them vanish.
     #[error("{count} cells whose last is {ratio} times the first leave no room for some of them")]
     Grading {

@@ -1,9 +1,10 @@
 //! Polygons of unstructured cells: regions with straight sides, whose corners are checked beforehand.
 
 use super::cell_size::CellSize;
-use super::curves::Curve;
+use super::curves::{Curve, Side};
+use super::layers::Layers;
 use super::plane::{cross, is_inside};
-use super::region::{Side, region};
+use super::region::layered_region;
 use super::{Mesh, MeshError};
 use crate::elements::CellKind;
 
@@ -23,8 +24,23 @@ pub fn polygon(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: 
 /// # Errors
 /// As those of [`polygon`]; a kind that is not plane.
 pub fn polygon_of(kind: CellKind, corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[String]) -> Result<Mesh, MeshError> {
+    layered_polygon(kind, corners, holes, size, names, None)
+}
+
+/// [`polygon_of`] with strips of thin cells along some of its boundaries.
+///
+/// # Errors
+/// As those of [`polygon_of`] and of [`layered_region`].
+pub fn layered_polygon(
+    kind: CellKind,
+    corners: &[[f64; 2]],
+    holes: &[Vec<[f64; 2]>],
+    size: f64,
+    names: &[String],
+    layers: Option<&Layers>,
+) -> Result<Mesh, MeshError> {
     let (outline, holes) = sides(corners, holes, size, names)?;
-    region(&outline, &holes, CellSize::<MeshError>::Even(size), kind)
+    layered_region(&outline, &holes, CellSize::<MeshError>::Even(size), kind, layers)
 }
 
 /// The sides of a polygon and of its holes as curves.

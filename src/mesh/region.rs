@@ -3,26 +3,15 @@
 //! The region is triangulated; for quadrilaterals every triangle is cut from its center to the middles of its sides into three. So every
 //! region can be meshed, and every cell is convex. New nodes on the rim lie on its curves.
 
-use std::collections::HashMap;
-
 use super::cell_size::CellSize;
-use super::curves::Curve;
+use super::columns::layered;
+use super::curves::{Curve, SIDE_LIMIT, Side};
+use super::filling::filled;
+use super::layers::Layers;
 use super::plane::is_inside;
-use super::triangulation::{Rim, Triangles, triangulate};
+use super::triangulation::Rim;
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape};
-
-/// Most pieces of one side: with as many, any region but a thin strip has more cells than a mesh may have.
-const SIDE_LIMIT: usize = 100_000;
-
-/// A curve of an outline or a hole.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Side {
-    /// Its shape.
-    pub curve: Curve,
-    /// The boundary that it belongs to besides `outer`, or that of its hole.
-    pub name: Option<String>,
-}
 
 /// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which
 /// consists of curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so
@@ -31,40 +20,46 @@ pub struct Side {
 /// # Errors
 /// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells, what
 /// the size fails with.
-pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], mut size: CellSize<E>, kind: CellKind) -> Result<Mesh, E> {
-    // a triangle's edge is twice that of the quadrilaterals it is cut into
-    let factor = if kind.shape() == CellShape::Triangle { 1.0 } else { 2.0 };
-    let rim = rim(outline, holes, &mut size, factor)?;
-    let triangles = triangulate(&rim, &mut size, factor)?;
-    let (mesh, edges) = match kind.shape() {
-        CellShape::Triangle => of_triangles(&triangles, &rim),
-        _ => quadrilaterals(&triangles, &rim),
-    };
-    let on_rim = |ends: [u32; 2], _| {
-        let (piece, share) = edges.get(&ends)?;
-        rim.between(*piece, *share).map(|[x, y]| [x, y, 0.0])
-    };
-    Ok(mesh.checked()?.with_cells(kind)?.curved(on_rim)?)
+pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: CellSize<E>, kind: CellKind) -> Result<Mesh, E> {
+    layered_region(outline, holes, size, kind, None)
 }
 
-/// The piece of the rim that an edge between two nodes stands for, and the share of the piece at its middle.
-type RimEdges = HashMap<[u32; 2], (usize, f64)>;
-
-/// The triangles themselves.
-fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> (Mesh, RimEdges) {
-    let (mut along, mut edges) = (HashMap::new(), RimEdges::new());
-    for (nodes, cell) in triangles.iter().zip(0..) {
-        for (from, local) in nodes.iter().zip(0..) {
-            if rim.next.get(*from) == Some(&nodes[(local + 1) % 3]) {
-                along.insert(*from, [Facet { cell, local: local as u8 }]);
-                edges.insert([*from as u32, nodes[(local + 1) % 3] as u32], (*from, 0.5));
-            }
-        }
+/// [`region`] with strips of thin cells along some of its boundaries: stacks of quadrilaterals, or of pairs of triangles where the kind is
+/// one of triangles. Second-order cells bulge with the boundary at all levels.
+///
+/// # Errors
+/// As those of [`region`]; boundaries that there are not, layers that leave no room, corners that they cannot go round.
+pub fn layered_region<E: From<MeshError>>(
+    outline: &[Side],
+    holes: &[Vec<Side>],
+    mut size: CellSize<E>,
+    kind: CellKind,
+    layers: Option<&Layers>,
+) -> Result<Mesh, E> {
+    // a triangle's edge is twice that of the quadrilaterals it is cut into
+    let (factor, halves) = if kind.shape() == CellShape::Triangle { (1.0, 1) } else { (2.0, 2) };
+    let Some(layers) = layers else {
+        let rim = rim(outline, holes, &mut size, factor)?;
+        let filled = filled(&rim, &mut size, factor)?;
+        let along: Vec<_> =
+            (0..rim.vertices.len()).map(|piece| (rim.pieces[piece].0, filled.along.get(&piece).cloned().unwrap_or_default())).collect();
+        let boundaries = boundaries(&rim, &along);
+        return Ok(filled.finished(&rim, boundaries, kind)?);
+    };
+    layers.check()?;
+    let near = layers.near(outline, holes)?;
+    let fill = |size: &mut CellSize<E>| -> Result<Mesh, E> {
+        let whole = rim(outline, holes, size, factor)?;
+        let layered = layered(&whole, layers, halves)?;
+        let mut filled = filled(&layered.rest, size, factor)?;
+        let along = layered.complete(&mut filled)?;
+        let boundaries = boundaries(&whole, &along);
+        Ok(filled.finished(&layered.rest, boundaries, kind).map_err(|error| layers.cramped(error))?)
+    };
+    match layers.along {
+        None => fill(&mut size),
+        Some(_) => fill(&mut CellSize::At(&mut |point| near.size(&mut size, point))),
     }
-    let boundaries = boundaries(rim, |piece| along.get(&piece).copied());
-    let points = vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect();
-    let connectivity = triangles.as_flattened().iter().map(|&vertex| vertex as u32).collect();
-    (Mesh { kind: CellKind::Tri3, points, connectivity, boundaries, parts: Vec::new() }, edges)
 }
 
 /// The rim of a region in pieces of about `factor` times the size, and the curves and names that they belong to.
@@ -126,53 +121,14 @@ fn follow_each_other(sides: &[Side], what: &str) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// Three cells of every triangle.
-fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> (Mesh, RimEdges) {
-    let mut rim_edges = RimEdges::new();
-    let mut points: Vec<[f64; 3]> = Vec::new();
-    let mut corner: HashMap<usize, u32> = HashMap::new();
-    let mut middle: HashMap<[usize; 2], u32> = HashMap::new();
-    let mut connectivity = Vec::new();
-    // the cell at the start and at the end of each edge that runs along the rim
-    let mut along: HashMap<usize, [u32; 2]> = HashMap::new();
-    for (triangle, nodes) in triangles.iter().enumerate() {
-        let mut add = |sum: &[usize]| {
-            let mean = |i: usize| sum.iter().map(|&vertex| vertices[vertex][i]).sum::<f64>() / sum.len() as f64;
-            points.push([mean(0), mean(1), 0.0]);
-            points.len() as u32 - 1
-        };
-        let own = nodes.map(|vertex| *corner.entry(vertex).or_insert_with(|| add(&[vertex])));
-        let edges = [0, 1, 2].map(|k| [nodes[k], nodes[(k + 1) % 3]]);
-        let middles = edges.map(|[a, b]| *middle.entry([a.min(b), a.max(b)]).or_insert_with(|| add(&[a, b])));
-        let center = add(nodes);
-        for k in 0..3 {
-            connectivity.extend([own[k], middles[k], center, middles[(k + 2) % 3]]);
-        }
-        for (k, [from, to]) in edges.into_iter().enumerate() {
-            if rim.next.get(from) == Some(&to) {
-                if let Some([x, y]) = rim.between(from, 0.5) {
-                    points[middles[k] as usize] = [x, y, 0.0];
-                }
-                rim_edges.insert([own[k], middles[k]], (from, 0.25));
-                rim_edges.insert([middles[k], own[(k + 1) % 3]], (from, 0.75));
-                along.insert(from, [(3 * triangle + k) as u32, (3 * triangle + (k + 1) % 3) as u32]);
-            }
-        }
-    }
-    let facets = |piece: usize| along.get(&piece).map(|&[start, end]| [Facet { cell: start, local: 0 }, Facet { cell: end, local: 3 }]);
-    let boundaries = boundaries(rim, facets);
-    (Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }, rim_edges)
-}
-
-/// Boundaries by the names of the rim's sides, given the facets of each piece.
-fn boundaries<const N: usize>(rim: &Rim, facets: impl Fn(usize) -> Option<[Facet; N]>) -> Vec<Boundary> {
+/// Boundaries by the names of the rim's curves, given curves and facets of all its pieces in their order.
+fn boundaries(rim: &Rim, along: &[(usize, Vec<Facet>)]) -> Vec<Boundary> {
     let mut boundaries: Vec<Boundary> = Vec::new();
-    for piece in 0..rim.vertices.len() {
-        let Some(facets) = facets(piece) else { continue };
-        for name in rim.names(piece) {
+    for (curve, facets) in along.iter().filter(|(_, facets)| !facets.is_empty()) {
+        for name in &rim.names[*curve] {
             match boundaries.iter_mut().find(|boundary| boundary.name == *name) {
                 Some(boundary) => boundary.facets.extend(facets),
-                None => boundaries.push(Boundary::of_facets(name, facets.into())),
+                None => boundaries.push(Boundary::of_facets(name, facets.clone())),
             }
         }
     }

@@ -3,6 +3,8 @@
 //! Constrained Delaunay, refined to angles of about 30 degrees at least and to the wanted size (J. Ruppert, J. Algorithms 18, 1995). Where
 //! the size varies, vertices are first put into the circumcenters of triangles that are too large, if no vertex is near there.
 
+use std::collections::HashMap;
+
 use rstar::RTree;
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, RefinementParameters, Triangulation};
 
@@ -29,12 +31,17 @@ pub(super) struct Rim {
     /// The vertex behind each one.
     pub next: Vec<usize>,
     /// Of each piece the curve, and the parameters where it begins and ends.
-    pieces: Vec<(usize, [f64; 2])>,
-    curves: Vec<Curve>,
-    names: Vec<Vec<String>>,
-    labels: Vec<String>,
+    pub pieces: Vec<(usize, [f64; 2])>,
+    /// The curves.
+    pub curves: Vec<Curve>,
+    /// Of each curve the boundaries that it belongs to.
+    pub names: Vec<Vec<String>>,
+    /// Of each curve what messages call it.
+    pub labels: Vec<String>,
     /// The first vertex of each closed loop, and one more.
-    loops: Vec<usize>,
+    pub loops: Vec<usize>,
+    /// Of pieces that are on no curve, a point in their middle that is given.
+    pub middles: HashMap<usize, [f64; 2]>,
 }
 
 impl Rim {
@@ -78,6 +85,11 @@ impl Rim {
         }
     }
 
+    /// The point in the middle of a piece; nothing when it is straight.
+    pub fn middle(&self, piece: usize) -> Option<[f64; 2]> {
+        self.middles.get(&piece).copied().or_else(|| self.between(piece, 0.5))
+    }
+
     /// The names of the boundaries that a piece belongs to.
     pub fn names(&self, piece: usize) -> &[String] {
         &self.names[self.pieces[piece].0]
@@ -96,6 +108,47 @@ impl Rim {
     /// Area inside.
     fn area(&self) -> f64 {
         (0..self.vertices.len()).map(|k| cross(self.vertices[k], self.vertices[self.next[k]])).sum::<f64>() / 2.0
+    }
+
+    /// A rim without pieces of the same curves, and of a front with this label.
+    pub fn of_curves(rim: &Rim, front: String) -> Rim {
+        let mut rest = Rim { curves: rim.curves.clone(), names: rim.names.clone(), labels: rim.labels.clone(), ..Rim::default() };
+        rest.curves.push(Curve::Line { from: [0.0; 2], to: [0.0; 2] });
+        rest.names.push(Vec::new());
+        rest.labels.push(front);
+        rest
+    }
+
+    /// The number of the curve of fronts, in a rim that has one.
+    pub fn front(&self) -> usize {
+        self.curves.len() - 1
+    }
+
+    /// One more piece of the loop that is begun, from a point on.
+    pub fn add_piece(&mut self, from: [f64; 2], piece: (usize, [f64; 2]), middle: Option<[f64; 2]>) -> usize {
+        let number = self.vertices.len();
+        self.vertices.push(from);
+        self.next.push(number + 1);
+        self.pieces.push(piece);
+        self.middles.extend(middle.map(|middle| (number, middle)));
+        number
+    }
+
+    /// Closes the loop that began with the vertex `first`, the body on its left.
+    pub fn end_loop(&mut self, first: usize) {
+        if let Some(last) = self.next.last_mut() {
+            *last = first;
+        }
+    }
+
+    /// A point of a curve.
+    pub fn curve_at(&self, curve: usize, t: f64) -> [f64; 2] {
+        self.curves[curve].at(t)
+    }
+
+    /// A point of a curve that is not straight.
+    pub fn on_curve(&self, curve: usize, t: f64) -> Option<[f64; 2]> {
+        (!matches!(self.curves[curve], Curve::Line { .. })).then(|| self.curves[curve].at(t))
     }
 
     /// Two pieces that have a point in common.

@@ -18,16 +18,25 @@ use crate::script::language::values::describe;
 /// # Errors
 /// There is none of that name; the message lists those that there are.
 pub fn named_boundary(call: &Call, mesh: &Mesh) -> Result<Boundary, Failure> {
-    let argument = call.argument("name");
+    boundary_named(&call.argument("name"), mesh)
+}
+
+/// The boundary that an argument names, or the union of several.
+///
+/// # Errors
+/// As those of [`named_boundary`].
+pub fn boundary_named(argument: &Argument, mesh: &Mesh) -> Result<Boundary, Failure> {
     let value = argument.value();
-    let Some(entries) = value.read_lock::<Array>() else { return one_boundary(&argument, argument.text()?, mesh) };
+    let Some(entries) = value.read_lock::<Array>() else { return one_boundary(argument, argument.text()?, mesh) };
     let mut boundaries = Vec::new();
     for entry in entries.iter() {
         let Ok(name) = entry.clone().into_string() else {
             let failure = argument.fail(format!("every entry of {} must be a name", argument.title()));
-            return Err(failure.label(format!("this contains {}", describe(call.engine(), entry))).hint("write `[\"left\", \"top\"]`"));
+            return Err(failure
+                .label(format!("this contains {}", describe(argument.call().engine(), entry)))
+                .hint("write `[\"left\", \"top\"]`"));
         };
-        boundaries.push(one_boundary(&argument, name, mesh)?);
+        boundaries.push(one_boundary(argument, name, mesh)?);
     }
     match &boundaries[..] {
         [] => Err(argument.fail(format!("{} is empty", argument.title())).hint("name at least one boundary")),
@@ -56,6 +65,18 @@ pub fn condition_parameters() -> Vec<Parameter> {
     ]
 }
 
+/// What a condition gives.
+///
+/// # Errors
+/// No truth value.
+pub fn truth(argument: &Argument, value: &Dynamic) -> Result<bool, Box<EvalAltResult>> {
+    value.as_bool().map_err(|_| {
+        let failure = argument.fail("the condition must give `true` or `false`");
+        let given = describe(argument.call().engine(), value);
+        failure.label(format!("this gives {given}")).hint("compare the coordinates, such as `|x, y| y > 0.99`").into()
+    })
+}
+
 /// A mesh with one more boundary, found by the closure `condition` of a call. Warns when it has no facets.
 ///
 /// # Errors
@@ -65,13 +86,7 @@ pub fn with_boundary_where(call: &Call, mesh: &Mesh) -> Result<Mesh, Box<EvalAlt
     let dimension = mesh.dimension();
     let found = mesh.clone().boundary_where(&name, |point| {
         let value = condition.call(point[..dimension].iter().map(|&coordinate| Dynamic::from(coordinate)))?;
-        value.as_bool().map_err(|_| {
-            let failure = call.argument("condition").fail("the condition must give `true` or `false`");
-            let given = describe(call.engine(), &value);
-            Box::<EvalAltResult>::from(
-                failure.label(format!("this gives {given}")).hint("compare the coordinates, such as `|x, y| y > 0.99`"),
-            )
-        })
+        truth(&call.argument("condition"), &value)
     });
     let mesh = found.map_err(|error| match error {
         SelectionError::Condition(error) => error,

@@ -1,7 +1,10 @@
 //! Meshes of simple shapes, from a few numbers.
 
+use rhai::Dynamic;
+
 use super::handle::{MeshHandle, mesh_value, vector_or_zero};
 use super::kinds::{PLANE, SOLID, element, kind_of};
+use super::layers;
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, Round};
 use crate::script::language::arguments::{Arguments, Options};
@@ -208,6 +211,7 @@ fn polygon() -> Function {
                 Parameter::new("holes", Kind::Array, "holes, each an array of its corners; their boundaries are `hole 1`, `hole 2`, …")
                     .of("length")
                     .or(Absent::Means("none")),
+                layers::parameter(),
                 element(PLANE),
             ]),
             "shape and cells",
@@ -235,7 +239,9 @@ fn polygon() -> Function {
             };
             let holes = options.argument("holes");
             let holes = if holes.is_given() { holes.lists_of_points()? } else { Vec::new() };
-            mesh_value(call, mesh::polygon_of(kind, &corners, &holes, options.number("size")?, &names))
+            let layers = layers::layers_of(&options)?;
+            let made = mesh::layered_polygon(kind, &corners, &holes, options.number("size")?, &names, layers.as_ref());
+            made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| layers::failure(&options, &error).into())
         }),
     }
 }

@@ -6,6 +6,8 @@ pub mod boundaries;
 pub mod generators;
 pub mod handle;
 pub mod kinds;
+pub mod layers;
+pub mod local_refinement;
 pub mod properties;
 pub mod reader;
 pub mod regions;
@@ -17,6 +19,7 @@ pub fn functions() -> Vec<Function> {
     all.extend(regions::functions());
     all.extend(reader::functions());
     all.extend(transforms::functions());
+    all.push(local_refinement::refine_where());
     all.push(kinds::with_elements());
     all.push(boundaries::boundary_where());
     all.extend(properties::functions());

@@ -2,15 +2,16 @@
 
 use rhai::{Array, Dynamic, EvalAltResult, FnPtr};
 
-use super::handle::{MeshHandle, mesh_failure};
+use super::handle::MeshHandle;
 use super::kinds::{PLANE, element, kind_of};
+use super::layers;
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, CellSize, Curve, MeshError, SelectionError, Side};
-use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
@@ -93,6 +94,7 @@ fn region() -> Function {
                 )
                 .of("length"),
                 Parameter::new("holes", Kind::Array, "holes, each like an outline").of("length").or(Absent::Means("none")),
+                layers::parameter(),
                 element(PLANE),
             ]),
             "outline and size",
@@ -100,12 +102,16 @@ fn region() -> Function {
         returns: MeshHandle::NAME,
         example: "let cam = region(#{\n    outline: [\n        [0.0, -1.0],\n        arc_to(#{ to: [0.0, 1.0], center: [0.0, 0.0], name: \
                   \"base\" }),\n        spline_to([[-1.2, 0.7], [-1.8, 0.0], [-1.2, -0.7], [0.0, -1.0]], \"nose\"),\n    ],\n    holes: \
-                  [circle(#{ center: [0.0, 0.0], radius: 0.3, name: \"bore\" })],\n    size: |x, y| 0.08 + 0.05 * abs(x + 0.9),\n});"
+                  [circle(#{ center: [0.0, 0.0], radius: 0.3, name: \"bore\" })],\n    size: |x, y| 0.08 + 0.05 * abs(x + 0.9),\n});\n\
+                  // six layers around a hole, each 1.3 times as thick as the one before it\n\
+                  let plate = region(#{\n    outline: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],\n    \
+                  holes: [circle(#{ center: [0.0, 0.0], radius: 0.3, name: \"bore\" })],\n    size: 0.15,\n    \
+                  layers: #{ boundary: \"bore\", first: 0.005, count: 6, growth: 1.3, along: 0.05 },\n});"
             .into(),
-        see_also: &["polygon", "line_to", "arc_to", "spline_to", "circle", "read_mesh"],
+        see_also: &["polygon", "line_to", "arc_to", "spline_to", "circle", "refine_where", "read_mesh"],
         body: body(|call| {
             let options = call.options("options")?;
-            let kind = kind_of(&options)?;
+            let (kind, layers) = (kind_of(&options)?, layers::layers_of(&options)?);
             let argument = options.argument("outline");
             if !argument.is_given() {
                 return Err(argument.missing().into());
@@ -114,7 +120,7 @@ fn region() -> Function {
             let argument = options.argument("holes");
             let holes = if argument.is_given() { argument.array()? } else { Array::new() };
             let holes: Vec<Vec<Side>> = holes.iter().map(|hole| closed_loop(&argument, hole)).collect::<Result<_, Failure>>()?;
-            let made = with_size(call, &options.argument("size"), |size| mesh::region(&outline, &holes, size, kind))?;
+            let made = with_size(&options, |size| mesh::layered_region(&outline, &holes, size, kind, layers.as_ref()))?;
             Ok(Dynamic::from(MeshHandle::new(made)))
         }),
     }
@@ -127,15 +133,12 @@ type SizeError = SelectionError<Box<EvalAltResult>>;
 ///
 /// # Errors
 /// Neither a number nor a closure, what the closure fails with, and what the mesh refuses.
-fn with_size<T>(
-    call: &Call,
-    argument: &Argument,
-    make: impl FnOnce(CellSize<SizeError>) -> Result<T, SizeError>,
-) -> Result<T, Box<EvalAltResult>> {
+fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Result<T, SizeError>) -> Result<T, Box<EvalAltResult>> {
+    let argument = options.argument("size");
     if !argument.is_given() {
         return Err(argument.missing().into());
     }
-    let value = argument.value();
+    let (call, value) = (argument.call(), argument.value());
     let made = match value.read_lock::<FnPtr>() {
         Some(function) => {
             argument.check_parameters(&function, "|x, y|")?;
@@ -162,7 +165,7 @@ fn with_size<T>(
     };
     made.map_err(|error| match error {
         SelectionError::Condition(error) => error,
-        SelectionError::Mesh(error) => mesh_failure(call, &error).into(),
+        SelectionError::Mesh(error) => layers::failure(options, &error).into(),
     })
 }
 

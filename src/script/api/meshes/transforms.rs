@@ -165,7 +165,7 @@ fn refine() -> Function {
         ],
         returns: MeshHandle::NAME,
         example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).refine();".into(),
-        see_also: &["quality"],
+        see_also: &["refine_where", "quality"],
         body: body(|call| {
             let mut mesh = (*call.receiver::<MeshHandle>().mesh()).clone();
             for _ in 0..call.integer("times")? {

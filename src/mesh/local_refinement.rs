@@ -1,0 +1,344 @@
+//! Triangles refined where they are wanted smaller, without hanging nodes.
+//!
+//! A cell that is chosen is cut at the middles of its edges into four that are similar to it. Whoever then has a node in the middle of an
+//! edge is bisected, always across its longest edge, until nobody has (M.-C. Rivara, Int. J. Numer. Meth. Engng. 20, 1984). Bisecting a
+//! triangle across its longest edge again and again makes finitely many shapes, none of which has an angle below half the smallest of the
+//! first (I. Rosenberg, F. Stenger, Math. Comp. 29, 1975), and cutting into four makes none: refinement may be repeated as often as one
+//! likes. Nothing but the mesh is remembered. Not for quadrilaterals and cells in space.
+
+use std::collections::{HashMap, HashSet};
+
+use super::division::{halves, mean};
+use super::{Boundary, CELL_LIMIT, Facet, Mesh, MeshError, SelectionError};
+use crate::elements::{CellKind, CellShape};
+
+/// A place on a reference cell.
+type Place = [f64; 3];
+
+/// The two ends of an edge, the smaller number first.
+type Edge = [u32; 2];
+
+fn edge(a: u32, b: u32) -> Edge {
+    [a.min(b), a.max(b)]
+}
+
+/// A piece of a cell of the old mesh: its corners, and where they are on the old cell's reference cell.
+#[derive(Clone, Copy)]
+struct Piece {
+    cell: u32,
+    nodes: [u32; 3],
+    places: [Place; 3],
+}
+
+/// The mesh on its way.
+struct Refinement<'a> {
+    old: &'a Mesh,
+    points: Vec<[f64; 3]>,
+    /// Nodes at the middles of edges, of those that are cut and, in cells of second order, of others.
+    middles: HashMap<Edge, u32>,
+    /// Edges that are cut.
+    cut: HashSet<Edge>,
+}
+
+impl Refinement<'_> {
+    /// The node in the middle of an edge of a piece, from corner `k` to the next one.
+    fn middle(&mut self, piece: &Piece, k: usize) -> u32 {
+        let (from, to) = (k, (k + 1) % 3);
+        let (old, points) = (self.old, &mut self.points);
+        *self.middles.entry(edge(piece.nodes[from], piece.nodes[to])).or_insert_with(|| {
+            let weights = (old.kind.row().shape)(mean(piece.places[from], piece.places[to]));
+            let nodes = old.cell(piece.cell as usize);
+            let sum = |i: usize| nodes.iter().zip(&weights).map(|(&node, weight)| weight * old.points[node as usize][i]).sum();
+            points.push([sum(0), sum(1), sum(2)]);
+            points.len() as u32 - 1
+        })
+    }
+
+    /// Four pieces of one.
+    fn quartered(&mut self, piece: &Piece) -> Vec<Piece> {
+        let middles = [0, 1, 2].map(|k| self.middle(piece, k));
+        (0..3).for_each(|k| {
+            self.cut.insert(edge(piece.nodes[k], piece.nodes[(k + 1) % 3]));
+        });
+        let children = halves(CellKind::Tri3);
+        // child k keeps corner k, the last one has the middles alone
+        let nodes = (0..3).map(|k| {
+            let toward = |other: usize| if other == k { piece.nodes[k] } else { middles[if (k + 1) % 3 == other { k } else { other }] };
+            [toward(0), toward(1), toward(2)]
+        });
+        let nodes = nodes.chain(std::iter::once([middles[1], middles[2], middles[0]]));
+        let children = children.iter().zip(nodes);
+        children.map(|(places, nodes)| Piece { nodes, places: [places[0], places[1], places[2]], ..*piece }).collect()
+    }
+
+    /// The number of the longest edge; of equal ones both neighbors name the same.
+    fn longest(&self, piece: &Piece) -> usize {
+        let length = |k: usize| {
+            let ends = edge(piece.nodes[k], piece.nodes[(k + 1) % 3]);
+            let [a, b] = ends.map(|node| self.points[node as usize]);
+            ((b[0] - a[0]).hypot(b[1] - a[1]), ends)
+        };
+        let longer = |a: &usize, b: &usize| {
+            let (a, b) = (length(*a), length(*b));
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+        };
+        (0..3).max_by(longer).unwrap_or_default()
+    }
+
+    /// Bisects a piece across its longest edge, and its halves, until no edge of a piece is cut; adds the pieces to `whole`.
+    fn close(&mut self, piece: Piece, whole: &mut Vec<Piece>) {
+        let is_cut = (0..3).any(|k| self.cut.contains(&edge(piece.nodes[k], piece.nodes[(k + 1) % 3])));
+        if !is_cut {
+            whole.push(piece);
+            return;
+        }
+        let first = self.longest(&piece);
+        let middle = self.middle(&piece, first);
+        let [a, b] = [first, (first + 1) % 3];
+        self.cut.insert(edge(piece.nodes[a], piece.nodes[b]));
+        let place = mean(piece.places[a], piece.places[b]);
+        for gone in [b, a] {
+            let mut half = piece;
+            (half.nodes[gone], half.places[gone]) = (middle, place);
+            self.close(half, whole);
+        }
+    }
+
+    /// The pieces of every cell, those that are chosen cut into four.
+    fn pieces(&mut self, is_chosen: &[bool]) -> Result<Vec<Piece>, MeshError> {
+        let corners = CellKind::Tri3.row().node_places;
+        let mut pieces: Vec<Piece> = Vec::new();
+        for (cell, nodes) in self.old.cells().enumerate() {
+            let whole = Piece { cell: cell as u32, nodes: [nodes[0], nodes[1], nodes[2]], places: [corners[0], corners[1], corners[2]] };
+            if is_chosen[cell] { pieces.extend(self.quartered(&whole)) } else { pieces.push(whole) }
+        }
+        loop {
+            let edges = self.cut.len();
+            let mut next = Vec::with_capacity(pieces.len());
+            for piece in pieces {
+                self.close(piece, &mut next);
+            }
+            pieces = next;
+            if pieces.len() > CELL_LIMIT {
+                return Err(MeshError::TooManyCells { cells: pieces.len(), limit: CELL_LIMIT });
+            }
+            // an edge cut by one of its cells is the other one's to follow
+            if self.cut.len() == edges {
+                return Ok(pieces);
+            }
+        }
+    }
+
+    /// The new mesh.
+    fn mesh(mut self, pieces: &[Piece]) -> Mesh {
+        let mut connectivity = Vec::with_capacity(pieces.len() * self.old.kind.nodes());
+        for piece in pieces {
+            connectivity.extend(piece.nodes);
+            if self.old.kind.is_quadratic() {
+                connectivity.extend([0, 1, 2].map(|k| self.middle(piece, k)));
+            }
+        }
+        let mut firsts: Vec<u32> = vec![0; self.old.cell_count() + 1];
+        pieces.iter().for_each(|piece| firsts[piece.cell as usize + 1] += 1);
+        (0..self.old.cell_count()).for_each(|cell| firsts[cell + 1] += firsts[cell]);
+        let offspring = |cell: u32| firsts[cell as usize]..firsts[cell as usize + 1];
+        let on_facet = |facet: &Facet| {
+            // the corner across from a facet has no share in its points
+            let [from, across] = [facet.local as usize, (facet.local as usize + 2) % 3];
+            let share = |place: Place, corner: usize| (CellKind::Tri3.row().shape)(place)[corner];
+            let mut found: Vec<(f64, Facet)> = Vec::new();
+            for cell in offspring(facet.cell) {
+                let places = pieces[cell as usize].places;
+                for local in 0..3 {
+                    let ends = [places[local], places[(local + 1) % 3]];
+                    if ends.iter().all(|&place| share(place, across) == 0.0) {
+                        found.push((share(ends[0], from), Facet { cell, local: local as u8 }));
+                    }
+                }
+            }
+            found.sort_by(|a, b| b.0.total_cmp(&a.0));
+            found.into_iter().map(|(_, facet)| facet)
+        };
+        let finer = |b: &Boundary| Boundary { facets: b.facets.iter().flat_map(on_facet).collect(), ..b.clone() };
+        let boundaries = self.old.boundaries.iter().map(finer).collect();
+        let part = |cells: &Vec<u32>| cells.iter().flat_map(|&cell| offspring(cell)).collect();
+        let parts = self.old.parts.iter().map(|(name, cells)| (name.clone(), part(cells))).collect();
+        Mesh { kind: self.old.kind, points: self.points, connectivity, boundaries, parts }
+    }
+}
+
+impl Mesh {
+    /// The mesh of triangles with every chosen cell cut into four at the middles of its edges, and others bisected so that no node hangs on
+    /// an edge; boundaries and parts kept. As [`Mesh::refine`] it covers the same set of points, and old nodes keep their numbers. However
+    /// often it is repeated, no angle is smaller than half the smallest of the first mesh.
+    ///
+    /// `is_chosen` has an entry for each cell.
+    ///
+    /// # Errors
+    /// Cells that are no triangles, more of them than [`CELL_LIMIT`].
+    pub fn refined_cells(&self, is_chosen: &[bool]) -> Result<Mesh, MeshError> {
+        if self.kind.shape() != CellShape::Triangle {
+            return Err(MeshError::NotLocally { kind: self.kind.name() });
+        }
+        // before memory is taken
+        let cells = self.cell_count() + 3 * is_chosen.iter().filter(|chosen| **chosen).count();
+        if cells > CELL_LIMIT {
+            return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });
+        }
+        let mut middles = HashMap::new();
+        if self.kind.is_quadratic() {
+            for nodes in self.cells() {
+                middles.extend((0..3).map(|k| (edge(nodes[k], nodes[(k + 1) % 3]), nodes[k + 3])));
+            }
+        }
+        let mut refinement = Refinement { old: self, points: self.points.clone(), middles, cut: HashSet::new() };
+        let pieces = refinement.pieces(is_chosen)?;
+        Ok(refinement.mesh(&pieces))
+    }
+
+    /// [`Mesh::refined_cells`] of the cells at whose centers `condition` holds.
+    ///
+    /// # Errors
+    /// As those of [`Mesh::refined_cells`], and what the condition fails with.
+    pub fn refined_where<E>(&self, mut condition: impl FnMut(&[f64]) -> Result<bool, E>) -> Result<Mesh, SelectionError<E>> {
+        if self.kind.shape() != CellShape::Triangle {
+            return Err(SelectionError::Mesh(MeshError::NotLocally { kind: self.kind.name() }));
+        }
+        let chosen = (0..self.cell_count()).map(|cell| condition(&self.cell_center(cell)));
+        let chosen: Vec<bool> = chosen.collect::<Result<_, E>>().map_err(SelectionError::Condition)?;
+        Ok(self.refined_cells(&chosen)?)
+    }
+
+    /// [`Mesh::refined_cells`] of the cells that have a node of a boundary.
+    ///
+    /// # Errors
+    /// As those of [`Mesh::refined_cells`].
+    pub fn refined_along(&self, boundary: &Boundary) -> Result<Mesh, MeshError> {
+        let nodes: HashSet<u32> = self.boundary_nodes(boundary).into_iter().collect();
+        let chosen: Vec<bool> = self.cells().map(|cell| cell.iter().any(|node| nodes.contains(node))).collect();
+        self.refined_cells(&chosen)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::mesh::{polygon_of, rectangle, ring};
+
+    /// The smallest angle of the triangles of the corners, in degrees.
+    fn smallest_angle(mesh: &Mesh) -> f64 {
+        let angle = |cell: &[u32], k: usize| {
+            let [a, b, c] = [0, 1, 2].map(|i| mesh.points[cell[(k + i) % 3] as usize]);
+            let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+            (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]).to_degrees()
+        };
+        mesh.cells().flat_map(|cell| [0, 1, 2].map(|k| angle(cell, k))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Same area, same boundaries, conforming: the hull is the boundaries.
+    fn is_same(mesh: &Mesh, finer: &Mesh) {
+        assert_eq!(finer.defects(), []);
+        assert!((mesh.measure() - finer.measure()).abs() < 1e-12 * mesh.measure());
+        let mut named: Vec<Facet> = Vec::new();
+        for (boundary, divided) in mesh.boundaries.iter().zip(&finer.boundaries) {
+            let (before, after) = (mesh.boundary_measure(boundary), finer.boundary_measure(divided));
+            assert!((before - after).abs() < 1e-5 * before, "{} {before} {after}", boundary.name);
+            named.extend(&divided.facets);
+            let ends: Vec<Vec<u32>> = divided.facets.iter().map(|&facet| finer.facet_nodes(facet).collect()).collect();
+            assert!(ends.windows(2).all(|pair| pair[0][1] == pair[1][0]), "traversed with the body on the left");
+        }
+        named.sort_unstable();
+        assert_eq!(finer.hull(), named);
+        let area = |mesh: &Mesh, part: usize| {
+            let mut mesh = mesh.clone();
+            let cells = mesh.parts[part].1.clone();
+            mesh.connectivity = cells.iter().flat_map(|&cell| mesh.cell(cell as usize).to_vec()).collect();
+            mesh.measure()
+        };
+        for part in 0..mesh.parts.len() {
+            assert!((area(mesh, part) - area(finer, part)).abs() < 1e-12, "{}", mesh.parts[part].0);
+        }
+    }
+
+    fn circular(kind: CellKind) -> Mesh {
+        let round = crate::mesh::Round::About([0.0, 0.0]);
+        let mut mesh = ring(0.5, 1.0, [2, 12], [0.0, 0.0], 0.1).unwrap().with_round_cells(CellKind::Quad4, round).unwrap();
+        mesh.parts = vec![("some".into(), vec![0, 3, 7]), ("all".into(), (0..mesh.cell_count() as u32).collect())];
+        let mesh = mesh.with_cells(CellKind::Tri3).unwrap();
+        mesh.with_cells(kind)
+            .unwrap()
+            .curved(|_, [a, b]| {
+                let radii = [a, b].map(|p: [f64; 3]| p[0].hypot(p[1]));
+                let middle = [0, 1].map(|i| 0.5 * (a[i] + b[i]));
+                let scale = radii[0] / middle[0].hypot(middle[1]);
+                ((radii[0] - radii[1]).abs() < 1e-9).then(|| [scale * middle[0], scale * middle[1], 0.0])
+            })
+            .unwrap()
+    }
+
+    #[test]
+    fn all_cells_are_refined_as_by_the_uniform_one() {
+        for kind in [CellKind::Tri3, CellKind::Tri6] {
+            let mesh = circular(kind);
+            let (finer, even) = (mesh.refined_where(|_| Ok::<bool, MeshError>(true)).unwrap(), mesh.refine().unwrap());
+            is_same(&mesh, &finer);
+            assert_eq!((finer.cell_count(), finer.points.len()), (even.cell_count(), even.points.len()));
+            let mut places = [finer.points.clone(), even.points.clone()];
+            places.iter_mut().for_each(|points| points.sort_by(|a, b| a.partial_cmp(b).unwrap()));
+            let off = places[0].iter().zip(&places[1]).flat_map(|(a, b)| [0, 1].map(|i| (a[i] - b[i]).abs())).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{off}");
+            assert_eq!(mesh.refined_where(|_| Ok::<bool, MeshError>(false)).unwrap().connectivity, mesh.connectivity);
+        }
+    }
+
+    #[test]
+    fn angles_stay_above_half_the_smallest_however_often_a_corner_is_refined() {
+        let corners = [[0.0, 0.0], [2.0, 0.1], [1.7, 1.1], [0.3, 0.8]];
+        let mut mesh = polygon_of(CellKind::Tri3, &corners, &[], 0.5, &[]).unwrap();
+        let (coarse, angle) = (mesh.clone(), smallest_angle(&mesh));
+        for level in 0..25 {
+            mesh = mesh.refined_where(|at| Ok::<bool, MeshError>(at[0].hypot(at[1]) < 0.5f64.powi(level))).unwrap();
+            assert!(smallest_angle(&mesh) > 0.5 * angle, "{level}: {} of {angle}", smallest_angle(&mesh));
+        }
+        is_same(&coarse, &mesh);
+        // cells of 2^-25 in a body of 2, and few of them
+        assert!(mesh.quality().shortest_edge < 1e-7 && mesh.cell_count() < 5000, "{} {}", mesh.quality(), mesh.cell_count());
+    }
+
+    #[test]
+    fn a_boundary_is_refined_along_and_quadrilaterals_are_refused() {
+        let mesh = rectangle([2.0, 1.0], [4, 2], [0.0; 2]).unwrap();
+        let refused = mesh.refined_along(mesh.boundary("top").unwrap()).unwrap_err();
+        assert!(matches!(refused, MeshError::NotLocally { kind: "quad4" }) && refused.cure().contains("tri3"));
+        let mut mesh = mesh.with_cells(CellKind::Tri6).unwrap();
+        let coarse = mesh.clone();
+        for _ in 0..3 {
+            mesh = mesh.refined_along(mesh.boundary("top").unwrap()).unwrap();
+        }
+        is_same(&coarse, &mesh);
+        assert_eq!((mesh.boundary("top").unwrap().facets.len(), mesh.boundary("bottom").unwrap().facets.len()), (32, 4));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn what_is_refined_at_random_places_stays_whole(
+            is_quadratic: bool,
+            circles in prop::collection::vec((-1.0f64..1.0, -1.0f64..1.0, 0.02f64..0.5), 1..7),
+        ) {
+            let coarse = circular(if is_quadratic { CellKind::Tri6 } else { CellKind::Tri3 });
+            let mut mesh = coarse.clone();
+            for (x, y, radius) in circles {
+                mesh = mesh.refined_where(|at| Ok::<bool, MeshError>((at[0] - x).hypot(at[1] - y) < radius)).unwrap();
+            }
+            is_same(&coarse, &mesh);
+            // of the triangles of the corners: on straight edges children have the parent's angles
+            if !is_quadratic {
+                prop_assert!(smallest_angle(&mesh) >= 0.5 * smallest_angle(&coarse) - 1e-9);
+            }
+        }
+    }
+}

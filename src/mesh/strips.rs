@@ -1,0 +1,248 @@
+//! Strips of thin cells along the rim of a region: their nodes, the rim that they leave to the rest, and their cells.
+//!
+//! The rest is filled first. Nodes of a strip that are on its rim are known then, by the vertex or the middle of the piece that they are;
+//! the others are added.
+
+use super::filling::{Filled, PlacedEdges};
+use super::triangulation::Rim;
+use super::{CELL_LIMIT, Facet, MeshError};
+use crate::elements::CellKind;
+
+type Point = [f64; 2];
+
+/// A piece of a curve, with the parameters of its ends.
+pub(super) type Piece = (usize, [f64; 2]);
+
+/// Columns along a stretch of the rim.
+pub(super) struct Strip {
+    /// The points of each column, from the boundary on; a closed strip names its first column again as its last one.
+    pub columns: Vec<Vec<Point>>,
+    /// What their nodes are in the mesh of the rest.
+    pub nodes: Vec<Vec<Node>>,
+    /// Of each stack the piece of the curve that it stands on.
+    pub pieces: Vec<Piece>,
+    /// Of the first and the last column the curve that it runs along, with the parameters of its points.
+    pub along: [Option<(usize, Vec<f64>)>; 2],
+    /// Whether it goes round a whole loop.
+    pub is_closed: bool,
+}
+
+/// Strips, the rim of the rest, and the pieces of the whole rim in their order.
+pub(super) struct Layered {
+    pub rest: Rim,
+    pub strips: Vec<Strip>,
+    pub order: Vec<Order>,
+}
+
+/// What a node of a column is in the mesh of the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Node {
+    /// None of it.
+    Own,
+    /// A vertex of its rim.
+    Vertex(usize),
+    /// The middle of a piece of its rim.
+    Middle(usize),
+}
+
+/// Where the facets of a stretch of the rim are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Source {
+    /// On a piece of the rim of the rest.
+    Piece(usize),
+    /// At the foot of a stack of a strip.
+    Stack(usize, usize),
+    /// Along the first column of a strip, from its inner end on.
+    Start(usize),
+    /// Along the last column of a strip.
+    End(usize),
+}
+
+/// A stretch of the whole rim on a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Order {
+    pub curve: usize,
+    pub source: Source,
+}
+
+/// A side of a cell of a strip.
+#[derive(Clone, Copy)]
+enum Side {
+    Foot,
+    Left,
+    Right,
+}
+
+impl Layered {
+    /// One more piece without layers.
+    pub fn add_piece(&mut self, (curve, ends): Piece) {
+        let piece = self.rest.add_piece(self.rest.curve_at(curve, ends[0]), (curve, ends), None);
+        self.order.push(Order { curve, source: Source::Piece(piece) });
+    }
+
+    /// One more strip, with its front and the columns that end within the body.
+    pub fn add_strip(&mut self, mut strip: Strip, halves: usize) {
+        let (top, last) = (strip.columns[0].len() - 1, strip.columns.len() - 1);
+        // column and level of the nodes from one end to the other
+        let mut path: Vec<(usize, usize)> = Vec::new();
+        if !strip.is_closed && strip.along[0].is_none() {
+            path.extend((0..top).map(|level| (0, level)));
+        }
+        path.extend((0..=last).map(|column| (column, top)));
+        if !strip.is_closed && strip.along[1].is_none() {
+            path.extend((0..top).rev().map(|level| (last, level)));
+        }
+        for pair in path[..path.len() - 1].chunks(halves) {
+            let at = |(column, level): (usize, usize)| strip.columns[column][level];
+            let middle = pair.get(1).map(|&place| at(place));
+            let piece = self.rest.add_piece(at(pair[0]), (self.rest.front(), [0.0, 1.0]), middle);
+            let nodes = [Node::Vertex(piece), Node::Middle(piece)];
+            pair.iter().zip(nodes).for_each(|(&(column, level), node)| strip.nodes[column][level] = node);
+        }
+        if strip.is_closed {
+            strip.nodes[last] = strip.nodes[0].clone();
+        } else if let Some(&(column, level)) = path.last() {
+            // the first vertex of the gap that follows
+            strip.nodes[column][level] = Node::Vertex(self.rest.vertices.len());
+        }
+        let number = self.strips.len();
+        let order = |curve, source| Order { curve, source };
+        self.order.extend(strip.along[0].iter().map(|(curve, _)| order(*curve, Source::Start(number))));
+        self.order.extend(strip.pieces.iter().enumerate().map(|(stack, (curve, _))| order(*curve, Source::Stack(number, stack))));
+        self.order.extend(strip.along[1].iter().map(|(curve, _)| order(*curve, Source::End(number))));
+        self.strips.push(strip);
+    }
+
+    /// Adds the cells of all strips to those of the rest, and notes the places of the middles of their edges; gives the facets on each
+    /// stretch of the rim.
+    ///
+    /// # Errors
+    /// Too many cells.
+    pub fn complete(&self, filled: &mut Filled) -> Result<Vec<(usize, Vec<Facet>)>, MeshError> {
+        let per_stack = |strip: &Strip| strip.columns[0].len() - 1;
+        let cells: usize = self.strips.iter().map(|strip| 2 * per_stack(strip) * strip.columns.len()).sum();
+        if cells > CELL_LIMIT {
+            return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });
+        }
+        let stacks: Vec<Stacks> = self.strips.iter().map(|strip| Stacks::added(strip, &self.rest, filled)).collect();
+        let facets = |source: Source| match source {
+            Source::Piece(piece) => filled.along.get(&piece).cloned().unwrap_or_default(),
+            Source::Stack(strip, stack) => vec![stacks[strip].facet(stack, 0, Side::Foot)],
+            Source::Start(strip) => (0..stacks[strip].levels).rev().map(|level| stacks[strip].facet(0, level, Side::Left)).collect(),
+            Source::End(strip) => {
+                let last = self.strips[strip].pieces.len() - 1;
+                (0..stacks[strip].levels).map(|level| stacks[strip].facet(last, level, Side::Right)).collect()
+            }
+        };
+        Ok(self.order.iter().map(|order| (order.curve, facets(order.source))).collect())
+    }
+}
+
+/// Cells of a strip in the mesh.
+struct Stacks {
+    first: u32,
+    levels: usize,
+    /// Of each cell of triangles, whether it is cut from its second corner.
+    cuts: Option<Vec<bool>>,
+}
+
+impl Stacks {
+    /// The facet of a cell on a side.
+    fn facet(&self, stack: usize, level: usize, side: Side) -> Facet {
+        let cell = stack * self.levels + level;
+        let (cell, local) = match (&self.cuts, side) {
+            (None, Side::Foot) => (cell, 0),
+            (None, Side::Right) => (cell, 1),
+            (None, Side::Left) => (cell, 3),
+            (Some(_), Side::Foot) => (2 * cell, 0),
+            (Some(cuts), Side::Right) if cuts[cell] => (2 * cell + 1, 0),
+            (Some(_), Side::Right) => (2 * cell, 1),
+            (Some(cuts), Side::Left) if cuts[cell] => (2 * cell, 2),
+            (Some(_), Side::Left) => (2 * cell + 1, 2),
+        };
+        Facet { cell: self.first + cell as u32, local }
+    }
+
+    /// Adds the nodes and cells of a strip.
+    fn added(strip: &Strip, rest: &Rim, filled: &mut Filled) -> Stacks {
+        let levels = strip.columns[0].len() - 1;
+        let first = filled.mesh.cell_count() as u32;
+        let mut nodes: Vec<Vec<u32>> = Vec::with_capacity(strip.columns.len());
+        for (column, (points, kinds)) in strip.columns.iter().zip(&strip.nodes).enumerate() {
+            if strip.is_closed && column + 1 == strip.columns.len() {
+                nodes.push(nodes[0].clone());
+                continue;
+            }
+            let node = |(&[x, y], &kind): (&Point, &Node)| match kind {
+                Node::Vertex(vertex) => filled.corners[&vertex],
+                Node::Middle(piece) => filled.middles[&piece],
+                Node::Own => {
+                    filled.mesh.points.push([x, y, 0.0]);
+                    filled.mesh.points.len() as u32 - 1
+                }
+            };
+            nodes.push(points.iter().zip(kinds).map(node).collect());
+        }
+        let is_cut = filled.mesh.kind == CellKind::Tri3;
+        let mut cuts = Vec::new();
+        for stack in 0..strip.pieces.len() {
+            for level in 0..levels {
+                let corner = |column: usize, level: usize| (nodes[stack + column][level], strip.columns[stack + column][level]);
+                let corners = [corner(0, level), corner(1, level), corner(1, level + 1), corner(0, level + 1)];
+                let [a, b, c, d] = corners.map(|(node, _)| node);
+                if !is_cut {
+                    filled.mesh.connectivity.extend([a, b, c, d]);
+                    continue;
+                }
+                let length = |from: usize, to: usize| distance(corners[from].1, corners[to].1);
+                let is_turned = length(1, 3) < length(0, 2);
+                filled.mesh.connectivity.extend(if is_turned { [a, b, d, b, c, d] } else { [a, b, c, a, c, d] });
+                cuts.push(is_turned);
+            }
+            note_middles(strip, stack, &nodes, rest, &mut filled.placed);
+        }
+        for (end, column) in [(0, 0), (1, strip.columns.len() - 1)] {
+            let Some((curve, places)) = &strip.along[end] else { continue };
+            for level in 0..levels {
+                let place = rest.on_curve(*curve, 0.5 * (places[level] + places[level + 1]));
+                let ends = [nodes[column][level], nodes[column][level + 1]];
+                filled.placed.extend(place.map(|place| (sorted(ends), place)));
+            }
+        }
+        Stacks { first, levels, cuts: is_cut.then_some(cuts) }
+    }
+}
+
+fn distance(a: Point, b: Point) -> f64 {
+    (b[0] - a[0]).hypot(b[1] - a[1])
+}
+
+fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Middles of the edges of a stack that follow a curve: each level bulges as the curve does, in proportion to its length, so that thin
+/// cells on a curve stay whole.
+fn note_middles(strip: &Strip, stack: usize, nodes: &[Vec<u32>], rest: &Rim, placed: &mut PlacedEdges) {
+    let (curve, [from, to]) = strip.pieces[stack];
+    let Some(on) = rest.on_curve(curve, 0.5 * (from + to)) else { return };
+    let ends = |level: usize| [strip.columns[stack][level], strip.columns[stack + 1][level]];
+    let half = |[a, b]: [Point; 2]| [0, 1].map(|i| 0.5 * (a[i] + b[i]));
+    let foot = half(ends(0));
+    let length = distance(ends(0)[0], ends(0)[1]);
+    let mut below: Option<Point> = None;
+    for level in 0..strip.columns[stack].len() {
+        let [a, b] = ends(level);
+        let share = distance(a, b) / length;
+        let straight = half([a, b]);
+        let middle = [0, 1].map(|i| straight[i] + share * (on[i] - foot[i]));
+        placed.insert(sorted([nodes[stack][level], nodes[stack + 1][level]]), middle);
+        if let Some(below) = below {
+            // whichever diagonal cuts the cell
+            let center = half([below, middle]);
+            placed.insert(sorted([nodes[stack][level - 1], nodes[stack + 1][level]]), center);
+            placed.insert(sorted([nodes[stack + 1][level - 1], nodes[stack][level]]), center);
+        }
+        below = Some(middle);
+    }
+}

@@ -1,0 +1,72 @@
+//! The option `layers` of what fills outlines: strips of thin cells along boundaries.
+
+use rhai::Array;
+
+use super::handle::mesh_failure;
+use crate::math::catalogue::Interval;
+use crate::mesh::{Layers, MeshError};
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::describe;
+
+/// The option `layers`.
+pub fn parameter() -> Parameter {
+    let keys = vec![
+        Parameter::new("boundary", Kind::Either("a boundary's name or an array of names"), "where the layers are"),
+        Parameter::number("first", "length", Interval::Positive, "the thickness of the layer at the boundary"),
+        Parameter::new("count", Kind::Integer, "how many layers there are").within(Interval::Closed(1.0, 1000.0)),
+        Parameter::number("growth", "1", Interval::Closed(0.1, 10.0), "the thickness of each layer over that of the one before it")
+            .or(Absent::Number(1.2)),
+        Parameter::number(
+            "along",
+            "length",
+            Interval::Positive,
+            "the length of their cells along the boundary, from which it grows to `size`",
+        )
+        .or(Absent::Means("`size`")),
+    ];
+    let summary = "strips of thin cells along boundaries: stacks of quadrilaterals (or of triangles, two in place of each), with \
+                   columns on the bisectors of corners";
+    Parameter::new("layers", Kind::Options(keys), summary).or(Absent::Means("none"))
+}
+
+/// What the option `layers` asks for.
+///
+/// # Errors
+/// Other types, numbers out of range, keys that are missing.
+pub fn layers_of(options: &Options) -> Result<Option<Layers>, Failure> {
+    if !options.argument("layers").is_given() {
+        return Ok(None);
+    }
+    let given = options.nested("layers")?;
+    let argument = given.argument("boundary");
+    if !argument.is_given() {
+        return Err(argument.missing());
+    }
+    let value = argument.value();
+    let names: Option<Vec<String>> = match value.read_lock::<Array>() {
+        Some(names) => names.iter().map(|name| name.clone().into_string().ok()).collect(),
+        None => value.clone().into_string().ok().map(|name| vec![name]),
+    };
+    let boundaries = names.filter(|names| !names.is_empty()).ok_or_else(|| {
+        let failure = argument.fail(format!("{} must be a boundary's name or an array of names", argument.title()));
+        failure
+            .label(format!("this is {}", describe(argument.call().engine(), &value)))
+            .hint("write `\"race\"` or `[\"inner\", \"outer\"]`")
+    })?;
+    let (first, count) = (given.number("first")?, given.integer("count")? as usize);
+    Ok(Some(Layers { boundaries, first, count, growth: given.number("growth")?, along: given.optional_number("along")? }))
+}
+
+/// The failure of a mesh that options describe: what is wrong with layers is shown there.
+pub fn failure(options: &Options, error: &MeshError) -> Failure {
+    use MeshError::{LayerCorner, LayersCollide, LayersCramped, OddLayers, UnknownLayers};
+    let argument = options.argument("layers");
+    match error {
+        UnknownLayers { .. } | LayersCollide { .. } | LayersCramped { .. } | LayerCorner { .. } | OddLayers { .. } => {
+            argument.fail(error.to_string()).hint(error.cure())
+        }
+        _ => mesh_failure(argument.call(), error),
+    }
+}
