@@ -7,6 +7,7 @@ mod junit;
 mod new;
 mod process;
 mod repl;
+mod resume;
 mod run;
 mod script_arguments;
 mod test;
@@ -31,6 +32,8 @@ struct CommandLine {
 enum Command {
     /// Run a script and write its results
     Run(run::Arguments),
+    /// Go on with a run that was interrupted, to the same results
+    Resume(resume::Arguments),
     /// Build a script's models and report what it would do and what is wrong; takes no step
     Check(check::Arguments),
     /// Run every function `test_…` of scripts, and scenarios as tests of their own checks
@@ -64,6 +67,7 @@ pub fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|_| {}));
     let work = move || match arguments.command {
         Command::Run(arguments) => run::run(arguments),
+        Command::Resume(arguments) => resume::resume(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Test(arguments) => test::test(arguments),
         Command::Doc(arguments) => doc::doc(arguments),

@@ -26,7 +26,7 @@ use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use crate::script::{Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home, indentation};
+use crate::script::{Checkpoints, Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home, indentation};
 
 /// Arguments of `conserva repl`.
 #[derive(Args)]
@@ -218,6 +218,8 @@ pub fn repl(arguments: Arguments) -> u8 {
         max_operations: MAX_OPERATIONS,
         interrupt: interrupt.clone(),
         factorization: console.factorization(),
+        checkpoints: Checkpoints::Never,
+        until: None,
         interactive: true,
     };
     let home = arguments.script.as_deref().map_or(Path::new("."), home);

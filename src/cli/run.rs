@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use clap::Args;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -12,7 +13,8 @@ use signal_hook::flag;
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
 use super::script_arguments::ScriptArguments;
-use crate::script::{Class, Mode, Session, Settings, home};
+use crate::output::checkpoint;
+use crate::script::{Checkpoints, Class, Mode, Report, Session, Settings, home};
 
 /// Arguments of `conserva run`.
 #[derive(Args)]
@@ -22,12 +24,45 @@ pub struct Arguments {
     /// Folder of the results [default: out/<script name>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    course: CourseArguments,
+}
+
+/// How a run goes on, whatever it computes: what `run` and `resume` take.
+#[derive(Args)]
+pub struct CourseArguments {
     /// Threads of the element loop; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: u16,
+    pub threads: u16,
     /// No progress
     #[arg(long)]
-    quiet: bool,
+    pub quiet: bool,
+    /// How often a checkpoint is written to resume from: a number of steps (`100`), a time (`30s`, `5min`, `2h`), or `never`
+    #[arg(long, value_name = "EVERY", default_value = "1min", value_parser = every)]
+    pub checkpoint: Checkpoints,
+}
+
+/// How often a checkpoint is written.
+///
+/// # Errors
+/// How it is written.
+fn every(text: &str) -> Result<Checkpoints, String> {
+    let text = text.trim();
+    let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic()).trim_end();
+    let seconds = match text[digits.len()..].trim() {
+        "never" | "off" if digits.is_empty() => return Ok(Checkpoints::Never),
+        "" | "step" | "steps" => 0.0,
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => f64::NAN,
+    };
+    let how = "write a number of steps (100), a time (30s, 5min, 2h), or never";
+    if seconds == 0.0 {
+        return digits.parse().ok().filter(|&count| count > 0).map(Checkpoints::Steps).ok_or_else(|| how.into());
+    }
+    let time = digits.parse::<f64>().ok().map(|count| Duration::try_from_secs_f64(count * seconds));
+    time.and_then(Result::ok).map(Checkpoints::Time).ok_or_else(|| how.into())
 }
 
 /// A flag that becomes true at the first interrupt; the second one ends the process.
@@ -52,40 +87,45 @@ pub fn run(arguments: Arguments) -> u8 {
             return exit_code(Class::Internal);
         }
     };
-    let console = Rc::new(Console::new(arguments.quiet));
+    let console = Rc::new(Console::new(arguments.course.quiet));
     let settings = Settings {
         mode: Mode::Run,
         overrides,
         allow_read,
         output: Some(out.clone()),
-        threads: usize::from(arguments.threads),
+        threads: usize::from(arguments.course.threads),
         max_operations,
         interrupt,
         factorization: console.factorization(),
+        checkpoints: arguments.course.checkpoint,
+        until: None,
         interactive: false,
     };
-    let report = match Session::new(settings, home(&script), console.clone()) {
-        Ok(mut session) => session.run_file(&script),
+    match Session::new(settings, home(&script), console.clone()) {
+        Ok(mut session) => tell(&console, &session.run_file(&script), &out),
         Err(error) => {
             complain(&error.render(ink()));
-            return exit_code(error.class);
-        }
-    };
-    match report.error {
-        None => {
-            let checks = match report.checks {
-                0 => String::new(),
-                1 => ", 1 check passed".into(),
-                count => format!(", {count} checks passed"),
-            };
-            report.energy.iter().for_each(|line| console.note(line));
-            let kept = if report.is_conserving { "done" } else { "ended, not conserving" };
-            console.note(&format!("{kept}{checks}; results in {}", out.display()));
-            0
-        }
-        Some(error) => {
-            console.report(&error);
             exit_code(error.class)
         }
     }
+}
+
+/// Tells how a run ended; the exit code.
+pub fn tell(console: &Console, report: &Report, out: &Path) -> u8 {
+    let Some(error) = &report.error else {
+        let checks = match report.checks {
+            0 => String::new(),
+            1 => ", 1 check passed".into(),
+            count => format!(", {count} checks passed"),
+        };
+        report.energy.iter().for_each(|line| console.note(line));
+        let kept = if report.is_conserving { "done" } else { "ended, not conserving" };
+        console.note(&format!("{kept}{checks}; results in {}", out.display()));
+        return 0;
+    };
+    console.report(error);
+    if error.class == Class::Interrupted && !checkpoint::places(out).is_empty() {
+        console.note(&format!("go on with `conserva resume {}`", out.display()));
+    }
+    exit_code(error.class)
 }

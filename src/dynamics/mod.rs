@@ -22,5 +22,6 @@ pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport,
 pub use run::run_findings::{RunFinding, RunFindingKind};
 pub use run::simulation::Simulation;
 pub use run::state::State;
+pub use run::tally::Tally;
 pub use step::counters::PhaseTimes;
 pub use step::large_motion::{LargeMotion, MotionKind};

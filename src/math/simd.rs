@@ -27,6 +27,20 @@ impl<K: Kernel> NullaryFnOnce for WithFma<K> {
     }
 }
 
+/// The instructions that results of this processor depend on in their last bits.
+pub fn instructions() -> String {
+    #[cfg(target_arch = "x86_64")]
+    {
+        // The library behind the fallback of the linear solver also takes AVX-512 where it is.
+        let wide = std::arch::is_x86_feature_detected!("avx512f");
+        let known = [(pulp::x86::V3::try_new().is_some(), "AVX2 and FMA"), (wide, "AVX-512")];
+        let found: Vec<&str> = known.into_iter().filter(|(there, _)| *there).map(|(_, name)| name).collect();
+        format!("x86-64 with {}", if found.is_empty() { "no wide registers".into() } else { found.join(", ") })
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    std::env::consts::ARCH.into()
+}
+
 /// Runs a kernel with the best instructions at hand.
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {

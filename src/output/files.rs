@@ -2,8 +2,8 @@
 //!
 //! A file is written beside its place under a hidden name and renamed, so that a reader sees the old or the new content, never half
 //! of one. Names come from scripts: what leads outside the directory (`..`, an absolute path, a symbolic link) is refused. This
-//! guards against mistakes and untrusted scripts, not against another program that swaps links while we write. No data is forced to
-//! the disk: after a power failure the last files may be missing.
+//! guards against mistakes and untrusted scripts, not against another program that swaps links while we write. Only checkpoints are
+//! forced to the disk: after a power failure the last of the other files may be missing.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -70,7 +70,7 @@ impl OutputError {
 }
 
 /// The operating system's reason in words, without its number.
-fn reason(error: &io::Error) -> String {
+pub(super) fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     let words = text.split(" (os error").next().unwrap_or_default();
     let mut letters = words.chars();
@@ -143,6 +143,19 @@ impl RunFiles {
     /// # Errors
     /// A bad name, or the operating system refused; an older file of that name is then still there.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+        self.replace(name, |file| file.write_all(bytes.as_ref()))
+    }
+
+    /// The same for what must be there after a power failure, too.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_durably(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+        self.replace(name, |file| file.write_all(bytes.as_ref()).and_then(|()| file.sync_all()))
+    }
+
+    /// Fills a file beside the place of that name and puts it there.
+    fn replace(&self, name: &str, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<PathBuf, OutputError> {
         let path = self.place(name)?;
         let mut hidden = OsString::from(".");
         hidden.push(path.file_name().unwrap_or_default());
@@ -150,8 +163,7 @@ impl RunFiles {
         let hidden = path.with_file_name(hidden);
         // What a killed run left behind goes first: `create_new` then never writes through a link.
         let _ = fs::remove_file(&hidden);
-        let written =
-            File::create_new(&hidden).and_then(|mut file| file.write_all(bytes.as_ref())).and_then(|()| fs::rename(&hidden, &path));
+        let written = File::create_new(&hidden).and_then(|mut file| fill(&mut file)).and_then(|()| fs::rename(&hidden, &path));
         if let Err(error) = written {
             // The first error is the one to report; a part that cannot be removed either is only litter.
             let _ = fs::remove_file(&hidden);

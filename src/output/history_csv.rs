@@ -71,6 +71,18 @@ impl HistoryCsv {
         Ok(HistoryCsv { files: files.clone(), name: name.into(), dimension, extra, stream, ends })
     }
 
+    /// Puts the file in the place of another name: what stood there is replaced in one piece.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused.
+    pub fn rename(&mut self, name: &str) -> Result<(), OutputError> {
+        let path = self.files.place(name)?;
+        std::fs::rename(self.stream.path(), &path).map_err(|source| OutputError::Write { path, source })?;
+        self.name = name.into();
+        self.stream = self.files.extend(name)?;
+        Ok(())
+    }
+
     /// Names of the further columns.
     pub fn extra(&self) -> &[String] {
         &self.extra

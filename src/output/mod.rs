@@ -4,6 +4,7 @@
 
 mod axis;
 mod braille;
+pub mod checkpoint;
 mod colormap;
 mod contours;
 mod drawing;

@@ -52,6 +52,37 @@ impl FieldSeries {
         Ok(series)
     }
 
+    /// Opens a series whose frames are there already, to be recalled one by one or written anew; its list stays as it is until then.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused.
+    pub fn reopen(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
+        let stem = files.place(name)?.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(FieldSeries { files: files.clone(), name: name.into(), stem, frames: Vec::new() })
+    }
+
+    /// Takes the next frame, which an earlier program has written for this time, into the list; whether it is there.
+    ///
+    /// # Errors
+    /// A bad name.
+    pub fn recall(&mut self, time: f64) -> Result<bool, OutputError> {
+        while self.frames.last().is_some_and(|&(last, _)| last >= time) {
+            self.frames.pop();
+        }
+        let path = self.frame(self.frames.len());
+        let is_there = self.files.place(&self.below(&path))?.is_file();
+        self.frames.push((time, path));
+        Ok(is_there)
+    }
+
+    /// Writes the list.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn list(&self) -> Result<(), OutputError> {
+        self.files.write(&self.name, pvd(&self.frames)).map(drop)
+    }
+
     /// Path of a frame, relative to the list.
     fn frame(&self, number: usize) -> String {
         format!("{0}/{0}_{number:06}.vtu", self.stem)
@@ -80,7 +111,7 @@ impl FieldSeries {
         let path = self.frame(self.frames.len());
         let place = self.files.write(&self.below(&path), frame.encode())?;
         self.frames.push((time, path));
-        self.files.write(&self.name, pvd(&self.frames))?;
+        self.list()?;
         Ok(place)
     }
 }

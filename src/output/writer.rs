@@ -77,6 +77,31 @@ impl FieldWriter {
         }
     }
 
+    /// Takes a frame that an earlier program has written into the series; whether it is there.
+    ///
+    /// # Errors
+    /// The operating system refused an earlier frame.
+    ///
+    /// # Panics
+    /// The thread panicked.
+    pub fn recall(&mut self, time: f64) -> Result<bool, OutputError> {
+        self.wait()?;
+        self.last = Some(time);
+        self.series.as_mut().map_or(Ok(false), |series| series.recall(time))
+    }
+
+    /// Writes the list of the frames.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    ///
+    /// # Panics
+    /// The thread panicked.
+    pub fn list(&mut self) -> Result<(), OutputError> {
+        self.wait()?;
+        self.series.as_ref().map_or(Ok(()), FieldSeries::list)
+    }
+
     /// Tells what was refused so far, without waiting for the rest.
     ///
     /// # Errors

@@ -1,14 +1,21 @@
 //! Why steps were halved, and how often, and where they ought to have been: what the time loop counts.
 
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+
 use super::ledger::LedgerRow;
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::large_motion::LargeMotion;
+use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
+
+/// The name of a cause. (A name of its own for the type keeps `serde` from borrowing it from what is read.)
+pub type Cause = &'static str;
 
 /// Halvings for one cause.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Halving {
     /// The cause: the name of a motion that is too large, or of the way in which Newton's method failed.
-    pub cause: &'static str,
+    #[serde(deserialize_with = "known_cause")]
+    pub cause: Cause,
     /// The first motion that was too large, where that is the cause.
     pub motion: Option<LargeMotion>,
     /// How many.
@@ -22,7 +29,7 @@ pub struct Halving {
 }
 
 /// All halvings of a simulation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Halvings {
     done: Vec<Halving>,
     refused: Vec<Halving>,
@@ -56,6 +63,13 @@ impl Halvings {
     }
 }
 
+/// A cause by the name that was written for it.
+fn known_cause<'de, D: Deserializer<'de>>(reader: D) -> Result<Cause, D::Error> {
+    let name = String::deserialize(reader)?;
+    let known = Failure::NAMES.iter().chain(MotionKind::NAMES).find(|known| **known == name);
+    known.copied().ok_or_else(|| D::Error::custom("unknown cause"))
+}
+
 impl Halving {
     fn count_among(self, known: &mut Vec<Halving>) {
         let contact = |halving: &Halving| halving.motion.as_ref().map(|motion| motion.contact.clone());
@@ -69,7 +83,19 @@ impl Halving {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dynamics::step::large_motion::MotionKind;
+
+    #[test]
+    fn halvings_come_back_from_their_bytes() {
+        let mut halvings = Halvings::default();
+        let row = LedgerRow::default();
+        let motion = LargeMotion { contact: "race".into(), kind: MotionKind::CameThrough, facets: 1.5 };
+        for failure in [Failure::Iterations, Failure::Diverged, Failure::Foreseen(motion.clone())] {
+            halvings.count(&failure, 0.1, &row);
+        }
+        halvings.refuse(motion, 0.1, &row);
+        let bytes = postcard::to_stdvec(&halvings).unwrap();
+        assert_eq!(postcard::from_bytes::<Halvings>(&bytes).unwrap(), halvings);
+    }
 
     #[test]
     fn each_cause_and_contact_is_counted_by_itself() {

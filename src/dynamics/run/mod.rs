@@ -20,4 +20,5 @@ pub mod settle;
 pub mod simulation;
 pub mod state;
 pub mod steps;
+pub mod tally;
 pub mod time_loop;

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use serde::{Deserialize, Serialize};
+
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::counters::PhaseTimes;
 use crate::integrators::Scheme;
@@ -75,7 +77,7 @@ pub struct Statistics {
 }
 
 /// What `settle` did.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SettleReport {
     /// Damped steps taken.
     pub steps: usize,

@@ -11,6 +11,7 @@ use super::report::FailureReport;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
 use super::state::State;
 use super::steps::Steps;
+use super::tally::Tally;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::hulls::{ALLOWED, Inside};
@@ -68,9 +69,7 @@ impl Simulation {
 
     /// Bytes that a state takes.
     pub fn state_size(&self) -> usize {
-        let state = self.steps.state();
-        let rows = 3 * state.lambda.len();
-        8 * (state.positions.len() + state.velocities.len() + state.remembered.len() + rows) + state.active.len()
+        self.steps.state().size()
     }
 
     /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in pieces where it must be halved.
@@ -124,6 +123,28 @@ impl Simulation {
     /// When the state is of another model (other numbers of nodes or multipliers).
     pub fn restore(&mut self, state: &State) {
         self.steps.restore(state);
+    }
+
+    /// Takes the ledger's row of a later step for its own without the step: what is known of that step, before its state is restored.
+    /// Nothing else may be asked before [`Self::restore`].
+    pub fn recall(&mut self, row: &LedgerRow) {
+        self.steps.recall(row);
+    }
+
+    /// What it has counted so far.
+    pub fn tally(&self) -> Tally {
+        self.steps.tally()
+    }
+
+    /// Goes on counting from what a simulation of the same model had counted.
+    pub fn count_from(&mut self, tally: &Tally) {
+        self.steps.count_from(tally);
+    }
+
+    /// Whether a state is of this model: it has as many nodes and multipliers.
+    pub fn fits(&self, state: &State) -> bool {
+        let own = self.steps.state();
+        (own.positions.len(), own.lambda.len()) == (state.positions.len(), state.lambda.len())
     }
 
     /// Nodal fields of every body.

@@ -39,6 +39,14 @@ pub struct State {
     pub(super) loads_ended: f64,
 }
 
+impl State {
+    /// Bytes that it takes, but for what it shares with others.
+    pub fn size(&self) -> usize {
+        let rows = 3 * self.lambda.len();
+        8 * (self.positions.len() + self.velocities.len() + self.remembered.len() + rows) + self.active.len()
+    }
+}
+
 /// Times are products of a step size, not sums of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Clock {

@@ -9,6 +9,7 @@ use super::options::{Options, SettleReport, Statistics};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding};
 use super::state::State;
+use super::tally::Tally;
 use crate::dynamics::model::error::StepError;
 
 /// What a simulation of either dimension can do.
@@ -19,6 +20,9 @@ pub trait Steps: Send {
     fn unknowns(&self) -> usize;
     fn state(&self) -> &Arc<State>;
     fn restore(&mut self, state: &State);
+    fn recall(&mut self, row: &LedgerRow);
+    fn tally(&self) -> Tally;
+    fn count_from(&mut self, tally: &Tally);
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
     fn settle(&mut self, time: f64) -> Result<SettleReport, StepError>;
     fn watch(&mut self, node: usize);

@@ -14,6 +14,7 @@ use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
 use super::state::{Clock, State};
 use super::steps::Steps;
+use super::tally::Tally;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::failure::Failure;
@@ -55,6 +56,22 @@ where
             Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.positions, &state.velocities);
         }
         self.system.restore_search(&state.search, &state.positions, state.row.time);
+    }
+
+    fn recall(&mut self, row: &LedgerRow) {
+        Arc::make_mut(&mut self.state).row.clone_from(row);
+    }
+
+    fn tally(&self) -> Tally {
+        let Statistics { steps, newton_iterations, halvings, factorizations, assemblies, .. } = self.statistics();
+        Tally { steps, newton_iterations, halvings, factorizations, assemblies, causes: self.halvings.clone() }
+    }
+
+    fn count_from(&mut self, tally: &Tally) {
+        let Tally { steps, newton_iterations, halvings, factorizations, assemblies, causes } = tally;
+        let counted = Statistics { steps: *steps, newton_iterations: *newton_iterations, halvings: *halvings, ..self.statistics };
+        (self.statistics, self.halvings) = (counted, causes.clone());
+        (self.system.counters.factorizations, self.system.counters.assemblies) = (*factorizations, *assemblies);
     }
 
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {

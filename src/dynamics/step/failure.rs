@@ -40,15 +40,19 @@ pub enum Failure {
 impl Failure {
     /// What was seen, in two words.
     pub fn name(&self) -> &'static str {
-        match self {
-            Failure::Iterations => "iterations used up",
-            Failure::Inverted { .. } => "inverted cell",
-            Failure::Linear(_) => "singular system",
-            Failure::Diverged => "divergence",
-            Failure::Foreseen(_) | Failure::BeyondSearch { .. } | Failure::Overlooked { .. } => "motion too fast",
-            Failure::Fatal(_) => "given up",
-        }
+        Failure::NAMES[match self {
+            Failure::Iterations => 0,
+            Failure::Inverted { .. } => 1,
+            Failure::Linear(_) => 2,
+            Failure::Diverged => 3,
+            Failure::Foreseen(_) | Failure::BeyondSearch { .. } | Failure::Overlooked { .. } => 4,
+            Failure::Fatal(_) => 5,
+        }]
     }
+
+    /// All names.
+    pub const NAMES: &'static [&'static str] =
+        &["iterations used up", "inverted cell", "singular system", "divergence", "motion too fast", "given up"];
 
     /// The same, or the end of the run where a factorisation was interrupted or found no memory.
     pub fn or_end(self, time: f64) -> Self {

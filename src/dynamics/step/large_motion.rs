@@ -1,10 +1,12 @@
 //! A motion of a contact that is too large for one step.
 
+use serde::{Deserialize, Serialize};
+
 #[cfg(doc)]
 use crate::math::tolerances;
 
 /// What motion in a step is too large.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MotionKind {
     /// Surfaces in contact would slide beyond [`tolerances::SLIDING`].
     Sliding,
@@ -17,16 +19,19 @@ pub enum MotionKind {
 impl MotionKind {
     /// Its stable name.
     pub fn name(self) -> &'static str {
-        match self {
-            MotionKind::Sliding => "sliding",
-            MotionKind::Approach => "approach",
-            MotionKind::CameThrough => "came_through",
-        }
+        MotionKind::NAMES[match self {
+            MotionKind::Sliding => 0,
+            MotionKind::Approach => 1,
+            MotionKind::CameThrough => 2,
+        }]
     }
+
+    /// All names.
+    pub const NAMES: &'static [&'static str] = &["sliding", "approach", "came_through"];
 }
 
 /// A motion for which a step is halved although Newton's method did not fail.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LargeMotion {
     /// Name of the contact.
     pub contact: String,

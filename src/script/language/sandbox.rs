@@ -3,6 +3,8 @@
 //! Paths are made canonical before they are compared, so that `..` and symbolic links lead nowhere. What it may write is kept by
 //! [`RunFiles`](crate::output::RunFiles).
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::failure::Failure;
@@ -13,6 +15,8 @@ use super::wording::did_you_mean;
 pub struct Sandbox {
     home: PathBuf,
     readable: Vec<PathBuf>,
+    /// Files that were asked for.
+    read: RefCell<BTreeSet<PathBuf>>,
 }
 
 impl Sandbox {
@@ -30,12 +34,17 @@ impl Sandbox {
             })
         };
         let readable = allowed.iter().map(|folder| canonical(folder)).collect::<Result<_, _>>()?;
-        Ok(Sandbox { home: canonical(home)?, readable })
+        Ok(Sandbox { home: canonical(home)?, readable, read: RefCell::default() })
     }
 
     /// The folder of the script.
     pub fn home(&self) -> &Path {
         &self.home
+    }
+
+    /// Files that the script has asked for and may read.
+    pub fn files_read(&self) -> Vec<PathBuf> {
+        self.read.borrow().iter().cloned().collect()
     }
 
     /// The file that a script means by a path: below its own folder first, then below the working folder and the allowed folders.
@@ -48,6 +57,7 @@ impl Sandbox {
         let found: Vec<PathBuf> = bases.filter_map(|base| base.join(given).canonicalize().ok()).filter(|file| file.is_file()).collect();
         let allowed = |file: &PathBuf| std::iter::once(&self.home).chain(&self.readable).any(|folder| file.starts_with(folder));
         if let Some(file) = found.iter().find(|file| allowed(file)) {
+            self.read.borrow_mut().insert(file.clone());
             return Ok(file.clone());
         }
         Err(match found.first() {

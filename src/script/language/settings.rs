@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32};
+use std::time::Duration;
 
 use super::limits::MAX_OPERATIONS;
 
@@ -13,6 +14,17 @@ pub enum Mode {
     Run,
     /// Builds its models and reports what it would do; takes no step.
     Check,
+}
+
+/// How often a run writes a checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Checkpoints {
+    /// Never, not even when it is interrupted.
+    Never,
+    /// After so many steps and equilibria.
+    Steps(usize),
+    /// After so much time, or thirty times what the last one took, whichever is longer.
+    Time(Duration),
 }
 
 /// How a session runs a script.
@@ -34,6 +46,10 @@ pub struct Settings {
     pub interrupt: Arc<AtomicBool>,
     /// Tells how far a long factorization is, in thousandths; 0 while none runs.
     pub factorization: Arc<AtomicU32>,
+    /// How often it writes a checkpoint.
+    pub checkpoints: Checkpoints,
+    /// Time at which simulations stop, as if interrupted.
+    pub until: Option<f64>,
     /// Whether somebody sits at a prompt, who can ask further.
     pub interactive: bool,
 }
@@ -49,6 +65,8 @@ impl Default for Settings {
             max_operations: MAX_OPERATIONS,
             interrupt: Arc::default(),
             factorization: Arc::default(),
+            checkpoints: Checkpoints::Time(Duration::from_secs(60)),
+            until: None,
             interactive: false,
         }
     }

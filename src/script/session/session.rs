@@ -12,10 +12,13 @@ use super::compile::{compile, constants};
 use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
 use crate::output::COMPLETED;
+use crate::output::checkpoint::{self, Checkpoint};
 use crate::script::api::models::change::warn_of_unseen_changes;
 use crate::script::api::parameters::{Overrides, check_overrides};
+use crate::script::api::simulations::artifacts::output_failure;
 use crate::script::api::simulations::ending;
 use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
+use crate::script::api::simulations::journal::Journal;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::explain::{explain, explain_failure};
 use crate::script::language::failure::Class;
@@ -102,9 +105,19 @@ impl Session {
         all.split("\n\n").filter(|block| !block.contains(KEEP_CONTEXT)).collect::<Vec<_>>().join("\n\n")
     }
 
-    /// Runs a script file to its end and writes the files of the run.
+    /// Takes what an earlier program has computed for what the script asks for first.
+    pub fn resume(&mut self, checkpoint: Checkpoint) {
+        self.host.slots.set(Rc::new(Journal::resumed(checkpoint)));
+    }
+
+    /// Runs a script file to its end and writes the files of the run. Checkpoints of an older run there are removed, unless it is resumed.
     pub fn run_file(&mut self, path: &Path) -> Report {
         let name = path.display().to_string();
+        if !Journal::of(&self.host).is_recalling()
+            && let Some(error) = self.remove_checkpoints()
+        {
+            return self.finish(Some(error));
+        }
         *self.host.main.borrow_mut() = name.clone();
         let error = match read_script(path) {
             Ok(text) => self.guarded(|session| session.evaluate(&name, &text)),
@@ -179,6 +192,23 @@ impl Session {
         outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
     }
 
+    fn remove_checkpoints(&self) -> Option<Box<Diagnostic>> {
+        let folder = self.host.settings.output.as_ref()?;
+        let error = checkpoint::remove_all(folder).err()?;
+        Some(Box::new(explain_failure(&output_failure(&error))))
+    }
+
+    /// Writes what an interrupted run goes on from; a run that came to its end needs nothing any more.
+    fn close_journal(&self, error: Option<&Diagnostic>) -> Option<Box<Diagnostic>> {
+        match error {
+            Some(error) if error.class == Class::Interrupted => {
+                Journal::of(&self.host).close(&self.host).err().map(|failure| Box::new(explain_failure(&failure)))
+            }
+            Some(error) if error.class != Class::Check => None,
+            _ => self.remove_checkpoints(),
+        }
+    }
+
     /// Ends the run: refuses unknown `--set` names, warns of what never acted and of what was found, writes the files.
     pub fn finish(&mut self, error: Option<Box<Diagnostic>>) -> Report {
         let host = &self.host;
@@ -205,6 +235,7 @@ impl Session {
             Some(error) => error.title.clone(),
         };
         let written = ending::finish(host, self.begun + self.idle, &outcome).err().map(|failure| explain_failure(&failure));
+        let written = written.or(self.close_journal(error.as_ref()).map(|error| *error));
         Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks(), energy, is_conserving }
     }
 

@@ -8,10 +8,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::columns::{further_values, model_columns};
+use super::journal::Journal;
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, RunFiles, Surroundings};
 use crate::script::api::asides::is_study;
+use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
@@ -26,8 +28,13 @@ pub struct Artifacts {
     model: Model,
     every: Option<f64>,
     frames: usize,
+    /// Whether the steps are those of an earlier program, which has written their frames.
+    recalls: bool,
     spent: Duration,
 }
+
+/// Name of the history while steps come from the journal: the one that an earlier program has written stays until then.
+const RESUMING: &str = ".history.csv.resuming";
 
 impl Artifacts {
     /// Opens the files of a simulation, if the session writes any.
@@ -48,12 +55,14 @@ impl Artifacts {
         let folder = if is_first { folder.clone() } else { folder.join(file_name(name)) };
         let open = || {
             let files = RunFiles::create(folder)?;
-            let mut csv =
-                HistoryCsv::create(&files, "history.csv", model.dimension(), model_columns(model).into_iter().chain(probes).collect())?;
+            let recalls = Journal::of(host).is_recalling();
+            let history = if recalls { RESUMING } else { "history.csv" };
+            let mut csv = HistoryCsv::create(&files, history, model.dimension(), model_columns(model).into_iter().chain(probes).collect())?;
             csv.append(row, &further_values(model, row))?;
-            let series = FieldWriter::new(FieldSeries::create(&files, "fields.pvd")?);
-            let obstacles = obstacle_series(&files, model)?;
-            Ok(Artifacts { files, csv, series, obstacles, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
+            let open = if recalls { FieldSeries::reopen } else { FieldSeries::create };
+            let series = FieldWriter::new(open(&files, "fields.pvd")?);
+            let obstacles = obstacle_series(&files, model, open)?;
+            Ok(Artifacts { files, csv, series, obstacles, model: model.clone(), every, frames: 0, recalls, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
@@ -129,7 +138,41 @@ impl Artifacts {
         waited
     }
 
+    /// From here on steps are computed: the history takes its place, and frames are written again.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn go_on(&mut self) -> Result<(), Failure> {
+        if !std::mem::take(&mut self.recalls) {
+            return Ok(());
+        }
+        let obstacles = self.obstacles.as_ref().map_or(Ok(()), |(series, _)| series.list());
+        let listed = self.csv.rename("history.csv").and(self.series.list()).and(obstacles);
+        listed.map_err(|error| output_failure(&error))
+    }
+
+    /// Whether the steps so far are those of an earlier program.
+    pub fn recalls(&self) -> bool {
+        self.recalls
+    }
+
+    /// Takes over a frame that an earlier program has written.
+    fn recall(&mut self, time: f64) -> Result<(), Failure> {
+        let obstacles = self.obstacles.as_mut().map_or(Ok(true), |(series, _)| series.recall(time));
+        let found = self.series.recall(time).and_then(|fields| Ok(fields && obstacles?)).map_err(|error| output_failure(&error))?;
+        self.frames += 1;
+        if found {
+            return Ok(());
+        }
+        Err(Failure::script(format!("the frame of the fields at t = {} is gone", brief(time)))
+            .cause("the run that is resumed had written it; other frames would not agree with it")
+            .hint("run the script anew with `conserva run`"))
+    }
+
     fn frame(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        if self.recalls {
+            return self.recall(simulation.time());
+        }
         let begun = Instant::now();
         self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
         if let Some((series, around)) = &mut self.obstacles {
@@ -146,6 +189,9 @@ impl Artifacts {
     /// # Errors
     /// A file that could not be written.
     pub fn complete(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        if self.recalls {
+            return Ok(());
+        }
         // A frame that was refused during the run is reported first; the last frame is written all the same.
         let refused = self.wait();
         let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
@@ -159,14 +205,18 @@ impl Artifacts {
 }
 
 /// The series of a model's rigid obstacles, if it has any; what an older run left is removed.
-fn obstacle_series(files: &RunFiles, model: &Model) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
+fn obstacle_series(
+    files: &RunFiles,
+    model: &Model,
+    open: fn(&RunFiles, &str) -> Result<FieldSeries, OutputError>,
+) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
     const NAME: &str = "obstacles.pvd";
     let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
     if !has_any && !files.place(NAME)?.exists() {
         return Ok(None);
     }
     let points = model.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
-    let series = FieldSeries::create(files, NAME)?;
+    let series = open(files, NAME)?;
     Ok(has_any.then(|| (series, Surroundings::of(points))))
 }
 

@@ -56,7 +56,8 @@ fn finish_simulation(
     let (Ok(simulation), history) = (data.simulation.try_borrow(), data.history.borrow()) else { return Ok(()) };
     {
         let mut artifacts = data.artifacts.borrow_mut();
-        let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
+        // Before it has come to where the interrupted run was, nothing is to be told of it.
+        let Some(artifacts) = artifacts.as_mut().filter(|artifacts| !artifacts.recalls()) else { return Ok(()) };
         let picture = svg(&energies(&data.name, &history).draw());
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))?;
     }

@@ -62,6 +62,8 @@ pub struct SimulationData {
     pub scale: Cell<f64>,
     /// Whether it takes steps now.
     pub advancing: Cell<bool>,
+    /// Whether the kernels know the row of the last step alone, because an earlier program has computed it.
+    pub is_behind: Cell<bool>,
 }
 
 /// A state before a step, with the rows that the history had.

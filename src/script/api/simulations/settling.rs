@@ -5,7 +5,9 @@ use std::time::Instant;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 
 use super::handle::{SimulationHandle, busy, result_used};
+use crate::dynamics::{SettleReport, StepError};
 use crate::math::catalogue::Interval;
+use crate::output::checkpoint::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::{brief, number_text};
@@ -46,6 +48,26 @@ pub fn settle() -> Function {
 }
 
 impl SimulationHandle {
+    /// Computes equilibrium, or takes it from what an earlier program has computed.
+    fn settled(&self, call: &Call, time: Option<f64>) -> Result<SettleReport, Box<EvalAltResult>> {
+        let data = &self.0;
+        let before = data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state();
+        let time = time.unwrap_or(before.row.time);
+        let computation = Computation::Settle(time);
+        if let Some(Outcome::Settled(report)) = self.recalled(call, computation)? {
+            return Ok(report);
+        }
+        let begun = Instant::now();
+        let settled = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.settle_at(time);
+        data.spent.set(data.spent.get() + begun.elapsed());
+        match &settled {
+            Ok(report) => self.take_down(call, computation, Outcome::Settled(report.clone()), &before),
+            Err(StepError::Interrupted { .. }) => {}
+            Err(_) => self.take_down(call, computation, Outcome::Failed, &before),
+        }
+        settled.map_err(|error| self.step_failure(call, error).into())
+    }
+
     fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
         let data = &self.0;
         data.overlaps.borrow_mut().clear();
@@ -55,14 +77,10 @@ impl SimulationHandle {
         self.refuse_nested(call)?;
         call.host.go_on()?;
         call.host.observer.began(&format!("settling \"{}\"", data.name));
-        let begun = Instant::now();
-        let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
-        let time = time.unwrap_or_else(|| simulation.time());
-        let settled = simulation.settle_at(time);
-        drop(simulation);
-        data.spent.set(data.spent.get() + begun.elapsed());
+        let settled = self.settled(call, time);
         call.host.observer.ended();
-        let report = settled.map_err(|error| self.step_failure(call, error))?;
+        let report = settled?;
+        self.keep_state(call.host);
         call.host.count_effect();
         data.past.borrow_mut().clear();
         let row = data.script_row(data.simulation.borrow().row().clone());

@@ -238,6 +238,7 @@ pub fn create(
         callbacks: RefCell::default(),
         causes_seen: Cell::default(),
         advancing: Cell::new(false),
+        is_behind: Cell::new(false),
     };
     let handle = SimulationHandle(Rc::new(data));
     if call.host.is_check() {

@@ -214,6 +214,7 @@ impl SimulationHandle {
     pub fn go_to(&self, call: &Call, state: &State, history: Vec<LedgerRow>) -> Result<(), Failure> {
         self.refuse_nested(call)?;
         self.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(state);
+        self.0.is_behind.set(false);
         call.host.count_effect();
         let known =
             |past: &Past| past.rows < history.len() && history.get(past.rows - 1) == Some(&self.0.script_row(past.state.row.clone()));

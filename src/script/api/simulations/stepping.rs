@@ -9,8 +9,10 @@ use rhai::{Dynamic, EvalAltResult};
 
 use super::artifacts::Artifacts;
 use super::handle::{Past, SimulationHandle, busy};
+use super::journal::Journal;
 use crate::dynamics::{LedgerRow, State, StepError};
 use crate::math::catalogue::Interval;
+use crate::output::checkpoint::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
@@ -135,6 +137,7 @@ impl SimulationHandle {
             taken += 1;
         }
         self.0.advancing.set(false);
+        self.keep_state(call.host);
         call.host.end_steps();
         call.host.observer.ended();
         if end.is_some() {
@@ -148,39 +151,70 @@ impl SimulationHandle {
     /// Takes one step, and keeps what it computed: its rows, its state, the memory of the state before.
     fn take_step(&self, call: &Call, from: f64, end: Option<f64>) -> Result<(), Box<EvalAltResult>> {
         let data = &self.0;
-        let stopped = || {
+        let stopped = |how: &str| {
             let time = data.simulation.borrow().time();
-            interrupted(format!("interrupted at t = {}", brief(time))).hint("everything up to this time is kept")
+            interrupted(format!("{how} at t = {}", brief(time))).hint("everything up to this time is kept")
         };
         if call.host.is_stopped() {
-            return Err(stopped().into());
+            return Err(stopped("interrupted").into());
         }
-        let mut rows = Vec::new();
-        let begun = Instant::now();
-        let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state(), data.history.borrow().len());
-        let stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
-        data.spent.set(data.spent.get() + begun.elapsed());
-        if matches!(stepped, Err(StepError::Interrupted { .. })) && !rows.is_empty() {
-            // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
-            data.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&before);
-            let time = before.row.time;
-            return Err(interrupted(format!("interrupted at t = {}", brief(time))).hint("everything up to this time is kept").into());
+        let is_last = |until: f64| data.script_time(data.simulation.borrow().time()) >= until;
+        if call.host.settings.until.is_some_and(is_last) && !Journal::of(call.host).is_recalling() {
+            return Err(stopped("stopped").into());
         }
-        if !rows.is_empty() {
-            call.host.count_effect();
-            self.keep_past(before, known);
-        }
+        let (rows, stepped) = self.computed(call, end)?;
         for row in rows {
             self.accept(call, row, from, end)?;
         }
-        self.warn_of_large_motion(call.host);
+        if !data.is_behind.get() {
+            self.warn_of_large_motion(call.host);
+        }
         stepped.map_err(|error| self.step_failure(call, error))?;
         // No borrow is held here, because a closure may look at everything and hand over further closures.
         let callbacks = data.callbacks.borrow().clone();
+        if !callbacks.is_empty() {
+            self.keep_state(call.host);
+        }
+        self.checkpoint(call.host)?;
         for callback in callbacks {
             let _ = callback.call([Dynamic::from(self.clone())]).map_err(|error| passed_on(&callback, error))?;
         }
-        if call.host.is_interrupted() { Err(stopped().into()) } else { Ok(()) }
+        if call.host.is_interrupted() { Err(stopped("interrupted").into()) } else { Ok(()) }
+    }
+
+    /// Computes a step, or takes it from what an earlier program has computed: the rows of its pieces, and how it ended.
+    fn computed(&self, call: &Call, end: Option<f64>) -> Result<Step, Box<EvalAltResult>> {
+        let data = &self.0;
+        let (computation, was_behind) = (Computation::Step(end), data.is_behind.get());
+        let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state(), data.history.borrow().len());
+        let (mut rows, mut stepped) = (Vec::new(), Ok(()));
+        if let Some(Outcome::Stepped(recalled)) = self.recalled(call, computation)? {
+            rows = recalled;
+        } else {
+            let begun = Instant::now();
+            stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
+            data.spent.set(data.spent.get() + begun.elapsed());
+            match &stepped {
+                Err(StepError::Interrupted { .. }) if !rows.is_empty() => {
+                    // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
+                    data.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&before);
+                    let stopped = interrupted(format!("interrupted at t = {}", brief(before.row.time)));
+                    return Err(stopped.hint("everything up to this time is kept").into());
+                }
+                Err(StepError::Interrupted { .. }) => {}
+                Err(_) => self.take_down(call, computation, Outcome::Failed, &before),
+                Ok(()) => self.take_down(call, computation, Outcome::Stepped(rows.clone()), &before),
+            }
+        }
+        if !rows.is_empty() {
+            call.host.count_effect();
+            if was_behind {
+                data.past.borrow_mut().clear();
+            } else {
+                self.keep_past(before, known);
+            }
+        }
+        Ok((rows, stepped))
     }
 
     /// What comes before the first step: the first frame of the fields.
@@ -208,6 +242,9 @@ impl SimulationHandle {
         Ok(())
     }
 }
+
+/// The rows of the pieces of a nominal step, and how it ended.
+type Step = (Vec<LedgerRow>, Result<(), StepError>);
 
 /// Bytes of memory that the states before the last steps of a simulation may take.
 const PAST_BYTES: usize = 64 << 20;

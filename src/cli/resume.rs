@@ -1,0 +1,134 @@
+//! `conserva resume`: goes on with a run that was interrupted, from its last checkpoint, to the files that it would have written.
+
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::atomic::Ordering;
+
+use clap::Args;
+
+use super::console::{Console, complain, ink};
+use super::process::exit_code;
+use super::run::{CourseArguments, interrupt, tell};
+use crate::output::checkpoint::{self, Checkpoint, Origin};
+use crate::script::{Class, Diagnostic, Mode, Session, Settings, home};
+
+/// Arguments of `conserva resume`.
+#[derive(Args)]
+pub struct Arguments {
+    /// Folder of the run's results, or one of the checkpoints in it
+    run: PathBuf,
+    /// Stop at this time, as an interrupt does
+    #[arg(long, value_name = "TIME")]
+    until: Option<f64>,
+    /// Go on even where another version of the program or another processor has begun: results may differ in their last digits
+    #[arg(long)]
+    anyway: bool,
+    #[command(flatten)]
+    course: CourseArguments,
+}
+
+fn refusal(title: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(Class::Script, title)
+}
+
+/// The run's folder and the checkpoint to go on from.
+fn find(given: &Path) -> Result<(PathBuf, Checkpoint), Box<Diagnostic>> {
+    let (run, place) = if given.is_file() {
+        let run = given.parent().and_then(Path::parent).unwrap_or(Path::new(".")).to_path_buf();
+        (if run.as_os_str().is_empty() { PathBuf::from(".") } else { run }, given.to_path_buf())
+    } else {
+        let Some(newest) = checkpoint::places(given).pop() else { return Err(Box::new(nothing_to_resume(given))) };
+        (given.to_path_buf(), newest)
+    };
+    Checkpoint::read(&place).map(|checkpoint| (run.clone(), checkpoint)).map_err(|error| {
+        let refused = refusal(format!("the checkpoint {} cannot be resumed", place.display())).cause(error.to_string());
+        let others = checkpoint::places(&run).into_iter().rev().filter(|other| *other != place);
+        let sound = others.filter_map(|other| Checkpoint::read(&other).ok().map(|checkpoint| (other, checkpoint))).next();
+        Box::new(match sound {
+            Some((other, checkpoint)) => {
+                let reached = checkpoint.reached();
+                refused.hint(format!("the one before it is sound{reached}: `conserva resume {}`", other.display()))
+            }
+            None => refused.hint("there is no other one: run the script anew with `conserva run`"),
+        })
+    })
+}
+
+fn nothing_to_resume(run: &Path) -> Diagnostic {
+    if !run.exists() {
+        return refusal(format!("there is no folder {}", run.display())).hint("name the folder of a run's results, such as `out/bearing`");
+    }
+    let error = refusal(format!("there is nothing to resume in {}", run.display()));
+    if run.join("summary.json").exists() {
+        return error
+            .cause("it has no checkpoint: the run came to its end, or ended before the first one was written")
+            .hint("run the script anew with `conserva run`");
+    }
+    error.cause("it has no checkpoint").hint("name the folder of a run's results, such as `out/bearing`")
+}
+
+/// Refuses to go on where the results would be others.
+fn compare(then: &Origin, now: &Origin, anyway: bool) -> Result<(), Box<Diagnostic>> {
+    let (changed, digits) = then.differences(now);
+    if let Some(first) = changed.first() {
+        let error = refusal("the run cannot be resumed: what it depends on has changed").cause(first.clone());
+        let error = changed[1..].iter().fold(error, |error, more| error.cause(more.clone()));
+        return Err(Box::new(error.hint("put it back as it was, or run the script anew with `conserva run`")));
+    }
+    if let (Some(first), false) = (digits.first(), anyway) {
+        let error = refusal("the run would not end with the same digits").cause(first.clone());
+        let error = digits[1..].iter().fold(error, |error, more| error.cause(more.clone()));
+        return Err(Box::new(error.hint("resume it where it began, or go on with `--anyway` if last digits do not matter")));
+    }
+    Ok(())
+}
+
+/// Resumes a run; the exit code.
+pub fn resume(arguments: Arguments) -> u8 {
+    attempt(&arguments).unwrap_or_else(|error| {
+        complain(&error.render(ink()));
+        exit_code(error.class)
+    })
+}
+
+fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
+    let (run, checkpoint) = find(&arguments.run)?;
+    let origin = checkpoint.origin.clone();
+    let out = run.canonicalize().unwrap_or_else(|_| run.clone());
+    // Paths mean what they meant then.
+    std::env::set_current_dir(&origin.folder).map_err(|error| {
+        let error = refusal(format!("the folder {} cannot be entered", origin.folder.display())).cause(error.to_string());
+        Box::new(error.hint("the run began there, and the paths of its script and files are relative to it"))
+    })?;
+    compare(&origin, &Origin::now(&origin), arguments.anyway)?;
+    if let (Some(until), [course, ..]) = (arguments.until, &checkpoint.courses[..])
+        && until < course.reached.1
+    {
+        let error = refusal(format!("the run has passed t = {until}")).cause(format!("the checkpoint is at t = {}", course.reached.1));
+        return Err(Box::new(error.hint("name a later time with `--until`, or an earlier checkpoint")));
+    }
+    let interrupt = interrupt()
+        .map_err(|error| Box::new(Diagnostic::error(Class::Internal, "the interrupt key cannot be watched").cause(error.to_string())))?;
+    let console = Rc::new(Console::new(arguments.course.quiet));
+    let settings = Settings {
+        mode: Mode::Run,
+        overrides: origin.overrides,
+        allow_read: origin.allow_read,
+        output: Some(out),
+        threads: usize::from(arguments.course.threads),
+        max_operations: origin.max_operations,
+        interrupt: interrupt.clone(),
+        factorization: console.factorization(),
+        checkpoints: arguments.course.checkpoint,
+        until: arguments.until,
+        interactive: false,
+    };
+    let script = PathBuf::from(&origin.script);
+    let mut session = Session::new(settings, home(&script), console.clone())?;
+    console.note(&format!("resuming{}", checkpoint.reached()));
+    session.resume(checkpoint);
+    let report = session.run_file(&script);
+    let code = tell(&console, &report, &run);
+    let is_there = report.error.is_some_and(|error| error.class == Class::Interrupted) && arguments.until.is_some();
+    Ok(if is_there && !interrupt.load(Ordering::Relaxed) { 0 } else { code })
+}

@@ -1,0 +1,16 @@
+//! What a simulation has counted so far: beside its state, all that its summary tells of how it came there.
+
+use serde::{Deserialize, Serialize};
+
+use super::halvings::Halvings;
+
+/// Counters of a simulation, to go on counting from. No step depends on them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tally {
+    pub(super) steps: usize,
+    pub(super) newton_iterations: usize,
+    pub(super) halvings: usize,
+    pub(super) factorizations: usize,
+    pub(super) assemblies: usize,
+    pub(super) causes: Halvings,
+}

@@ -1,0 +1,327 @@
+//! Checkpoints: what a run has computed so far, in one file, from which it goes on to the same bytes.
+//!
+//! A checkpoint holds what was computed, not what the script does with it: the rows of every step, and the states at which the script
+//! could look. Who resumes runs the script again from its start and takes these in place of computing them ([`Record`]).
+//!
+//! The file: 12 bytes that say what it is, the version of the format, length and CRC-32 of the content (little endian), the content in
+//! the encoding of `postcard`. It is written beside its place, forced to the disk, and renamed.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::files::{OutputError, RunFiles};
+use crate::dynamics::{LedgerRow, SettleReport, State, Tally};
+use crate::math::simd::instructions;
+
+const MAGIC: &[u8; 12] = b"conserva\0ckp";
+/// Version of the format.
+const FORMAT: u32 = 1;
+/// Bytes before the content.
+const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
+/// Folder of the checkpoints of a run.
+const FOLDER: &str = "checkpoints";
+/// Checkpoints that are kept.
+const KEPT: usize = 2;
+
+/// Where results come from: all that they depend on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Origin {
+    /// Version of the program.
+    pub program: String,
+    /// Instructions of the processor, which decide on the last bits.
+    pub instructions: String,
+    /// Folder in which the program was started; paths are relative to it.
+    pub folder: PathBuf,
+    /// The script as it was named.
+    pub script: String,
+    /// Names and texts of the script and its modules.
+    pub sources: Vec<(String, String)>,
+    /// Other files that the script has read, with length and CRC-32.
+    pub files: Vec<(PathBuf, u64, u32)>,
+    /// Values given for parameters.
+    pub overrides: Vec<(String, String)>,
+    /// Folders that the script may read.
+    pub allow_read: Vec<PathBuf>,
+    /// Operations after which the script counts as endless.
+    pub max_operations: u64,
+}
+
+impl Origin {
+    /// What a run with the same arguments would depend on now.
+    pub fn now(then: &Origin) -> Origin {
+        let source = |(name, _): &(String, String)| {
+            let text = std::fs::read(name).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+            (name.clone(), text.unwrap_or_default())
+        };
+        let file = |(path, ..): &(PathBuf, u64, u32)| {
+            let (length, checksum) = std::fs::read(path).map_or((0, 0), |content| Origin::digest(&content));
+            (path.clone(), length, checksum)
+        };
+        Origin {
+            program: env!("CARGO_PKG_VERSION").into(),
+            instructions: instructions(),
+            sources: then.sources.iter().map(source).collect(),
+            files: then.files.iter().map(file).collect(),
+            ..then.clone()
+        }
+    }
+
+    /// What differs in another origin: what changes results, and what changes their last digits at most.
+    pub fn differences(&self, other: &Origin) -> (Vec<String>, Vec<String>) {
+        let mut changed = Vec::new();
+        for ((name, then), (_, now)) in self.sources.iter().zip(&other.sources) {
+            let mut lines = then.lines().zip(now.lines().map(Some).chain(std::iter::repeat(None))).enumerate();
+            if then == now {
+                continue;
+            }
+            changed.push(match lines.find(|(_, (then, now))| Some(*then) != *now) {
+                _ if now.is_empty() => format!("the script {name} is gone"),
+                Some((line, (_, Some(_)))) => format!("the script {name} has another line {}", line + 1),
+                _ => format!("the script {name} has another end"),
+            });
+        }
+        for ((path, length, then), (_, now_length, now)) in self.files.iter().zip(&other.files) {
+            if (length, then) != (now_length, now) {
+                changed.push(format!("the file {} has another content", path.display()));
+            }
+        }
+        let versions = [("program", &self.program, &other.program), ("processor's instructions", &self.instructions, &other.instructions)];
+        let differing = versions.into_iter().filter(|(_, then, now)| then != now);
+        (changed, differing.map(|(what, then, now)| format!("the {what} were {then} and are {now}")).collect())
+    }
+
+    /// Length and CRC-32 of a file's content.
+    pub fn digest(content: &[u8]) -> (u64, u32) {
+        (content.len() as u64, crc32fast::hash(content))
+    }
+}
+
+/// A call for which a simulation computed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Computation {
+    /// A nominal step, cut off at a time if it is reached.
+    Step(Option<f64>),
+    /// Equilibrium at a time.
+    Settle(f64),
+}
+
+/// How a computation ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Outcome {
+    /// The step was taken, in pieces with these rows.
+    Stepped(Vec<LedgerRow>),
+    /// Equilibrium was found.
+    Settled(SettleReport),
+    /// It failed, and the script went on; it fails again.
+    Failed,
+}
+
+/// A computation, in the order in which a script asked for them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Which of the script's simulations.
+    pub simulation: usize,
+    /// What was asked.
+    pub computation: Computation,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// The state after it, where the script could look at it.
+    pub state: Option<Arc<State>>,
+}
+
+/// What is known of a simulation besides.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Course {
+    /// Its name.
+    pub name: String,
+    /// Its unknowns.
+    pub unknowns: usize,
+    /// Steps and time reached.
+    pub reached: (usize, f64),
+    /// What it has counted.
+    pub tally: Tally,
+}
+
+/// A checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// What the run depends on.
+    pub origin: Origin,
+    /// Its simulations.
+    pub courses: Vec<Course>,
+    /// All that was computed.
+    pub records: Vec<Record>,
+}
+
+/// A file that is no checkpoint to go on from.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The operating system refused.
+    #[error("it cannot be read: {0}")]
+    Read(String),
+    /// Not a checkpoint.
+    #[error("it is not a checkpoint of Conserva")]
+    Foreign,
+    /// From a later version of the program.
+    #[error("its format {found} is newer than the format {FORMAT} of this program")]
+    Future {
+        /// Version of its format.
+        found: u32,
+    },
+    /// Its end is missing.
+    #[error("it is cut off: {found} of {announced} bytes are there")]
+    Truncated {
+        /// Bytes of the content.
+        found: u64,
+        /// Bytes that there ought to be.
+        announced: u64,
+    },
+    /// Its bytes have changed.
+    #[error("it is damaged: its content does not agree with its checksum")]
+    Damaged,
+}
+
+impl Checkpoint {
+    /// Where its simulations stand, as the end of a sentence.
+    pub fn reached(&self) -> String {
+        let one = |course: &Course| format!("\"{}\" at t = {} (step {})", course.name, course.reached.1, course.reached.0);
+        let all: Vec<String> = self.courses.iter().map(one).collect();
+        if all.is_empty() { String::new() } else { format!(" {}", all.join(", ")) }
+    }
+
+    /// The file's bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = vec![0; HEADER];
+        // Memory takes everything, and all of these types can be encoded.
+        bytes = postcard::to_extend(self, bytes).unwrap_or_default();
+        let content = bytes.len().saturating_sub(HEADER) as u64;
+        let checksum = crc32fast::hash(bytes.get(HEADER..).unwrap_or_default());
+        let header = MAGIC.iter().copied().chain(FORMAT.to_le_bytes()).chain(content.to_le_bytes()).chain(checksum.to_le_bytes());
+        bytes.iter_mut().zip(header).for_each(|(byte, known)| *byte = known);
+        bytes
+    }
+
+    /// Reads a file's bytes.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let Some(rest) = bytes.strip_prefix(MAGIC) else {
+            let is_begun = !bytes.is_empty() && MAGIC.starts_with(bytes);
+            return Err(if is_begun {
+                CheckpointError::Truncated { found: 0, announced: HEADER as u64 }
+            } else {
+                CheckpointError::Foreign
+            });
+        };
+        let cut_off = CheckpointError::Truncated { found: 0, announced: HEADER as u64 };
+        let Some((format, rest)) = rest.split_first_chunk() else { return Err(cut_off) };
+        let found = u32::from_le_bytes(*format);
+        if found > FORMAT {
+            return Err(CheckpointError::Future { found });
+        }
+        let Some((length, rest)) = rest.split_first_chunk() else { return Err(cut_off) };
+        let Some((checksum, content)) = rest.split_first_chunk() else { return Err(cut_off) };
+        let (announced, found) = (u64::from_le_bytes(*length), content.len() as u64);
+        if found < announced {
+            return Err(CheckpointError::Truncated { found, announced });
+        }
+        if found > announced || crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
+            return Err(CheckpointError::Damaged);
+        }
+        postcard::from_bytes(content).map_err(|_| CheckpointError::Damaged)
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn read(path: &Path) -> Result<Self, CheckpointError> {
+        let bytes = std::fs::read(path).map_err(|error| CheckpointError::Read(super::files::reason(&error)))?;
+        Checkpoint::from_bytes(&bytes)
+    }
+
+    /// Writes it into a run's folder, and removes the oldest ones there.
+    ///
+    /// # Errors
+    /// The operating system refused; those that were there are still there.
+    pub fn write(&self, files: &RunFiles) -> Result<(), OutputError> {
+        let newest = places(files.directory()).last().and_then(|path| number(path)).unwrap_or(0);
+        files.write_durably(&format!("{FOLDER}/{:06}.checkpoint", newest + 1), self.to_bytes())?;
+        let all = places(files.directory());
+        for old in &all[..all.len().saturating_sub(KEPT)] {
+            // One too many does no harm.
+            let _ = std::fs::remove_file(old);
+        }
+        Ok(())
+    }
+}
+
+/// The number in the name of a checkpoint.
+fn number(path: &Path) -> Option<u64> {
+    if path.extension()? != "checkpoint" { None } else { path.file_stem()?.to_str()?.parse().ok() }
+}
+
+/// The checkpoints in a run's folder, the newest last.
+pub fn places(run: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = entries.filter(|path| number(path).is_some()).collect();
+    found.sort_by_key(|path| number(path));
+    found
+}
+
+/// Removes the checkpoints in a run's folder: the run is complete, or begins anew.
+///
+/// # Errors
+/// The operating system refused.
+pub fn remove_all(run: &Path) -> Result<(), OutputError> {
+    for path in places(run) {
+        std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
+    }
+    // What else is in the folder stays, and the folder with it.
+    let _ = std::fs::remove_dir(run.join(FOLDER));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checkpoint() -> Checkpoint {
+        let rows = vec![LedgerRow { step: 1, time: 0.1, ..LedgerRow::default() }];
+        let record = Record { simulation: 0, computation: Computation::Step(Some(2.0)), outcome: Outcome::Stepped(rows), state: None };
+        Checkpoint { records: vec![record; 3], ..Checkpoint::default() }
+    }
+
+    #[test]
+    fn a_checkpoint_comes_back_as_it_was() {
+        let bytes = checkpoint().to_bytes();
+        assert_eq!(Checkpoint::from_bytes(&bytes).unwrap(), checkpoint());
+    }
+
+    #[test]
+    fn whatever_happened_to_a_file_is_told() {
+        let bytes = checkpoint().to_bytes();
+        for length in 0..bytes.len() {
+            let error = Checkpoint::from_bytes(&bytes[..length]).unwrap_err();
+            let is_told = matches!(error, CheckpointError::Truncated { .. }) || length == 0 && matches!(error, CheckpointError::Foreign);
+            assert!(is_told, "{length}: {error}");
+        }
+        for place in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[place] ^= 0x10;
+            assert!(Checkpoint::from_bytes(&damaged).is_err(), "byte {place}");
+        }
+        let mut longer = bytes.clone();
+        longer.push(0);
+        assert!(matches!(Checkpoint::from_bytes(&longer), Err(CheckpointError::Damaged)));
+        let mut future = bytes;
+        future[MAGIC.len()] = 9;
+        assert!(matches!(Checkpoint::from_bytes(&future), Err(CheckpointError::Future { found: 9 })));
+        assert!(matches!(Checkpoint::from_bytes(b"step,time\n"), Err(CheckpointError::Foreign)));
+    }
+}
