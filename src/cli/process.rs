@@ -10,7 +10,7 @@ pub fn exit_code(class: Class) -> u8 {
     match class {
         Class::Check => 1,
         Class::Script => 2,
-        Class::Numerics | Class::Internal => 3,
+        Class::Numerics | Class::Output | Class::Internal => 3,
         Class::Interrupted => 130,
         Class::ResultUsed => 0,
     }

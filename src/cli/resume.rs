@@ -128,7 +128,11 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     console.note(&format!("resuming{}", checkpoint.reached()));
     session.resume(checkpoint);
     let report = session.run_file(&script);
-    let code = tell(&console, &report, &run);
-    let is_there = report.error.is_some_and(|error| error.class == Class::Interrupted) && arguments.until.is_some();
-    Ok(if is_there && !interrupt.load(Ordering::Relaxed) { 0 } else { code })
+    match &report.error {
+        Some(error) if error.class == Class::Interrupted && arguments.until.is_some() && !interrupt.load(Ordering::Relaxed) => {
+            console.note(&format!("{}; go on with `conserva resume {}`", error.title, run.display()));
+            Ok(0)
+        }
+        _ => Ok(tell(&console, &report, &run)),
+    }
 }

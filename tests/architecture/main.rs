@@ -31,11 +31,13 @@ const FLOORS: &[&[&str]] = &[
 const OWNERS: &[(&str, &[&str])] = &[
     ("annotate-snippets", &["script"]),
     ("clap", &["cli"]),
+    ("crc32fast", &["output"]),
     ("csv", &["output"]),
     ("faer", &["linear"]),
     ("pulp", &["math", "linear"]),
     ("feral-metis", &["linear"]),
     ("flate2", &["output"]),
+    ("postcard", &["output"]),
     ("clap_complete", &["cli"]),
     ("clap_mangen", &["cli"]),
     ("indicatif", &["cli"]),

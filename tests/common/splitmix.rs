@@ -18,6 +18,7 @@ impl SplitMix {
     }
 
     /// One of some.
+    #[allow(dead_code)] // not by every test program
     pub fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
         &from[self.below(from.len())]
     }

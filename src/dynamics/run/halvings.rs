@@ -85,19 +85,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn halvings_come_back_from_their_bytes() {
-        let mut halvings = Halvings::default();
-        let row = LedgerRow::default();
-        let motion = LargeMotion { contact: "race".into(), kind: MotionKind::CameThrough, facets: 1.5 };
-        for failure in [Failure::Iterations, Failure::Diverged, Failure::Foreseen(motion.clone())] {
-            halvings.count(&failure, 0.1, &row);
-        }
-        halvings.refuse(motion, 0.1, &row);
-        let bytes = postcard::to_stdvec(&halvings).unwrap();
-        assert_eq!(postcard::from_bytes::<Halvings>(&bytes).unwrap(), halvings);
-    }
-
-    #[test]
     fn each_cause_and_contact_is_counted_by_itself() {
         let mut halvings = Halvings::default();
         let sliding =

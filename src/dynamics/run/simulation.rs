@@ -125,6 +125,12 @@ impl Simulation {
         self.steps.restore(state);
     }
 
+    /// Makes contacts see the state as it stands. After a step they see what the step had to: pairs further apart, where bodies move
+    /// fast. Fields and gaps that somebody looks at follow from the state alone, so this comes before; a restored state needs none.
+    pub fn look(&mut self) {
+        self.steps.look();
+    }
+
     /// Takes the ledger's row of a later step for its own without the step: what is known of that step, before its state is restored.
     /// Nothing else may be asked before [`Self::restore`].
     pub fn recall(&mut self, row: &LedgerRow) {

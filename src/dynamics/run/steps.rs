@@ -20,6 +20,7 @@ pub trait Steps: Send {
     fn unknowns(&self) -> usize;
     fn state(&self) -> &Arc<State>;
     fn restore(&mut self, state: &State);
+    fn look(&mut self);
     fn recall(&mut self, row: &LedgerRow);
     fn tally(&self) -> Tally;
     fn count_from(&mut self, tally: &Tally);

@@ -58,6 +58,10 @@ where
         self.system.restore_search(&state.search, &state.positions, state.row.time);
     }
 
+    fn look(&mut self) {
+        self.restore_search();
+    }
+
     fn recall(&mut self, row: &LedgerRow) {
         Arc::make_mut(&mut self.state).row.clone_from(row);
     }

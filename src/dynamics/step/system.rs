@@ -305,13 +305,14 @@ impl<const D: usize> System<D> {
     pub fn restore_search(&mut self, search: &Arc<SearchHistory>, q: &[f64], time: f64) {
         // A time function that fails does so again, with its error, in the next step.
         let _ = self.move_obstacles(time, 0.0);
-        if *self.search() == **search {
-            return;
-        }
+        let is_present = *self.search() == **search;
         for (pair, candidates) in self.pairs.iter_mut().zip(search.candidates.iter()) {
             if let Some(candidates) = candidates {
                 pair.kernel.restore_candidates(candidates, q);
             }
+        }
+        if is_present {
+            return;
         }
         if let Some(order) = &search.order {
             self.matrix.factorization.restore_order(order, search.account);

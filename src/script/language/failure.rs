@@ -22,6 +22,8 @@ pub enum Class {
     Script,
     /// The script is right, but the computation failed.
     Numerics,
+    /// A file of the results could not be written.
+    Output,
     /// The user interrupted the run.
     Interrupted,
     /// `conserva check` came to the first use of a result.
@@ -146,7 +148,7 @@ impl Failure {
 
     /// The engine's error at a position.
     pub fn raise(self, position: Position) -> Box<EvalAltResult> {
-        let catchable = matches!(self.class, Class::Check | Class::Script | Class::Numerics);
+        let catchable = matches!(self.class, Class::Check | Class::Script | Class::Numerics | Class::Output);
         let payload = Dynamic::from(self);
         Box::new(if catchable { EvalAltResult::ErrorRuntime(payload, position) } else { EvalAltResult::ErrorTerminated(payload, position) })
     }

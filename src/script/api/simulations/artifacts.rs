@@ -8,13 +8,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::columns::{further_values, model_columns};
-use super::journal::Journal;
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, RunFiles, Surroundings};
 use crate::script::api::asides::is_study;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
+use crate::script::language::failure::{Class, Failure};
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
 
@@ -33,6 +32,15 @@ pub struct Artifacts {
     spent: Duration,
 }
 
+/// Whose steps come first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// This program's: files begin anew.
+    Anew,
+    /// Those of an earlier program, which has written its files.
+    Recalled,
+}
+
 /// Name of the history while steps come from the journal: the one that an earlier program has written stays until then.
 const RESUMING: &str = ".history.csv.resuming";
 
@@ -43,19 +51,19 @@ impl Artifacts {
     /// A folder or file that cannot be written.
     pub fn create(
         host: &Host,
-        is_first: bool,
+        name: Option<&str>,
         model: &Model,
-        name: &str,
         every: Option<f64>,
         row: &LedgerRow,
         probes: Vec<String>,
+        start: Start,
     ) -> Result<Option<Self>, Failure> {
         let Some(folder) = output_folder(host) else { return Ok(None) };
         let begun = Instant::now();
-        let folder = if is_first { folder.clone() } else { folder.join(file_name(name)) };
+        let folder = name.map_or(folder.clone(), |name| folder.join(file_name(name)));
         let open = || {
             let files = RunFiles::create(folder)?;
-            let recalls = Journal::of(host).is_recalling();
+            let recalls = start == Start::Recalled;
             let history = if recalls { RESUMING } else { "history.csv" };
             let mut csv = HistoryCsv::create(&files, history, model.dimension(), model_columns(model).into_iter().chain(probes).collect())?;
             csv.append(row, &further_values(model, row))?;
@@ -79,7 +87,7 @@ impl Artifacts {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn accepted(&mut self, row: &LedgerRow, simulation: &Simulation) -> Result<(), Failure> {
+    pub fn accepted(&mut self, row: &LedgerRow, simulation: &mut Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
         self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
         self.series.check().map_err(|error| output_failure(&error))?;
@@ -89,7 +97,13 @@ impl Artifacts {
             let last = self.series.last().unwrap_or(f64::NEG_INFINITY);
             row.time == simulation.time() && (row.time / every + SAME_MOMENT).floor() > (last / every + SAME_MOMENT).floor()
         });
-        if due { self.frame(simulation) } else { Ok(()) }
+        if !due {
+            return Ok(());
+        }
+        if !self.recalls {
+            simulation.look();
+        }
+        self.frame(simulation)
     }
 
     /// Puts another history in place of the one on disk.
@@ -233,5 +247,7 @@ fn file_name(name: &str) -> String {
 
 /// The failure of a file that could not be written.
 pub fn output_failure(error: &OutputError) -> Failure {
-    Failure::script(error.to_string()).hint(error.cure())
+    // A name that cannot be is the script's fault, a full disk is not.
+    let class = if matches!(error, OutputError::Write { .. }) { Class::Output } else { Class::Script };
+    Failure::new(class, error.to_string()).hint(error.cure())
 }

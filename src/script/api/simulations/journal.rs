@@ -105,14 +105,20 @@ impl Journal {
                 .cause("what it does must follow from its text, its parameters and the files that it reads")
                 .hint("run it anew with `conserva run`"));
         }
-        pages.read += 1;
+        if record.outcome == Outcome::Failed && pages.read + 1 == pages.records.len() {
+            // It is made again, and taken down again.
+            pages.records.pop();
+        } else {
+            pages.read += 1;
+        }
         Ok(Some(record))
     }
 
     /// Adds a computation, unless nobody will ask for it.
     fn add(&self, host: &Host, record: Record) {
         let mut pages = self.0.borrow_mut();
-        if is_kept(host) && !pages.is_full {
+        let is_recalled = pages.read < pages.records.len();
+        if is_kept(host) && !pages.is_full && !is_recalled {
             pages.records.push(record);
             pages.read = pages.records.len();
         }
@@ -242,9 +248,13 @@ impl SimulationHandle {
         journal.add(call.host, Record { simulation: number, computation, outcome, state: None });
     }
 
-    /// Keeps the state that the script may look at from now on.
-    pub fn keep_state(&self, host: &Host) {
-        if let (Some(number), Ok(simulation)) = (self.number(host), self.0.simulation.try_borrow()) {
+    /// Prepares the state for the script, which may look at it from now on, and keeps it.
+    pub fn show(&self, host: &Host) {
+        let Ok(mut simulation) = self.0.simulation.try_borrow_mut() else { return };
+        if !self.0.is_behind.get() {
+            simulation.look();
+        }
+        if let Some(number) = self.number(host) {
             Journal::of(host).keep(number, &simulation.shared_state());
         }
     }

@@ -58,13 +58,16 @@ impl SimulationHandle {
             return Ok(report);
         }
         let begun = Instant::now();
-        let settled = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.settle_at(time);
+        let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+        let tally = simulation.tally();
+        let settled = simulation.settle_at(time);
         data.spent.set(data.spent.get() + begun.elapsed());
         match &settled {
             Ok(report) => self.take_down(call, computation, Outcome::Settled(report.clone()), &before),
-            Err(StepError::Interrupted { .. }) => {}
+            Err(StepError::Interrupted { .. }) => simulation.count_from(&tally),
             Err(_) => self.take_down(call, computation, Outcome::Failed, &before),
         }
+        drop(simulation);
         settled.map_err(|error| self.step_failure(call, error).into())
     }
 
@@ -80,7 +83,7 @@ impl SimulationHandle {
         let settled = self.settled(call, time);
         call.host.observer.ended();
         let report = settled?;
-        self.keep_state(call.host);
+        self.show(call.host);
         call.host.count_effect();
         data.past.borrow_mut().clear();
         let row = data.script_row(data.simulation.borrow().row().clone());

@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::Artifacts;
+use super::artifacts::{Artifacts, Start};
 use super::columns::{Probe, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, Simulations};
+use super::journal::Journal;
 use crate::dynamics::{LedgerRow, Model, Options, Simulation};
 use crate::integrators::{self, Scheme};
 use crate::math::catalogue::Interval;
@@ -213,9 +214,11 @@ pub fn create(
     Course { history, probes, spent }: Course,
 ) -> Result<SimulationHandle, Failure> {
     let name = unique_name(call.host, &model.model.name);
-    let is_first = Simulations::of(call.host).0.borrow().is_empty();
-    let mut artifacts =
-        Artifacts::create(call.host, is_first, &model.model, &name, fields_every, &history[0], probe_columns(&model.model, &probes))?;
+    // The first one writes into the folder of the run itself.
+    let below = Some(name.as_str()).filter(|_| !Simulations::of(call.host).0.borrow().is_empty());
+    let start = if Journal::of(call.host).is_recalling() { Start::Recalled } else { Start::Anew };
+    let columns = probe_columns(&model.model, &probes);
+    let mut artifacts = Artifacts::create(call.host, below, &model.model, fields_every, &history[0], columns, start)?;
     if let Some(artifacts) = &mut artifacts {
         artifacts.rewrite(&history[..1], &history)?;
     }

@@ -137,7 +137,7 @@ impl SimulationHandle {
             taken += 1;
         }
         self.0.advancing.set(false);
-        self.keep_state(call.host);
+        self.show(call.host);
         call.host.end_steps();
         call.host.observer.ended();
         if end.is_some() {
@@ -173,7 +173,7 @@ impl SimulationHandle {
         // No borrow is held here, because a closure may look at everything and hand over further closures.
         let callbacks = data.callbacks.borrow().clone();
         if !callbacks.is_empty() {
-            self.keep_state(call.host);
+            self.show(call.host);
         }
         self.checkpoint(call.host)?;
         for callback in callbacks {
@@ -192,19 +192,22 @@ impl SimulationHandle {
             rows = recalled;
         } else {
             let begun = Instant::now();
-            stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
+            let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+            let tally = simulation.tally();
+            stepped = simulation.step(end, &mut |row| rows.push(row.clone()));
             data.spent.set(data.spent.get() + begun.elapsed());
             match &stepped {
-                Err(StepError::Interrupted { .. }) if !rows.is_empty() => {
+                Err(StepError::Interrupted { .. }) => {
                     // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
-                    data.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&before);
+                    simulation.restore(&before);
+                    simulation.count_from(&tally);
                     let stopped = interrupted(format!("interrupted at t = {}", brief(before.row.time)));
                     return Err(stopped.hint("everything up to this time is kept").into());
                 }
-                Err(StepError::Interrupted { .. }) => {}
                 Err(_) => self.take_down(call, computation, Outcome::Failed, &before),
                 Ok(()) => self.take_down(call, computation, Outcome::Stepped(rows.clone()), &before),
             }
+            drop(simulation);
         }
         if !rows.is_empty() {
             call.host.count_effect();
@@ -233,8 +236,8 @@ impl SimulationHandle {
         data.scale.set(data.scale.get().max(row.total().abs()));
         call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get() });
         if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
-            let simulation = data.simulation.try_borrow().map_err(|_| busy(call))?;
-            artifacts.accepted(&row, &simulation)?;
+            let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+            artifacts.accepted(&row, &mut simulation)?;
         }
         // Every piece of a halved step is looked at, because a contact may have opened again at the end of the step.
         self.note_closed(row.time, row.contacts.iter().map(|contact| contact.active));

@@ -1,0 +1,228 @@
+//! Runs that are killed or interrupted and resumed: every file ends with the bytes of the run that nobody disturbed.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+#[path = "../common/splitmix.rs"]
+mod splitmix;
+
+use splitmix::SplitMix;
+
+/// Rings on a block and on a plane, with everything by which a script can look at them.
+const LOOKS: &str = include_str!("looks.rhai");
+
+/// A folder of its own with a script in it.
+fn folder(name: &str, script: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("main.rhai"), script).unwrap();
+    folder
+}
+
+fn conserva(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_conserva"));
+    command.current_dir(folder).args(arguments).env_remove("NO_COLOR").stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    conserva(folder, arguments).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// All files of a run by their paths; of a summary all but times and memory.
+fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
+    fn collect(folder: &Path, run: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.strip_prefix(run).unwrap().to_string_lossy().into_owned();
+            if path.is_dir() {
+                collect(&path, run, found);
+                continue;
+            }
+            let mut content = std::fs::read(&path).unwrap();
+            if name.ends_with("summary.json") {
+                let mut summary: serde_json::Value = serde_json::from_slice(&content).unwrap();
+                let members = summary.as_object_mut().unwrap();
+                assert!(members.remove("wall_seconds").is_some() && members.remove("peak_memory_bytes").is_some());
+                content = serde_json::to_vec(&summary).unwrap();
+            }
+            found.insert(name, content);
+        }
+    }
+    let mut found = BTreeMap::new();
+    collect(run, run, &mut found);
+    found
+}
+
+/// Fails where two runs differ, with the name of the first file that does.
+fn assert_same(expected: &Path, run: &Path, when: &str) {
+    let (expected, found) = (files(expected), files(run));
+    assert_eq!(expected.keys().collect::<Vec<_>>(), found.keys().collect::<Vec<_>>(), "{when}");
+    let differing: Vec<&String> = expected.iter().filter(|(name, content)| found[*name] != **content).map(|(name, _)| name).collect();
+    assert!(differing.is_empty(), "{when}: {differing:?}");
+}
+
+/// Waits until the histories of a run have so many lines together, or it has ended.
+fn wait_for_lines(run: &Path, child: &mut Child, count: usize) {
+    let begun = Instant::now();
+    let lines = |folder: &Path| std::fs::read_to_string(folder.join("history.csv")).map_or(0, |text| text.lines().count());
+    let folders = ["", "on a plane", "on_a_plane", "on_a_block-2", "on a block-2"];
+    while folders.iter().map(|folder| lines(&run.join(folder))).sum::<usize>() < count {
+        assert!(begun.elapsed() < Duration::from_secs(120), "the run does not come to {count} lines");
+        if child.try_wait().unwrap().is_some() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    // A run that has ended takes no signal.
+    let _ = Command::new("kill").args([name, &child.id().to_string()]).stderr(Stdio::null()).status();
+}
+
+/// The newest checkpoint of a run.
+fn newest(run: &Path) -> PathBuf {
+    let mut all: Vec<PathBuf> = std::fs::read_dir(run.join("checkpoints")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    all.sort();
+    all.pop().unwrap()
+}
+
+#[test]
+fn a_run_that_was_killed_at_any_moment_ends_as_if_it_had_not_been() {
+    let home = folder("killed", LOOKS);
+    assert_eq!(run(&home, &["run", "main.rhai", "--out", "whole"]).status.code(), Some(0));
+    let (mut random, mut resumed) = (SplitMix(14), 0);
+    for round in 0..6 {
+        let when = format!("round {round}");
+        let _ = std::fs::remove_dir_all(home.join("k"));
+        let mut child = conserva(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "10"]).spawn().unwrap();
+        wait_for_lines(&home.join("k"), &mut child, 40 + random.below(450));
+        signal(&child, "-KILL");
+        child.wait().unwrap();
+        if !home.join("k/checkpoints").exists() {
+            continue;
+        }
+        if round % 2 == 0 {
+            // Killed once more, wherever it is by then.
+            let mut child = conserva(&home, &["resume", "k", "--checkpoint", "10"]).spawn().unwrap();
+            std::thread::sleep(Duration::from_millis(random.below(300) as u64));
+            signal(&child, "-KILL");
+            child.wait().unwrap();
+        }
+        if home.join("k/checkpoints").exists() {
+            let output = run(&home, &["resume", "k", "--checkpoint", "10", "--threads", "2"]);
+            assert_eq!(output.status.code(), Some(0), "{when}: {}", stderr(&output));
+        }
+        assert_same(&home.join("whole"), &home.join("k"), &when);
+        resumed += 1;
+    }
+    assert!(resumed >= 3, "hardly any run was resumed");
+}
+
+#[test]
+fn interrupts_and_stops_change_nothing() {
+    let home = folder("interrupted", LOOKS);
+    assert_eq!(run(&home, &["run", "main.rhai", "--out", "whole"]).status.code(), Some(0));
+    let mut child = conserva(&home, &["run", "main.rhai", "--out", "k"]).spawn().unwrap();
+    wait_for_lines(&home.join("k"), &mut child, 60);
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    if output.status.code() == Some(0) {
+        return; // it was too fast
+    }
+    assert!(stderr(&output).contains("go on with `conserva resume k`"), "{}", stderr(&output));
+    for until in ["0.22", "0.5"] {
+        let output = run(&home, &["resume", "k", "--until", until]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stderr(&output).contains("stopped at t ="), "{}", stderr(&output));
+    }
+    // From elsewhere, by another path.
+    let output = run(home.parent().unwrap(), &["resume", &home.join("k").to_string_lossy()]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_same(&home.join("whole"), &home.join("k"), "interrupted");
+    let output = run(&home, &["resume", "k"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("there is nothing to resume in k"), "{}", stderr(&output));
+}
+
+/// A run that was interrupted after some checkpoints.
+fn interrupted(name: &str) -> PathBuf {
+    let home = folder(name, LOOKS);
+    let mut child = conserva(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "5"]).spawn().unwrap();
+    wait_for_lines(&home.join("k"), &mut child, 60);
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    home
+}
+
+#[test]
+fn a_checkpoint_that_is_no_good_is_refused_with_its_reason_and_the_one_before_it_is_offered() {
+    let home = interrupted("damaged");
+    let newest = newest(&home.join("k"));
+    let sound = std::fs::read(&newest).unwrap();
+    let mut flipped = sound.clone();
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 1;
+    let mut future = sound.clone();
+    future[12] = 200;
+    let cases = [
+        (flipped, "it is damaged: its content does not agree with its checksum"),
+        (sound[..sound.len() / 3].to_vec(), "it is cut off"),
+        (b"step,time,dt\n0,0,0\n".to_vec(), "it is not a checkpoint of Conserva"),
+        (future, "is newer than the format"),
+    ];
+    for (content, reason) in cases {
+        std::fs::write(&newest, content).unwrap();
+        let output = run(&home, &["resume", "k"]);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(reason) && message.contains("the one before it is sound"), "{message}");
+    }
+    // What is offered works.
+    let message = stderr(&run(&home, &["resume", "k"]));
+    let offered = message.split("`conserva resume ").nth(1).and_then(|rest| rest.split('`').next()).unwrap().to_string();
+    let output = run(&home, &["resume", &offered]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(run(&home, &["run", "main.rhai", "--out", "whole"]).status.code(), Some(0));
+    assert_same(&home.join("whole"), &home.join("k"), "from the one before");
+}
+
+#[test]
+fn what_a_run_depends_on_must_be_as_it_was() {
+    let home = interrupted("changed");
+    std::fs::write(home.join("main.rhai"), LOOKS.replace("cells: [2, 32]", "cells: [2, 40]")).unwrap();
+    let output = run(&home, &["resume", "k"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("the script main.rhai has another line 8"), "{}", stderr(&output));
+    std::fs::remove_file(home.join("main.rhai")).unwrap();
+    let output = run(&home, &["resume", "k"]);
+    assert!(stderr(&output).contains("the script main.rhai is gone"), "{}", stderr(&output));
+    std::fs::write(home.join("main.rhai"), LOOKS).unwrap();
+    // A frame that was written before the checkpoint.
+    std::fs::remove_file(home.join("k/fields/fields_000001.vtu")).unwrap();
+    let output = run(&home, &["resume", "k"]);
+    assert!(stderr(&output).contains("the frame of the fields at t = 0.02 is gone"), "{}", stderr(&output));
+    assert!(newest(&home.join("k")).exists(), "nothing is lost");
+}
+
+#[test]
+fn results_that_cannot_be_written_end_the_run_with_code_3() {
+    let home = folder("removed", LOOKS);
+    let mut child = conserva(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "3"]).spawn().unwrap();
+    wait_for_lines(&home.join("k"), &mut child, 30);
+    // In the way of every further checkpoint.
+    let place = home.join("k/checkpoints");
+    while std::fs::remove_dir_all(&place).is_err() || std::fs::write(&place, "in the way").is_err() {}
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert!(stderr(&output).contains("could not be written") && stderr(&output).contains("--out"), "{}", stderr(&output));
+    assert!(home.join("k/history.csv").exists());
+}
