@@ -11,10 +11,13 @@ mod energies;
 mod files;
 mod history_csv;
 mod obstacles;
+mod parquet;
 mod picture;
 mod plot;
 mod pvd;
+mod reading;
 mod summary;
+mod table;
 mod vtu;
 mod writer;
 
@@ -27,11 +30,13 @@ pub use energies::{ENERGIES, above_lowest_potential, energies};
 pub use files::{OutputError, RunFiles, Stream};
 pub use history_csv::HistoryCsv;
 pub use obstacles::Surroundings;
+pub use parquet::parquet;
 pub use picture::{Component, Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use pvd::{FieldSeries, pvd};
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
 };
+pub use table::{Column, Table, is_count};
 pub use vtu::{Frame, Grid};
 pub use writer::FieldWriter;

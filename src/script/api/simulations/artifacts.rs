@@ -23,6 +23,8 @@ pub struct Artifacts {
     series: FieldWriter,
     /// Where there are rigid obstacles, their frames and the extent of the bodies beside them.
     obstacles: Option<(FieldSeries, Surroundings)>,
+    /// Where there are contacts, the frames of their secondary surfaces.
+    contacts: Option<FieldSeries>,
     model: Model,
     every: Option<f64>,
     frames: usize,
@@ -53,7 +55,8 @@ impl Artifacts {
             csv.append(row, &further_values(model, row))?;
             let series = FieldWriter::new(FieldSeries::create(&files, "fields.pvd")?);
             let obstacles = obstacle_series(&files, model)?;
-            Ok(Artifacts { files, csv, series, obstacles, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
+            let contacts = optional_series(&files, "contacts.pvd", has_surfaces(model))?;
+            Ok(Artifacts { files, csv, series, obstacles, contacts, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
@@ -136,6 +139,10 @@ impl Artifacts {
             let frame = Frame::of_obstacles(simulation.time(), &simulation.obstacles(), around);
             series.append(&frame).map_err(|error| output_failure(&error))?;
         }
+        if let Some(series) = &mut self.contacts {
+            let frame = Frame::of_contacts(simulation.time(), &simulation.contact_surfaces());
+            series.append(&frame).map_err(|error| output_failure(&error))?;
+        }
         self.frames += 1;
         self.spent += begun.elapsed();
         Ok(())
@@ -158,16 +165,25 @@ impl Artifacts {
     }
 }
 
-/// The series of a model's rigid obstacles, if it has any; what an older run left is removed.
-fn obstacle_series(files: &RunFiles, model: &Model) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
-    const NAME: &str = "obstacles.pvd";
-    let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
-    if !has_any && !files.place(NAME)?.exists() {
+/// A series that a model has or has not; what an older run left is removed.
+fn optional_series(files: &RunFiles, name: &str, has_any: bool) -> Result<Option<FieldSeries>, OutputError> {
+    if !has_any && !files.place(name)?.exists() {
         return Ok(None);
     }
+    let series = FieldSeries::create(files, name)?;
+    Ok(has_any.then_some(series))
+}
+
+/// The series of a model's rigid obstacles, if it has any.
+fn obstacle_series(files: &RunFiles, model: &Model) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
+    let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
     let points = model.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
-    let series = FieldSeries::create(files, NAME)?;
-    Ok(has_any.then(|| (series, Surroundings::of(points))))
+    Ok(optional_series(files, "obstacles.pvd", has_any)?.map(|series| (series, Surroundings::of(points))))
+}
+
+/// Whether a model has contacts with a secondary surface to look at: all but ties.
+pub fn has_surfaces(model: &Model) -> bool {
+    model.interactions.iter().any(|interaction| !interaction.is_tie())
 }
 
 /// The folder of the run, if the session writes files.

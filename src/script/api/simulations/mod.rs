@@ -23,6 +23,7 @@ pub mod states;
 pub mod step_failures;
 pub mod stepping;
 pub mod stop_after;
+pub mod tables;
 pub mod warnings;
 pub mod writing;
 
