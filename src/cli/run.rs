@@ -10,12 +10,14 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
+use super::log::{self, JsonLog, LogTarget};
 use super::process::exit_code;
 use super::script_arguments::ScriptArguments;
-use crate::script::{Class, Mode, Session, Settings, home};
+use crate::script::{Class, Mode, Observer, Report, Session, Settings, home};
 
 /// Arguments of `conserva run`.
 #[derive(Args)]
+#[command(after_long_help = log::help())]
 pub struct Arguments {
     #[command(flatten)]
     script: ScriptArguments,
@@ -28,6 +30,10 @@ pub struct Arguments {
     /// No progress
     #[arg(long)]
     quiet: bool,
+    /// Tell programs what happens, one JSON object per line: to standard error in place of progress and messages (`json`), or to a file
+    /// besides them (`json:FILE`)
+    #[arg(long, value_name = "json[:FILE]", value_parser = LogTarget::parse)]
+    log: Option<LogTarget>,
 }
 
 /// A flag that becomes true at the first interrupt; the second one ends the process.
@@ -52,7 +58,18 @@ pub fn run(arguments: Arguments) -> u8 {
             return exit_code(Class::Internal);
         }
     };
-    let console = Rc::new(Console::new(arguments.quiet));
+    let console = Rc::new(Console::new(arguments.quiet || arguments.log == Some(LogTarget::StandardError)));
+    let json = match arguments.log.map(|target| JsonLog::open(&target, console.clone())).transpose() {
+        Ok(json) => json.map(Rc::new),
+        Err(error) => {
+            complain(&error.render(ink()));
+            return exit_code(error.class);
+        }
+    };
+    let observer: Rc<dyn Observer> = json.clone().map_or(console.clone(), |json| json);
+    if let Some(json) = &json {
+        json.start(&script, &out, arguments.threads, &overrides);
+    }
     let settings = Settings {
         mode: Mode::Run,
         overrides,
@@ -64,13 +81,13 @@ pub fn run(arguments: Arguments) -> u8 {
         factorization: console.factorization(),
         interactive: false,
     };
-    let report = match Session::new(settings, home(&script), console.clone()) {
+    let report = match Session::new(settings, home(&script), observer) {
         Ok(mut session) => session.run_file(&script),
-        Err(error) => {
-            complain(&error.render(ink()));
-            return exit_code(error.class);
-        }
+        Err(error) => Report::failed(*error),
     };
+    if let Some(json) = &json {
+        json.end(&report, report.error.as_ref().map_or(0, |error| exit_code(error.class)));
+    }
     match report.error {
         None => {
             let checks = match report.checks {
@@ -84,7 +101,9 @@ pub fn run(arguments: Arguments) -> u8 {
             0
         }
         Some(error) => {
-            console.report(&error);
+            if json.is_none_or(|json| !json.is_alone()) {
+                console.report(&error);
+            }
             exit_code(error.class)
         }
     }

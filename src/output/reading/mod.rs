@@ -2,5 +2,9 @@
 //! its bytes, because a run may have been killed and files may have been edited.
 
 pub mod error;
+pub mod fields;
+pub mod folder;
+pub mod frames;
 pub mod parquet_table;
 pub mod table;
+pub mod tags;

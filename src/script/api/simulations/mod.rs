@@ -6,6 +6,7 @@ pub mod artifacts;
 pub mod columns;
 pub mod contact_state;
 pub mod ending;
+pub mod events;
 pub mod fields;
 pub mod forensics;
 pub mod handle;

@@ -158,8 +158,10 @@ impl SimulationHandle {
         let mut rows = Vec::new();
         let begun = Instant::now();
         let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state(), data.history.borrow().len());
+        let halved = self.halving_counts();
         let stepped = data.simulation.try_borrow_mut().map_err(|_| busy(call))?.step(end, &mut |row| rows.push(row.clone()));
         data.spent.set(data.spent.get() + begun.elapsed());
+        self.tell_halvings(call.host, &halved, &before.row);
         if matches!(stepped, Err(StepError::Interrupted { .. })) && !rows.is_empty() {
             // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
             data.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(&before);
@@ -197,7 +199,9 @@ impl SimulationHandle {
         let data = &self.0;
         let row = data.script_row(row);
         data.scale.set(data.scale.get().max(row.total().abs()));
-        call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get() });
+        self.tell_contacts(call.host, &row);
+        let dimension = data.model.model.dimension();
+        call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get(), dimension });
         if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
             let simulation = data.simulation.try_borrow().map_err(|_| busy(call))?;
             artifacts.accepted(&row, &simulation)?;

@@ -1,0 +1,47 @@
+//! What happens in a run besides its steps, for those who watch: halvings, contacts that close and open.
+
+use super::handle::SimulationHandle;
+use crate::dynamics::LedgerRow;
+use crate::script::language::host::Host;
+use crate::script::language::observer::{ContactChange, Event};
+
+impl SimulationHandle {
+    /// Halvings so far, cause by cause; none in the middle of a step.
+    pub(super) fn halving_counts(&self) -> Vec<usize> {
+        let simulation = self.0.simulation.try_borrow();
+        simulation.map(|simulation| simulation.halvings().iter().map(|halving| halving.count).collect()).unwrap_or_default()
+    }
+
+    /// Tells of the halvings of the step after `row`; `before`: their counts then.
+    pub(super) fn tell_halvings(&self, host: &Host, before: &[usize], row: &LedgerRow) {
+        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
+        for (index, halving) in simulation.halvings().iter().enumerate() {
+            let count = halving.count - before.get(index).copied().unwrap_or(0).min(halving.count);
+            if count > 0 {
+                let contact = halving.motion.as_ref().map(|motion| motion.contact.as_str());
+                let time = self.0.script_time(row.time);
+                let event = Event::Halved { simulation: &self.0.name, cause: halving.cause, contact, count, step: row.step, time };
+                host.observer.noticed(&event);
+            }
+        }
+    }
+
+    /// Tells which contacts a row finds closed that were open in the row before, and the other way round. Before the first step all are
+    /// open, and ties are no contacts.
+    pub(super) fn tell_contacts(&self, host: &Host, row: &LedgerRow) {
+        let (model, history) = (&self.0.model.model, self.0.history.borrow());
+        for (index, (name, totals)) in model.contact_names().into_iter().zip(&row.contacts).enumerate() {
+            let before = history.last().and_then(|row| row.contacts.get(index)).map_or(0, |totals| totals.active);
+            let change = match (before, totals.active) {
+                (0, 1..) => ContactChange::Closed,
+                (1.., 0) => ContactChange::Opened,
+                _ => continue,
+            };
+            if model.interactions.iter().any(|tie| tie.is_tie() && tie.name == name) {
+                continue;
+            }
+            let (simulation, active) = (self.0.name.as_str(), totals.active);
+            host.observer.noticed(&Event::Contact { simulation, contact: name, change, active, step: row.step, time: row.time });
+        }
+    }
+}
