@@ -19,11 +19,11 @@ pub fn aligned(rows: &[Vec<String>]) -> Vec<String> {
 
 /// A number in few digits: `0.1`, `1.25e-9`.
 pub fn short(value: f64) -> String {
-    let size = value.abs();
+    let exponent = value.abs().log10().floor();
     if value == 0.0 {
         "0".into()
-    } else if (1e-3..1e6).contains(&size) {
-        let digits = (5 - size.log10().floor() as i32).max(0) as usize;
+    } else if (-3.0..6.0).contains(&exponent) {
+        let digits = (5.0 - exponent).max(0.0) as usize;
         let text = format!("{value:.digits$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
     } else {

@@ -12,7 +12,7 @@ use crate::output::{Comparison, Exactness, compare};
 /// Arguments of `conserva diff`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 the runs are the same, 1 they differ, 2 they cannot be compared (no run, a damaged file, no time in common).\n\
+    after_help = "Exit code: 0 the runs are the same, 1 they differ, 2 they cannot be compared (no run, damage, no time in common).\n\
     Rows are compared where both runs have the same time. Wall-clock times and memory are never compared; another path of the script and \
     another version of the program are told, but make no difference."
 )]

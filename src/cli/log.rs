@@ -31,6 +31,11 @@ const EVENTS: &[(&str, &str)] = &[
     ("step", "an accepted step: `simulation` and the columns of the ledger as in history.csv"),
     ("halving", "a step is halved: `simulation`, `cause`, `contact` (or null), `count`, `step` and `time` before it"),
     ("contact", "a contact closes or opens as a whole: `simulation`, `contact`, `change` (`closed`, `opened`), `active`, `step`, `time`"),
+    (
+        "settled",
+        "`settle` found equilibrium: `simulation`, `steps`, `newton_iterations`, `time`, `kinetic`, `strain`, `potential`, `total`, \
+         `active`, `max_penetration`",
+    ),
     ("begin", "a computation without steps begins: `what`"),
     ("print", "a line of the script's: `text`"),
     ("check", "a check that holds: `text`"),
@@ -236,6 +241,12 @@ impl Observer for JsonLog {
                     ("time", time.into()),
                 ],
             ),
+            Event::Settled { simulation, steps, newton_iterations, row } => {
+                let counts = [("simulation", simulation.into()), ("steps", steps.into()), ("newton_iterations", newton_iterations.into())];
+                let values = ["time", "kinetic", "strain", "potential", "total", "active", "max_penetration"];
+                let keys: Vec<_> = counts.into_iter().chain(values.map(|name| (name, column(row, name)))).collect();
+                self.tell("settled", &keys);
+            }
         }
     }
 

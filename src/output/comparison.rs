@@ -460,7 +460,8 @@ mod tests {
     fn rows_meet_at_equal_times() {
         let (directory, files) = scratch("compare rows");
         run(&files, "a", HISTORY, 0.5, 0.0);
-        let fine = "step,time,kinetic,total,race.force_x\n0,0.0,0.0,8.0,\n1,0.25,1.0,8.0,0\n2,0.5,2.0,8.0,1e-17\n3,0.75,9.0,8.0,0\n4,1.0,4.0,8.0,0\n";
+        let fine = "step,time,kinetic,total,race.force_x\n0,0.0,0.0,8.0,\n1,0.25,1.0,8.0,0\n2,0.5,2.0,8.0,1e-17\n\
+                    3,0.75,9.0,8.0,0\n4,1.0,4.0,8.0,0\n";
         run(&files, "b", fine, 0.5, 0.0);
         let found = compare(&directory.join("a"), &directory.join("b"), &Exactness::default()).unwrap().remove(0);
         assert_eq!(found.rows, [3, 5, 3]);

@@ -88,6 +88,7 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         ExportFormat::Vtu => (format!("{name}-text"), "vtu"),
         ExportFormat::Xdmf => (format!("{name}-hdf5"), "h5"),
     };
+    remove_older(files, &folder, ending)?;
     let (mut listed, mut grids) = (Vec::new(), Vec::new());
     for (number, ListedFrame { time, path, .. }) in frames.iter().enumerate() {
         let frame: FieldsRead = read_fields(path)?;
@@ -123,4 +124,17 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         }
     };
     Ok(list)
+}
+
+/// Removes the frames of an earlier conversion, of which there may have been more.
+fn remove_older(files: &RunFiles, folder: &str, ending: &str) -> Result<(), OutputError> {
+    let first = files.place(&format!("{folder}/first"))?;
+    for entry in first.parent().into_iter().flat_map(std::fs::read_dir).flatten().flatten() {
+        let path = entry.path();
+        let is_frame = path.extension().is_some_and(|found| found == ending) && entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_frame {
+            std::fs::remove_file(&path).map_err(|source| OutputError::Write { path: path.clone(), source })?;
+        }
+    }
+    Ok(())
 }

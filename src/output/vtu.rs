@@ -426,4 +426,34 @@ mod tests {
         let packed = frame.encode().len();
         assert!(3 * packed < 2 * raw, "{packed} of {raw}");
     }
+
+    #[test]
+    fn surfaces_are_lines_with_what_contact_does() {
+        let surface = |name: &str, body: usize, x: f64| ContactSurface {
+            name: name.into(),
+            nodes: (0..3).map(|node| (body, 7 - node)).collect(),
+            facets: vec![[0, 1], [1, 2]],
+            points: (0..3).map(|node| [x + node as f64, 0.0, 0.0]).collect(),
+            fields: ContactFields {
+                positions: (0..3).map(|node| [x + node as f64, 0.25, 0.0]).collect(),
+                pressure: vec![1.0, 2.0, x],
+                gap: vec![0.0, 0.1 + 0.2, f64::NAN],
+                active: vec![true, true, false],
+                forces: vec![[0.0, x, 0.0]; 3],
+                force: [0.0, 3.0 * x, 0.0],
+                normal_force: 3.0 * x,
+                area: 1.0,
+            },
+        };
+        let file = Frame::of_contacts(0.5, &[surface("race", 0, 4.0), surface("lip", 1, 8.0)]).encode();
+        assert_eq!(integers(&file, "connectivity"), [0, 1, 1, 2, 3, 4, 4, 5]);
+        assert_eq!((integers(&file, "offsets"), array(&file, "types").1), (vec![2, 4, 6, 8], vec![3; 4]));
+        assert_eq!((integers(&file, "contact"), integers(&file, "body")), (vec![0, 0, 1, 1], vec![0, 0, 0, 1, 1, 1]));
+        assert_eq!(integers(&file, "node"), [7, 6, 5, 7, 6, 5]);
+        assert_eq!(doubles(&file, "displacement"), [[0.0, 0.25, 0.0]; 6].concat());
+        assert_eq!(doubles(&file, "contact_pressure"), [1.0, 2.0, 4.0, 1.0, 2.0, 8.0]);
+        assert_eq!(doubles(&file, "contact_active"), [1.0, 1.0, 0.0, 1.0, 1.0, 0.0]);
+        assert!(doubles(&file, "contact_gap")[2].is_nan());
+        assert!(String::from_utf8_lossy(&file).contains("<!-- contact 1: lip -->"));
+    }
 }

@@ -1,7 +1,8 @@
 //! XDMF with HDF5: a series as a list in XML (`fields.xdmf`) with its numbers in one HDF5 file for each frame (`fields_000000.h5`).
 //!
 //! For programs that read HDF5 and not VTK (h5py, MATLAB, Julia), and for meshio and ParaView as well. The grid stands in every file, so
-//! that each is whole by itself. (XDMF model and format, version 3; cells of several kinds are written as `Mixed`.)
+//! that each is whole by itself. Symmetric tensors are in the order xx, xy, xz, yy, yz, zz. (XDMF model and format, version 3; cells of
+//! several kinds are written as `Mixed`.)
 
 use std::fmt::Write as _;
 
@@ -62,11 +63,17 @@ pub fn hdf5(frame: &FieldsRead) -> Result<Vec<u8>, String> {
         let shape = shape_of(array);
         let dataset = file.create_dataset(&dataset_of(array));
         match &array.numbers {
+            Numbers::Reals(values) if array.components == 6 => dataset.with_f64_data(&as_tensors(values)).with_shape(&shape),
             Numbers::Reals(values) => dataset.with_f64_data(values).with_shape(&shape),
             Numbers::Integers(values) => dataset.with_i64_data(values).with_shape(&shape),
         };
     }
     file.finish().map_err(|error| error.to_string())
+}
+
+/// Symmetric tensors xx, yy, zz, xy, yz, xz in the order of XDMF: xx, xy, xz, yy, yz, zz.
+fn as_tensors(values: &[f64]) -> Vec<f64> {
+    values.chunks_exact(6).flat_map(|tensor| [0, 3, 5, 1, 4, 2].map(|component| tensor[component])).collect()
 }
 
 fn shape_of(array: &ArrayRead) -> Vec<u64> {
@@ -154,7 +161,8 @@ mod tests {
         let file = hdf5_pure::File::from_bytes(hdf5(&mixed).unwrap()).unwrap();
         let stress = file.dataset("stress").unwrap();
         assert_eq!(stress.shape().unwrap(), [mixed.points as u64, 6]);
-        assert_eq!(stress.read_f64().unwrap(), bodies.iter().flat_map(|body| body.stress.concat()).collect::<Vec<_>>());
+        let tensors = bodies.iter().flat_map(|body| &body.stress).flat_map(|&[xx, yy, zz, xy, yz, xz]| [xx, xy, xz, yy, yz, zz]);
+        assert_eq!(stress.read_f64().unwrap(), tensors.collect::<Vec<_>>());
         let numbers = file.dataset("topology").unwrap().read_i64().unwrap();
         assert_eq!((numbers.len(), numbers[0], numbers[16 * 5]), (16 * 5 + 9, 5, 9));
         let one = read(Frame::new(0.5, &bodies[..1]));

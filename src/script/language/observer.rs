@@ -64,6 +64,17 @@ pub enum Event<'a> {
         /// Its time.
         time: f64,
     },
+    /// `settle` has found equilibrium.
+    Settled {
+        /// Name of the simulation.
+        simulation: &'a str,
+        /// Damped steps that it took.
+        steps: usize,
+        /// Their Newton iterations.
+        newton_iterations: usize,
+        /// The row of the history that it gave.
+        row: &'a LedgerRow,
+    },
 }
 
 /// Watches a session: what the script prints, what it checks, how far it is.

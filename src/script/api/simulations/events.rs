@@ -1,7 +1,7 @@
-//! What happens in a run besides its steps, for those who watch: halvings, contacts that close and open.
+//! What happens in a run besides its steps, for those who watch: halvings, contacts that close and open, equilibria.
 
 use super::handle::SimulationHandle;
-use crate::dynamics::LedgerRow;
+use crate::dynamics::{LedgerRow, SettleReport};
 use crate::script::language::host::Host;
 use crate::script::language::observer::{ContactChange, Event};
 
@@ -24,6 +24,13 @@ impl SimulationHandle {
                 host.observer.noticed(&event);
             }
         }
+    }
+
+    /// Tells of an equilibrium and of the contacts that closed or opened on the way.
+    pub(super) fn tell_settled(&self, host: &Host, row: &LedgerRow, report: &SettleReport) {
+        self.tell_contacts(host, row);
+        let &SettleReport { steps, newton_iterations, .. } = report;
+        host.observer.noticed(&Event::Settled { simulation: &self.0.name, steps, newton_iterations, row });
     }
 
     /// Tells which contacts a row finds closed that were open in the row before, and the other way round. Before the first step all are
