@@ -138,6 +138,7 @@ fn runs_are_converted_and_described() {
         ("out/main/summary.json", "summary of a run\n  script: main.rhai\n"),
         ("out/main/fields.pvd", "series of fields (PVD)\n  frames: 6\n"),
         ("out/main/now_contacts.vtu", "fields (VTU)\n  time: 0.1\n  points: 5\n  cells: 4\n  contacts: race\n"),
+        ("out/main/history.svg", "picture\n  format: SVG\n  size: "),
         ("main.rhai", "script\n  lines: 19\n"),
     ] {
         let output = conserva(&home, &["info", file]);
@@ -287,6 +288,8 @@ fn the_log_tells_what_happens() {
     assert_eq!(stderr(&again), "");
     let file = std::fs::read_to_string(home.join("run.jsonl")).unwrap();
     let (last, other) = (stderr(&output).lines().count() - 1, stderr(&output));
+    let described = stdout(&conserva(&home, &["info", "run.jsonl"]));
+    assert!(described.starts_with("run.jsonl: log of a run\n  script: main.rhai\n  outcome: completed\n  events: check=1 "), "{described}");
     assert_eq!(file.lines().take(last).collect::<Vec<_>>(), other.lines().take(last).collect::<Vec<_>>());
 }
 

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Folder of another run
     second: PathBuf,
     /// Largest difference that counts as none, relative to the largest value of its kind (all energies are one kind, and so on)
-    #[arg(long, value_name = "REL", default_value_t = 0.0, value_parser = tolerance)]
+    #[arg(long, value_name = "REL", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
     /// Leave out a column or field (`*` stands for anything: `--ignore "race.*"`); may be given several times
     #[arg(long, value_name = "NAME")]
@@ -78,7 +78,8 @@ pub fn diff(arguments: Arguments) -> u8 {
 /// A comparison in lines.
 fn told(found: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
-    if !found.simulation.is_empty() && !(found.is_same() && found.entries.is_empty()) {
+    let is_silent = found.is_same() && found.entries.is_empty();
+    if !found.simulation.is_empty() && !is_silent {
         lines.push(format!("simulation \"{}\"", found.simulation));
     }
     for entry in &found.entries {

@@ -2,6 +2,7 @@
 //!
 //! [`KINDS`] lists what is known, each with a test by name or first bytes and a description; a further kind of files is a row.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -36,7 +37,7 @@ struct Kind {
     name: &'static str,
     /// Whether a file is of this kind, by its ending (in small letters) and its first bytes.
     fits: fn(&str, &[u8]) -> bool,
-    describe: fn(&Path) -> Result<Facts, Diagnostic>,
+    describe: fn(&Path) -> Result<Facts, Box<Diagnostic>>,
 }
 
 /// What is known, the first that fits.
@@ -46,6 +47,8 @@ const KINDS: &[Kind] = &[
     Kind { name: "summary of a run", fits: |ending, _| ending == "json", describe: summary_file },
     Kind { name: "series of fields (PVD)", fits: |ending, _| ending == "pvd", describe: series_file },
     Kind { name: "fields (VTU)", fits: |ending, _| ending == "vtu", describe: fields_file },
+    Kind { name: "log of a run", fits: |_, head| head.starts_with(b"{\"event\":"), describe: log_file },
+    Kind { name: "picture", fits: |ending, head| ending == "svg" || head.starts_with(PNG), describe: picture_file },
     Kind { name: "script", fits: |ending, _| ending == "rhai", describe: script_file },
     Kind {
         name: "mesh",
@@ -53,6 +56,9 @@ const KINDS: &[Kind] = &[
         describe: mesh_file,
     },
 ];
+
+/// The first bytes of a PNG file.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Bytes at the start of a file by which it is known.
 const HEAD: usize = 64;
@@ -83,7 +89,7 @@ pub fn info(arguments: Arguments) -> u8 {
     0
 }
 
-fn facts_of(path: &Path) -> Result<(&'static str, Facts), Diagnostic> {
+fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
     let kind = std::fs::metadata(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     if kind.is_dir() {
         return Ok(("run", run_folder(path)?));
@@ -96,7 +102,7 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Diagnostic> {
     let Some(kind) = KINDS.iter().find(|kind| (kind.fits)(&ending, &head)) else {
         let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
         let error = Diagnostic::error(Class::Script, format!("\"{}\" is of no kind that is known here", path.display()));
-        return Err(error.hint(format!("known are the folder of a run, and: {}", names.join(", "))));
+        return Err(Box::new(error.hint(format!("known are the folder of a run, and: {}", names.join(", ")))));
     };
     Ok((kind.name, (kind.describe)(path)?))
 }
@@ -124,12 +130,12 @@ fn say(console: &Console, key: &str, value: &Value) {
     }
 }
 
-fn refused(error: &ReadError) -> Diagnostic {
+fn refused(error: &ReadError) -> Box<Diagnostic> {
     let message = Diagnostic::error(Class::Script, error.to_string());
-    error.cause.iter().fold(message, Diagnostic::cause).hint(&error.cure)
+    Box::new(error.cause.iter().fold(message, Diagnostic::cause).hint(&error.cure))
 }
 
-fn run_folder(path: &Path) -> Result<Facts, Diagnostic> {
+fn run_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let run = RunFolder::open(path).map_err(|error| refused(&error))?;
     let mut facts = summary_facts(run.summary.as_ref());
     if run.summary.is_none() {
@@ -200,7 +206,7 @@ fn summary_facts(summary: Option<&Value>) -> Facts {
     facts
 }
 
-fn summary_file(path: &Path) -> Result<Facts, Diagnostic> {
+fn summary_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let summary = read_summary(path).map_err(|error| refused(&error))?;
     if summary.get("outcome").is_none() {
         let error = ReadError::new(path, "is no summary of a run: it has no `outcome`", "name the summary.json of a run");
@@ -209,7 +215,7 @@ fn summary_file(path: &Path) -> Result<Facts, Diagnostic> {
     Ok(summary_facts(Some(&summary)))
 }
 
-fn csv_file(path: &Path) -> Result<Facts, Diagnostic> {
+fn csv_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let read = read_table(path).map_err(|error| refused(&error))?;
     let mut facts = table_facts(&read.table);
     if read.is_cut {
@@ -218,7 +224,7 @@ fn csv_file(path: &Path) -> Result<Facts, Diagnostic> {
     Ok(facts)
 }
 
-fn parquet_file(path: &Path) -> Result<Facts, Diagnostic> {
+fn parquet_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     Ok(table_facts(&read_parquet(path).map_err(|error| refused(&error))?))
 }
 
@@ -233,7 +239,7 @@ fn table_facts(table: &Table) -> Facts {
     vec![("rows", table.rows().into()), ("columns", rows.into())]
 }
 
-fn series_file(path: &Path) -> Result<Facts, Diagnostic> {
+fn series_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let frames = read_frames(path).map_err(|error| refused(&error))?;
     let missing: Vec<String> = frames.iter().filter(|frame| !frame.path.is_file()).map(|frame| frame.name.clone()).collect();
     let mut facts: Facts = vec![("frames", frames.len().into())];
@@ -248,7 +254,7 @@ fn series_file(path: &Path) -> Result<Facts, Diagnostic> {
     Ok(facts)
 }
 
-fn fields_file(path: &Path) -> Result<Facts, Diagnostic> {
+fn fields_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let frame = read_fields(path).map_err(|error| refused(&error))?;
     let mut facts: Facts = frame.time.map(|time| ("time", time.into())).into_iter().collect();
     facts.extend(frame_facts(&frame, "arrays"));
@@ -270,10 +276,51 @@ fn frame_facts(frame: &FieldsRead, title: &'static str) -> Facts {
     vec![("points", frame.points.into()), ("cells", frame.cells.into()), (parts, frame.parts.clone().into()), (title, rows.into())]
 }
 
-fn mesh_file(path: &Path) -> Result<Facts, Diagnostic> {
+/// How often each event is told, and how the run ended.
+fn log_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let text = std::fs::read_to_string(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let (mut counts, mut script, mut outcome) =
+        (BTreeMap::<String, usize>::new(), Value::Null, Value::from("no end: killed, or still running"));
+    for (number, line) in text.lines().enumerate() {
+        let event = serde_json::from_str::<Value>(line).ok().filter(|event| event["event"].is_string());
+        let Some(event) = event else {
+            // A process that was killed may leave a line without its end.
+            if number + 1 == text.lines().count() && !text.ends_with('\n') {
+                break;
+            }
+            return Err(refused(&ReadError::damaged(path, format!("line {} is no event", number + 1))));
+        };
+        match event["event"].as_str() {
+            Some("start") => script = event["script"].clone(),
+            Some("end") => outcome = event["outcome"].clone(),
+            _ => {}
+        }
+        *counts.entry(event["event"].as_str().unwrap_or_default().into()).or_default() += 1;
+    }
+    let counts: Map<String, Value> = counts.into_iter().map(|(event, count)| (event, count.into())).collect();
+    Ok(vec![("script", script), ("outcome", outcome), ("events", counts.into())])
+}
+
+fn picture_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let bytes = std::fs::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let size = if bytes.starts_with(PNG) {
+        // The size stands in the first chunk, behind its length and name.
+        let number = |at: usize| Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?).to_string());
+        number(16).zip(number(20)).map(|size| ("PNG", size))
+    } else {
+        let text = String::from_utf8_lossy(&bytes);
+        let tag = text.split("<svg").nth(1).and_then(|rest| rest.split('>').next()).unwrap_or_default();
+        let value = |key: &str| Some(tag.split(&format!(" {key}=\"")).nth(1)?.split('"').next()?.to_string());
+        value("width").zip(value("height")).map(|size| ("SVG", size))
+    };
+    let Some((format, (width, height))) = size else { return Err(refused(&ReadError::damaged(path, "it is no picture"))) };
+    Ok(vec![("format", format.into()), ("size", format!("{width} x {height}").into())])
+}
+
+fn mesh_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let mesh = mesh::read_mesh(path).map_err(|error| {
         let message = Diagnostic::error(Class::Script, format!("\"{}\": {error}", path.display()));
-        message.hint(error.cure())
+        Box::new(message.hint(error.cure()))
     })?;
     let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for point in &mesh.points {
@@ -302,11 +349,11 @@ fn mesh_file(path: &Path) -> Result<Facts, Diagnostic> {
     Ok(facts)
 }
 
-fn script_file(path: &Path) -> Result<Facts, Diagnostic> {
+fn script_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let text = std::fs::read_to_string(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     let settings = Settings { mode: Mode::Check, ..Settings::default() };
-    let session = Session::new(settings, home(path), Rc::new(Silent)).map_err(|error| *error)?;
-    let outline = session.outline(&path.display().to_string(), &text).map_err(|error| *error)?;
+    let session = Session::new(settings, home(path), Rc::new(Silent))?;
+    let outline = session.outline(&path.display().to_string(), &text)?;
     let about: Vec<&str> = text.lines().map_while(|line| line.trim().strip_prefix("//")).map(str::trim).collect();
     let mut facts: Facts = vec![("lines", text.lines().count().into())];
     if !about.is_empty() {

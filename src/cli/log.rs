@@ -81,13 +81,13 @@ impl JsonLog {
     ///
     /// # Errors
     /// A file that cannot be made.
-    pub fn open(target: &LogTarget, console: Rc<Console>) -> Result<Self, Diagnostic> {
+    pub fn open(target: &LogTarget, console: Rc<Console>) -> Result<Self, Box<Diagnostic>> {
         let file = match target {
             LogTarget::StandardError => None,
             LogTarget::File(path) => {
                 let file = File::create(path).map_err(|error| {
                     let message = Diagnostic::error(Class::Script, format!("the log {} cannot be written", path.display()));
-                    message.cause(error.to_string()).hint("name a file in a folder that exists, such as `--log json:run.jsonl`")
+                    Box::new(message.cause(error.to_string()).hint("name a file in a folder that exists, such as `--log json:run.jsonl`"))
                 })?;
                 Some((path.clone(), RefCell::new(file)))
             }

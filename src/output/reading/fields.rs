@@ -42,6 +42,11 @@ impl Numbers {
         }
     }
 
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// One of them.
     pub fn at(&self, index: usize) -> f64 {
         match self {
