@@ -1,9 +1,16 @@
 //! Floor 8: the command line. Terminal, signals and exit codes live here; everything about scripts in the floor above.
 
 mod check;
+mod columns;
+mod complaint;
 mod console;
+mod diff;
 mod doc;
+mod export;
+mod info;
 mod junit;
+mod list;
+mod log;
 mod new;
 mod process;
 mod repl;
@@ -42,6 +49,14 @@ enum Command {
     Doc(doc::Arguments),
     /// Start a scenario from a commented template
     New(new::Arguments),
+    /// List the runs below a folder: parameters, outcome, steps, energy drift
+    List(list::Arguments),
+    /// Describe a run or any of its files, a mesh file or a script
+    Info(info::Arguments),
+    /// Compare two runs: which columns and fields differ, from which step, by how much
+    Diff(diff::Arguments),
+    /// Convert a run's files to Parquet, CSV, plain VTU or XDMF
+    Export(export::Arguments),
     /// Try things out at a prompt, after running a script or not
     Repl(repl::Arguments),
     /// Write what a shell needs to complete commands and options
@@ -72,6 +87,10 @@ pub fn main() -> ExitCode {
         Command::Test(arguments) => test::test(arguments),
         Command::Doc(arguments) => doc::doc(arguments),
         Command::New(arguments) => new::new(arguments),
+        Command::List(arguments) => list::list(arguments),
+        Command::Info(arguments) => info::info(arguments),
+        Command::Diff(arguments) => diff::diff(arguments),
+        Command::Export(arguments) => export::export_run(arguments),
         Command::Repl(arguments) => repl::repl(arguments),
         Command::Completions { shell } => {
             let mut text = Vec::new();

@@ -1,14 +1,13 @@
 //! `conserva resume`: goes on with a run that was interrupted, from its last checkpoint, to the files that it would have written.
 
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
 
-use super::console::{Console, complain, ink};
+use super::console::{complain, ink};
 use super::process::exit_code;
-use super::run::{CourseArguments, interrupt, tell};
+use super::run::{CourseArguments, Watch, interrupt};
 use crate::output::checkpoint::{self, Checkpoint, Origin};
 use crate::script::{Class, Diagnostic, Mode, Session, Settings, home};
 
@@ -109,7 +108,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     }
     let interrupt = interrupt()
         .map_err(|error| Box::new(Diagnostic::error(Class::Internal, "the interrupt key cannot be watched").cause(error.to_string())))?;
-    let console = Rc::new(Console::new(arguments.course.quiet));
+    let watch = Watch::new(&arguments.course)?;
     let settings = Settings {
         mode: Mode::Run,
         overrides: origin.overrides,
@@ -118,21 +117,22 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
         threads: usize::from(arguments.course.threads),
         max_operations: origin.max_operations,
         interrupt: interrupt.clone(),
-        factorization: console.factorization(),
+        factorization: watch.console.factorization(),
         checkpoints: arguments.course.checkpoint,
         until: arguments.until,
         interactive: false,
     };
     let script = PathBuf::from(&origin.script);
-    let mut session = Session::new(settings, home(&script), console.clone())?;
-    console.note(&format!("resuming{}", checkpoint.reached()));
+    watch.begin(&script, &run, arguments.course.threads, &settings.overrides);
+    let mut session = Session::new(settings, home(&script), watch.observer())?;
+    watch.console.note(&format!("resuming{}", checkpoint.reached()));
     session.resume(checkpoint);
     let report = session.run_file(&script);
     match &report.error {
         Some(error) if error.class == Class::Interrupted && arguments.until.is_some() && !interrupt.load(Ordering::Relaxed) => {
-            console.note(&format!("{}; go on with `conserva resume {}`", error.title, run.display()));
+            watch.console.note(&format!("{}; go on with `conserva resume {}`", error.title, run.display()));
             Ok(0)
         }
-        _ => Ok(tell(&console, &report, &run)),
+        _ => Ok(watch.end(&report, &run)),
     }
 }

@@ -11,13 +11,15 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
+use super::log::{self, JsonLog, LogTarget};
 use super::process::exit_code;
 use super::script_arguments::ScriptArguments;
 use crate::output::checkpoint;
-use crate::script::{Checkpoints, Class, Mode, Report, Session, Settings, home};
+use crate::script::{Checkpoints, Class, Diagnostic, Mode, Observer, Report, Session, Settings, home};
 
 /// Arguments of `conserva run`.
 #[derive(Args)]
+#[command(after_long_help = log::help())]
 pub struct Arguments {
     #[command(flatten)]
     script: ScriptArguments,
@@ -37,6 +39,10 @@ pub struct CourseArguments {
     /// No progress
     #[arg(long)]
     pub quiet: bool,
+    /// Tell programs what happens, one JSON object per line: to standard error in place of progress and messages (`json`), or to a file
+    /// besides them (`json:FILE`)
+    #[arg(long, value_name = "json[:FILE]", value_parser = LogTarget::parse)]
+    pub log: Option<LogTarget>,
     /// How often a checkpoint is written to resume from: a number of steps (`100`), a time (`30s`, `5min`, `2h`), or `never`
     #[arg(long, value_name = "EVERY", default_value = "1min", value_parser = every)]
     pub checkpoint: Checkpoints,
@@ -87,7 +93,14 @@ pub fn run(arguments: Arguments) -> u8 {
             return exit_code(Class::Internal);
         }
     };
-    let console = Rc::new(Console::new(arguments.course.quiet));
+    let watch = match Watch::new(&arguments.course) {
+        Ok(watch) => watch,
+        Err(error) => {
+            complain(&error.render(ink()));
+            return exit_code(error.class);
+        }
+    };
+    watch.begin(&script, &out, arguments.course.threads, &overrides);
     let settings = Settings {
         mode: Mode::Run,
         overrides,
@@ -96,36 +109,66 @@ pub fn run(arguments: Arguments) -> u8 {
         threads: usize::from(arguments.course.threads),
         max_operations,
         interrupt,
-        factorization: console.factorization(),
+        factorization: watch.console.factorization(),
         checkpoints: arguments.course.checkpoint,
         until: None,
         interactive: false,
     };
-    match Session::new(settings, home(&script), console.clone()) {
-        Ok(mut session) => tell(&console, &session.run_file(&script), &out),
-        Err(error) => {
-            complain(&error.render(ink()));
-            exit_code(error.class)
-        }
-    }
+    let report = match Session::new(settings, home(&script), watch.observer()) {
+        Ok(mut session) => session.run_file(&script),
+        Err(error) => Report::failed(*error),
+    };
+    watch.end(&report, &out)
 }
 
-/// Tells how a run ended; the exit code.
-pub fn tell(console: &Console, report: &Report, out: &Path) -> u8 {
-    let Some(error) = &report.error else {
-        let checks = match report.checks {
-            0 => String::new(),
-            1 => ", 1 check passed".into(),
-            count => format!(", {count} checks passed"),
-        };
-        report.energy.iter().for_each(|line| console.note(line));
-        let kept = if report.is_conserving { "done" } else { "ended, not conserving" };
-        console.note(&format!("{kept}{checks}; results in {}", out.display()));
-        return 0;
-    };
-    console.report(error);
-    if error.class == Class::Interrupted && !checkpoint::places(out).is_empty() {
-        console.note(&format!("go on with `conserva resume {}`", out.display()));
+/// Who watches a run: the terminal, and a log for programs.
+pub struct Watch {
+    pub console: Rc<Console>,
+    log: Option<Rc<JsonLog>>,
+}
+
+impl Watch {
+    /// As the arguments say.
+    ///
+    /// # Errors
+    /// A log that cannot be written.
+    pub fn new(course: &CourseArguments) -> Result<Self, Box<Diagnostic>> {
+        let console = Rc::new(Console::new(course.quiet || course.log == Some(LogTarget::StandardError)));
+        let log = course.log.as_ref().map(|target| JsonLog::open(target, console.clone())).transpose()?.map(Rc::new);
+        Ok(Watch { console, log })
     }
-    exit_code(error.class)
+
+    /// Whom a session tells what happens.
+    pub fn observer(&self) -> Rc<dyn Observer> {
+        self.log.clone().map_or(self.console.clone(), |log| log)
+    }
+
+    /// Tells that a run begins.
+    pub fn begin(&self, script: &Path, out: &Path, threads: u16, overrides: &[(String, String)]) {
+        self.log.iter().for_each(|log| log.start(script, out, threads, overrides));
+    }
+
+    /// Tells how a run ended; the exit code.
+    pub fn end(&self, report: &Report, out: &Path) -> u8 {
+        let code = report.error.as_ref().map_or(0, |error| exit_code(error.class));
+        self.log.iter().for_each(|log| log.end(report, code));
+        let Some(error) = &report.error else {
+            let checks = match report.checks {
+                0 => String::new(),
+                1 => ", 1 check passed".into(),
+                count => format!(", {count} checks passed"),
+            };
+            report.energy.iter().for_each(|line| self.console.note(line));
+            let kept = if report.is_conserving { "done" } else { "ended, not conserving" };
+            self.console.note(&format!("{kept}{checks}; results in {}", out.display()));
+            return code;
+        };
+        if self.log.as_ref().is_none_or(|log| !log.is_alone()) {
+            self.console.report(error);
+        }
+        if error.class == Class::Interrupted && !checkpoint::places(out).is_empty() {
+            self.console.note(&format!("go on with `conserva resume {}`", out.display()));
+        }
+        code
+    }
 }

@@ -14,7 +14,7 @@ pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Refusal,
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY};
 pub use parts::spring::SpringDefinition;
 pub use run::energy_account::EnergyAccount;
-pub use run::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
+pub use run::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 pub use run::halvings::Halving;
 pub use run::ledger::{ContactTotals, LedgerRow, ProbeValues, Reaction};
 pub use run::options::{Options, SettleReport, Statistics};

@@ -9,10 +9,8 @@
 use std::fmt::Write as _;
 
 use super::files::{OutputError, RunFiles, Stream};
+use super::table::is_count;
 use crate::dynamics::LedgerRow;
-
-/// Columns whose values are counts and are written without a fraction.
-const COUNTS: [&str; 4] = ["step", "newton_iterations", "halvings", "active"];
 
 /// One line with its end, fields quoted where needed.
 fn line(fields: &[String]) -> Vec<u8> {
@@ -32,7 +30,7 @@ fn header(dimension: usize, extra: &[String]) -> Vec<u8> {
 fn record(dimension: usize, row: &LedgerRow, extra: &[f64], extra_columns: usize) -> Vec<u8> {
     // Numbers need no quotes, so a row is written without a writer of records and a string for each field.
     let mut text = String::with_capacity(20 * (20 + extra_columns));
-    let own = LedgerRow::columns(dimension).into_iter().map(|name| (row.column(name), COUNTS.contains(&name)));
+    let own = LedgerRow::columns(dimension).into_iter().map(|name| (row.column(name), is_count(name)));
     let further = (0..extra_columns).map(|index| (extra.get(index).copied().filter(|value| !value.is_nan()), false));
     for (value, is_count) in own.chain(further) {
         // Memory takes everything.

@@ -6,33 +6,51 @@ mod axis;
 mod braille;
 pub mod checkpoint;
 mod colormap;
+mod comparison;
 mod contours;
 mod drawing;
 mod energies;
+mod export;
 mod files;
 mod history_csv;
+mod node_table;
 mod obstacles;
+mod parquet;
 mod picture;
 mod plot;
 mod pvd;
+mod reading;
 mod summary;
+mod table;
 mod vtu;
+mod vtu_text;
 mod writer;
+mod xdmf;
 
 #[cfg(test)]
 mod samples;
 
 pub use braille::braille_plot;
+pub use comparison::{ColumnDifference, Comparison, EntryDifference, Exactness, FieldDifference, compare};
 pub use drawing::{Drawing, png, svg};
 pub use energies::{ENERGIES, above_lowest_potential, energies};
+pub use export::{ExportError, ExportFormat, export};
 pub use files::{OutputError, RunFiles, Stream};
 pub use history_csv::HistoryCsv;
 pub use obstacles::Surroundings;
+pub use parquet::parquet;
 pub use picture::{Component, Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use pvd::{FieldSeries, pvd};
+pub use reading::error::ReadError;
+pub use reading::fields::{ArrayRead, FieldsRead, Numbers, Section, read_fields};
+pub use reading::folder::{RunFolder, read_summary, runs_below};
+pub use reading::frames::{ListedFrame, read_frames};
+pub use reading::parquet_table::read_parquet;
+pub use reading::table::{TableRead, read_table};
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
 };
+pub use table::{Column, Table, is_count};
 pub use vtu::{Frame, Grid};
 pub use writer::FieldWriter;

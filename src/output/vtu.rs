@@ -7,6 +7,10 @@
 //!
 //! Rigid obstacles are files of their own: bands of quadrilaterals behind their borders, at the places where they are (their points move,
 //! nothing is warped). The cell field `obstacle` counts them from 0.
+//!
+//! Secondary surfaces of contacts are files of their own, too: straight facets as lines with what contact does at their nodes, each
+//! contact by itself, where the fields of a body have the sum over all. The cell field `contact` counts them from 0; `body` and `node` tell
+//! where a point is found in the fields.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -16,8 +20,11 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
 use super::obstacles::{Surroundings, Wall};
-use crate::dynamics::{BodyFields, PlacedObstacle};
+use crate::dynamics::{BodyFields, ContactFields, ContactSurface, PlacedObstacle};
 use crate::elements::CellKind;
+
+/// VTK's number of a line with two nodes.
+const LINE: u8 = 3;
 
 /// Bytes that are compressed together. VTK's own default, and a multiple of every scalar's size as meshio needs it.
 const BLOCK: usize = 32768;
@@ -130,11 +137,37 @@ impl Grid {
     }
 }
 
+impl Grid {
+    /// Secondary surfaces of contacts, undeformed.
+    fn of_surfaces(surfaces: &[ContactSurface]) -> Self {
+        let points = surfaces.iter().map(|surface| surface.points.len()).sum();
+        let cells = surfaces.iter().map(|surface| surface.facets.len()).sum();
+        let firsts = surfaces.iter().scan(0, |next, surface| Some(std::mem::replace(next, *next + surface.points.len() as i64)));
+        let facets = surfaces.iter().zip(firsts).flat_map(|(surface, first)| surface.facets.iter().map(move |facet| (first, facet)));
+        let number = surfaces.iter().enumerate().flat_map(|(index, surface)| std::iter::repeat_n(index as i64, surface.facets.len()));
+        Grid {
+            kind: "contact",
+            names: surfaces.iter().map(|surface| surface.name.clone()).collect(),
+            points,
+            cells,
+            position: Array::doubles("Points", points, surfaces.iter().flat_map(|surface| surface.points.iter().copied())),
+            topology: vec![
+                Array::integers("connectivity", facets.flat_map(|(first, facet)| facet.map(|node| first + i64::from(node)))),
+                Array::integers("offsets", (1..=cells as i64).map(|end| 2 * end)),
+                Array::new("types", "UInt8", 1, vec![LINE; cells]),
+            ],
+            cellwise: vec![Array::integers("contact", number)],
+        }
+    }
+}
+
 /// All bodies at one time as plain bytes: taking a frame is quick, and a frame can be encoded and written by another thread.
 #[derive(Debug)]
 pub struct Frame {
     time: f64,
     grid: Arc<Grid>,
+    /// Which arrays stand for scalars, vectors and tensors where a reader shows only one of each.
+    shown: &'static str,
     nodal: Vec<Array>,
 }
 
@@ -147,7 +180,32 @@ impl Frame {
     /// Rigid obstacles where they are at that time, drawn beside bodies that are about as large as `around`.
     pub fn of_obstacles(time: f64, obstacles: &[PlacedObstacle], around: &Surroundings) -> Self {
         let walls: Vec<Wall> = obstacles.iter().map(|obstacle| Wall::new(obstacle, around, REACH)).collect();
-        Frame { time, grid: Arc::new(Grid::of_walls(&walls)), nodal: Vec::new() }
+        Frame { time, grid: Arc::new(Grid::of_walls(&walls)), shown: "", nodal: Vec::new() }
+    }
+
+    /// Secondary surfaces of contacts at that time.
+    pub fn of_contacts(time: f64, surfaces: &[ContactSurface]) -> Self {
+        let grid = Grid::of_surfaces(surfaces);
+        let count = grid.points;
+        let scalars = |name, of: fn(&ContactFields) -> &[f64]| {
+            Array::doubles(name, count, surfaces.iter().flat_map(move |surface| of(&surface.fields).iter().map(|&value| [value])))
+        };
+        let displacement = surfaces.iter().flat_map(|surface| {
+            let places = surface.fields.positions.iter().zip(&surface.points);
+            places.map(|(now, start)| std::array::from_fn::<f64, 3, _>(|i| now[i] - start[i]))
+        });
+        let active = surfaces.iter().flat_map(|surface| surface.fields.active.iter().map(|&active| [f64::from(u8::from(active))]));
+        let nodes = || surfaces.iter().flat_map(|surface| &surface.nodes);
+        let nodal = vec![
+            Array::doubles("displacement", count, displacement),
+            scalars("contact_pressure", |fields| &fields.pressure),
+            scalars("contact_gap", |fields| &fields.gap),
+            Array::doubles("contact_force", count, surfaces.iter().flat_map(|surface| surface.fields.forces.iter().copied())),
+            Array::doubles("contact_active", count, active),
+            Array::integers("body", nodes().map(|&(body, _)| body as i64)),
+            Array::integers("node", nodes().map(|&(_, node)| node as i64)),
+        ];
+        Frame { time, grid: Arc::new(grid), shown: " Scalars=\"contact_pressure\" Vectors=\"displacement\"", nodal }
     }
 
     /// Copies what the file needs besides the grid of the same bodies.
@@ -170,7 +228,7 @@ impl Frame {
             vectors("contact_force", |body| &body.contact_force),
             scalars("contact_active", |body| &body.contact_active),
         ];
-        Frame { time, grid, nodal }
+        Frame { time, grid, shown: " Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", nodal }
     }
 
     /// Its time.
@@ -214,7 +272,7 @@ impl Frame {
         section(&mut text, "Points", std::slice::from_ref(&self.grid.position));
         section(&mut text, "Cells", &self.grid.topology);
         if !self.nodal.is_empty() {
-            section(&mut text, "PointData Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", &self.nodal);
+            section(&mut text, &format!("PointData{}", self.shown), &self.nodal);
         }
         section(&mut text, "CellData", &self.grid.cellwise);
         let _ = write!(text, "    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n   _");
@@ -367,5 +425,35 @@ mod tests {
         let raw: usize = arrays.map(|array| array.bytes.len()).sum();
         let packed = frame.encode().len();
         assert!(3 * packed < 2 * raw, "{packed} of {raw}");
+    }
+
+    #[test]
+    fn surfaces_are_lines_with_what_contact_does() {
+        let surface = |name: &str, body: usize, x: f64| ContactSurface {
+            name: name.into(),
+            nodes: (0..3).map(|node| (body, 7 - node)).collect(),
+            facets: vec![[0, 1], [1, 2]],
+            points: (0..3).map(|node| [x + node as f64, 0.0, 0.0]).collect(),
+            fields: ContactFields {
+                positions: (0..3).map(|node| [x + node as f64, 0.25, 0.0]).collect(),
+                pressure: vec![1.0, 2.0, x],
+                gap: vec![0.0, 0.1 + 0.2, f64::NAN],
+                active: vec![true, true, false],
+                forces: vec![[0.0, x, 0.0]; 3],
+                force: [0.0, 3.0 * x, 0.0],
+                normal_force: 3.0 * x,
+                area: 1.0,
+            },
+        };
+        let file = Frame::of_contacts(0.5, &[surface("race", 0, 4.0), surface("lip", 1, 8.0)]).encode();
+        assert_eq!(integers(&file, "connectivity"), [0, 1, 1, 2, 3, 4, 4, 5]);
+        assert_eq!((integers(&file, "offsets"), array(&file, "types").1), (vec![2, 4, 6, 8], vec![3; 4]));
+        assert_eq!((integers(&file, "contact"), integers(&file, "body")), (vec![0, 0, 1, 1], vec![0, 0, 0, 1, 1, 1]));
+        assert_eq!(integers(&file, "node"), [7, 6, 5, 7, 6, 5]);
+        assert_eq!(doubles(&file, "displacement"), [[0.0, 0.25, 0.0]; 6].concat());
+        assert_eq!(doubles(&file, "contact_pressure"), [1.0, 2.0, 4.0, 1.0, 2.0, 8.0]);
+        assert_eq!(doubles(&file, "contact_active"), [1.0, 1.0, 0.0, 1.0, 1.0, 0.0]);
+        assert!(doubles(&file, "contact_gap")[2].is_nan());
+        assert!(String::from_utf8_lossy(&file).contains("<!-- contact 1: lip -->"));
     }
 }

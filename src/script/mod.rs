@@ -14,7 +14,7 @@ pub use language::failure::Class;
 pub use language::function::{Form, Function, Topic};
 pub use language::handle::Receiver;
 pub use language::limits::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_OPERATIONS, MAX_STRING};
-pub use language::observer::{Observer, Progress, Silent};
+pub use language::observer::{ContactChange, Event, Observer, Progress, Silent};
 pub use language::parameter::{Absent, Kind, Parameter};
 pub use language::registry::Registry;
 pub use language::settings::{Checkpoints, Mode, Settings};

@@ -40,10 +40,12 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("postcard", &["output"]),
     ("clap_complete", &["cli"]),
     ("clap_mangen", &["cli"]),
+    ("hdf5-pure", &["output"]),
     ("indicatif", &["cli"]),
     // its matrices are the vocabulary of the kernels' interfaces
     ("nalgebra", &["math", "elements", "linear", "materials", "integrators", "bodies", "contact", "dynamics"]),
     ("num-dual", &["contact"]),
+    ("parquet", &["output"]),
     ("rayon", &["math"]),
     ("rhai", &["script", "cli"]),
     ("spade", &["mesh"]),
@@ -51,7 +53,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("rustyline", &["cli"]),
     // what a state keeps is written as a whole
     ("serde", &["linear", "contact", "dynamics", "output", "script", "cli"]),
-    ("serde_json", &["output", "script"]),
+    ("serde_json", &["output", "script", "cli"]),
     ("signal-hook", &["cli"]),
     ("strsim", &["mesh", "script", "cli"]),
     ("thiserror", &[]),

@@ -103,6 +103,21 @@ pub struct ContactFields {
     pub area: f64,
 }
 
+/// The secondary surface of a contact at one time, as something to look at.
+#[derive(Clone, Debug)]
+pub struct ContactSurface {
+    /// Name of the contact.
+    pub name: String,
+    /// For each node, in the order of [`ContactFields`], the index of its body in the model and its number in that body's mesh.
+    pub nodes: Vec<(usize, usize)>,
+    /// Its straight facets as contact sees them, in indices into `nodes`, with the body on the left. An edge of second order is two.
+    pub facets: Vec<[u32; 2]>,
+    /// Undeformed positions of the nodes `[length]`.
+    pub points: Vec<[f64; 3]>,
+    /// What contact does there.
+    pub fields: ContactFields,
+}
+
 impl ContactFields {
     /// The same with the nodes in another order.
     pub(super) fn in_order(self, order: &[usize]) -> Self {

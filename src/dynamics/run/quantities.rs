@@ -2,7 +2,7 @@
 
 use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
 use crate::bodies::{Elements, Projected, Space};
 use crate::contact::Evaluation;
@@ -113,6 +113,34 @@ where
         let (contact, corners) = self.loaded(index, &evaluations);
         let order = contact.pair.kernel.secondary().along();
         Some(contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order))
+    }
+
+    /// The secondary surfaces of all contacts but ties, in the order of the model.
+    pub fn contact_surfaces(&self) -> Vec<ContactSurface> {
+        let evaluations = self.system.evaluations_at(&self.state.positions, &self.state.lambda);
+        let reference = &self.system.nodes.reference;
+        let place = |node: u32| {
+            let node = node as usize;
+            let body = self.system.bodies.iter().position(|body| body.nodes.contains(&node)).unwrap_or(0);
+            (body, node - self.system.bodies[body].nodes.start)
+        };
+        let of = |(index, pair): (usize, &ContactPair)| {
+            let (contact, corners) = self.loaded(index, &evaluations);
+            let surface = pair.kernel.secondary();
+            let order = surface.along();
+            let mut rank = vec![0; order.len()];
+            order.iter().zip(0u32..).for_each(|(&local, along)| rank[local] = along);
+            let nodes: Vec<u32> = order.iter().map(|&local| surface.nodes()[local]).collect();
+            let point = |&node: &u32| std::array::from_fn(|i| if i < D { reference[node as usize * D + i] } else { 0.0 });
+            ContactSurface {
+                name: pair.name.clone(),
+                points: nodes.iter().map(point).collect(),
+                nodes: nodes.into_iter().map(place).collect(),
+                facets: surface.local_facets().iter().map(|facet| facet.map(|local| rank[local as usize])).collect(),
+                fields: contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order),
+            }
+        };
+        self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie).map(of).collect()
     }
 
     /// A contact and its corners with evaluations of all pairs, in the present state.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -174,6 +174,11 @@ impl Simulation {
     /// Quantities of the contact pair of that name; `None` when there is none.
     pub fn contact(&self, name: &str) -> Option<ContactFields> {
         self.steps.contact(name)
+    }
+
+    /// The secondary surfaces of all contacts but ties, with what contact does there, in the order of the model.
+    pub fn contact_surfaces(&self) -> Vec<ContactSurface> {
+        self.steps.contact_surfaces()
     }
 
     /// Number of closed nodes of each contact pair, in the order of the model.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -32,6 +32,7 @@ pub trait Steps: Send {
     fn body(&self, body: usize) -> BodyTotals;
     fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
+    fn contact_surfaces(&self) -> Vec<ContactSurface>;
     fn closed_nodes(&self) -> Vec<usize>;
     fn failure(&self) -> Option<&FailureReport>;
     fn failed_fields(&self) -> Option<Vec<BodyFields>>;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::halvings::Halvings;
+use super::halvings::{Halving, Halvings};
 
 /// Counters of a simulation, to go on counting from. No step depends on them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -13,4 +13,11 @@ pub struct Tally {
     pub(super) factorizations: usize,
     pub(super) assemblies: usize,
     pub(super) causes: Halvings,
+}
+
+impl Tally {
+    /// Why steps were halved.
+    pub fn causes(&self) -> &[Halving] {
+        self.causes.all()
+    }
 }

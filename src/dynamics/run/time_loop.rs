@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::engine::Engine;
 use super::failed::tried;
-use super::fields::{BodyFields, BodyTotals, ContactFields, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -133,6 +133,10 @@ where
 
     fn contact(&self, name: &str) -> Option<ContactFields> {
         self.contact_fields(name)
+    }
+
+    fn contact_surfaces(&self) -> Vec<ContactSurface> {
+        Engine::contact_surfaces(self)
     }
 
     fn closed_nodes(&self) -> Vec<usize> {

@@ -18,6 +18,63 @@ pub struct Progress<'a> {
     pub row: &'a LedgerRow,
     /// Largest total energy so far, to relate the defect to.
     pub scale: f64,
+    /// Space dimension, by which the row has its columns.
+    pub dimension: usize,
+}
+
+/// What became of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactChange {
+    /// The first of its nodes closed.
+    Closed,
+    /// The last of its nodes opened.
+    Opened,
+}
+
+/// Something that happens in a run besides its steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// A step was halved.
+    Halved {
+        /// Name of the simulation.
+        simulation: &'a str,
+        /// Why, as in `halvings_by_cause` of the summary, in words.
+        cause: &'a str,
+        /// The contact whose motion was too large, where that is the cause.
+        contact: Option<&'a str>,
+        /// How often for this cause in this step.
+        count: usize,
+        /// The last accepted step before.
+        step: usize,
+        /// Its time.
+        time: f64,
+    },
+    /// A contact closed or opened as a whole.
+    Contact {
+        /// Name of the simulation.
+        simulation: &'a str,
+        /// Name of the contact.
+        contact: &'a str,
+        /// Which.
+        change: ContactChange,
+        /// Its nodes in contact now.
+        active: usize,
+        /// The accepted step.
+        step: usize,
+        /// Its time.
+        time: f64,
+    },
+    /// `settle` has found equilibrium.
+    Settled {
+        /// Name of the simulation.
+        simulation: &'a str,
+        /// Damped steps that it took.
+        steps: usize,
+        /// Their Newton iterations.
+        newton_iterations: usize,
+        /// The row of the history that it gave.
+        row: &'a LedgerRow,
+    },
 }
 
 /// Watches a session: what the script prints, what it checks, how far it is.
@@ -30,6 +87,8 @@ pub trait Observer {
     fn warn(&self, warning: &Diagnostic);
     /// An accepted step.
     fn advanced(&self, progress: &Progress);
+    /// Something that happened besides a step; told right before the step that it belongs to.
+    fn noticed(&self, _event: &Event) {}
     /// A long computation without steps begins, such as `settle`.
     fn began(&self, what: &str);
     /// A computation that reported progress has ended.

@@ -45,6 +45,13 @@ pub struct Report {
     pub is_conserving: bool,
 }
 
+impl Report {
+    /// That of a session which could not begin.
+    pub fn failed(error: Diagnostic) -> Self {
+        Report { error: Some(error), findings: Vec::new(), checks: 0, energy: Vec::new(), is_conserving: true }
+    }
+}
+
 /// What a text consists of.
 #[derive(Clone, Debug)]
 pub struct Outline {

@@ -24,6 +24,8 @@ pub struct Artifacts {
     series: FieldWriter,
     /// Where there are rigid obstacles, their frames and the extent of the bodies beside them.
     obstacles: Option<(FieldSeries, Surroundings)>,
+    /// Where there are contacts, the frames of their secondary surfaces.
+    contacts: Option<FieldSeries>,
     model: Model,
     every: Option<f64>,
     frames: usize,
@@ -70,7 +72,9 @@ impl Artifacts {
             let open = if recalls { FieldSeries::reopen } else { FieldSeries::create };
             let series = FieldWriter::new(open(&files, "fields.pvd")?);
             let obstacles = obstacle_series(&files, model, open)?;
-            Ok(Artifacts { files, csv, series, obstacles, model: model.clone(), every, frames: 0, recalls, spent: begun.elapsed() })
+            let contacts = optional_series(&files, "contacts.pvd", has_surfaces(model), open)?;
+            let model = model.clone();
+            Ok(Artifacts { files, csv, series, obstacles, contacts, model, every, frames: 0, recalls, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
@@ -160,9 +164,9 @@ impl Artifacts {
         if !std::mem::take(&mut self.recalls) {
             return Ok(());
         }
-        let obstacles = self.obstacles.as_ref().map_or(Ok(()), |(series, _)| series.list());
-        let listed = self.csv.rename("history.csv").and(self.series.list()).and(obstacles);
-        listed.map_err(|error| output_failure(&error))
+        let listed = self.csv.rename("history.csv").and(self.series.list());
+        let beside = self.obstacles.iter().map(|(series, _)| series).chain(&self.contacts).try_for_each(FieldSeries::list);
+        listed.and(beside).map_err(|error| output_failure(&error))
     }
 
     /// Whether the steps so far are those of an earlier program.
@@ -172,8 +176,10 @@ impl Artifacts {
 
     /// Takes over a frame that an earlier program has written.
     fn recall(&mut self, time: f64) -> Result<(), Failure> {
-        let obstacles = self.obstacles.as_mut().map_or(Ok(true), |(series, _)| series.recall(time));
-        let found = self.series.recall(time).and_then(|fields| Ok(fields && obstacles?)).map_err(|error| output_failure(&error))?;
+        let mut found = self.series.recall(time).map_err(|error| output_failure(&error))?;
+        for series in self.obstacles.iter_mut().map(|(series, _)| series).chain(&mut self.contacts) {
+            found &= series.recall(time).map_err(|error| output_failure(&error))?;
+        }
         self.frames += 1;
         if found {
             return Ok(());
@@ -191,6 +197,10 @@ impl Artifacts {
         self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
         if let Some((series, around)) = &mut self.obstacles {
             let frame = Frame::of_obstacles(simulation.time(), &simulation.obstacles(), around);
+            series.append(&frame).map_err(|error| output_failure(&error))?;
+        }
+        if let Some(series) = &mut self.contacts {
+            let frame = Frame::of_contacts(simulation.time(), &simulation.contact_surfaces());
             series.append(&frame).map_err(|error| output_failure(&error))?;
         }
         self.frames += 1;
@@ -218,20 +228,28 @@ impl Artifacts {
     }
 }
 
-/// The series of a model's rigid obstacles, if it has any; what an older run left is removed.
-fn obstacle_series(
-    files: &RunFiles,
-    model: &Model,
-    open: fn(&RunFiles, &str) -> Result<FieldSeries, OutputError>,
-) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
-    const NAME: &str = "obstacles.pvd";
-    let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
-    if !has_any && !files.place(NAME)?.exists() {
+/// How a series is opened.
+type Open = fn(&RunFiles, &str) -> Result<FieldSeries, OutputError>;
+
+/// A series that a model has or has not; what an older run left is removed.
+fn optional_series(files: &RunFiles, name: &str, has_any: bool, open: Open) -> Result<Option<FieldSeries>, OutputError> {
+    if !has_any && !files.place(name)?.exists() {
         return Ok(None);
     }
+    let series = open(files, name)?;
+    Ok(has_any.then_some(series))
+}
+
+/// The series of a model's rigid obstacles, if it has any.
+fn obstacle_series(files: &RunFiles, model: &Model, open: Open) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
+    let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
     let points = model.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
-    let series = open(files, NAME)?;
-    Ok(has_any.then(|| (series, Surroundings::of(points))))
+    Ok(optional_series(files, "obstacles.pvd", has_any, open)?.map(|series| (series, Surroundings::of(points))))
+}
+
+/// Whether a model has contacts with a secondary surface to look at: all but ties.
+pub fn has_surfaces(model: &Model) -> bool {
+    model.interactions.iter().any(|interaction| !interaction.is_tie())
 }
 
 /// The folder of the run, if the session writes files.

@@ -5,6 +5,7 @@ use rhai::{Array, Dynamic};
 use super::columns::{further_values, model_columns, probe_columns};
 use super::handle::SimulationHandle;
 use crate::dynamics::LedgerRow;
+use crate::output::is_count;
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
@@ -77,7 +78,7 @@ fn column() -> Function {
             handle.refuse_in_check(call)?;
             match handle.column(&name) {
                 // Counts are whole numbers, so that they index arrays and print as such.
-                Some(values) if COUNTS.contains(&name.as_str()) => {
+                Some(values) if is_count(&name) => {
                     Ok(values.into_iter().map(|value| Dynamic::from(value as i64)).collect::<Array>().into())
                 }
                 Some(values) => Ok(values.into_iter().map(Dynamic::from).collect::<Array>().into()),
@@ -111,9 +112,6 @@ impl SimulationHandle {
         probe_columns(&self.0.model.model, &self.0.probes.borrow()[from..])
     }
 }
-
-/// Columns of the history that hold whole numbers.
-const COUNTS: &[&str] = &["step", "newton_iterations", "halvings", "active"];
 
 /// The failure of a column that does not exist.
 pub fn unknown_column(call: &Call, handle: &SimulationHandle, name: &str) -> Failure {

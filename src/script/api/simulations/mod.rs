@@ -6,6 +6,7 @@ pub mod artifacts;
 pub mod columns;
 pub mod contact_state;
 pub mod ending;
+pub mod events;
 pub mod fields;
 pub mod forensics;
 pub mod handle;
@@ -24,6 +25,7 @@ pub mod states;
 pub mod step_failures;
 pub mod stepping;
 pub mod stop_after;
+pub mod tables;
 pub mod warnings;
 pub mod writing;
 

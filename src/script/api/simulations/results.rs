@@ -2,9 +2,10 @@
 
 use rhai::Dynamic;
 
+use super::artifacts::has_surfaces;
 use super::handle::SimulationHandle;
 use super::writing::{chosen_columns, path_parameter, write, write_at};
-use super::{pictures, plots};
+use super::{pictures, plots, tables};
 use crate::dynamics::{Partner, Simulation};
 use crate::output::{Frame, Surroundings, braille_plot};
 use crate::script::api::examples::flight_example;
@@ -16,7 +17,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![write_fields(), plots::plot(), plots::plot_curves(), show(), pictures::picture_function()]
+    vec![write_fields(), tables::table(), plots::plot(), plots::plot_curves(), show(), pictures::picture_function()]
 }
 
 fn write_fields() -> Function {
@@ -24,8 +25,9 @@ fn write_fields() -> Function {
         name: "write_fields",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "writes displacement, velocity, stress, contact pressure and gap of all bodies as they are now as VTU, and their rigid \
-                  obstacles, where there are any, beside it (`start_obstacles.vtu` for `start.vtu`)",
+        summary: "writes displacement, velocity, stress, contact pressure and gap of all bodies as they are now as VTU, and beside it, \
+                  where there are any, their rigid obstacles (`start_obstacles.vtu` for `start.vtu`) and the secondary surfaces of their \
+                  contacts (`start_contacts.vtu`)",
         parameters: vec![path_parameter("a `.vtu` file below the output folder")],
         returns: "",
         example: flight_example("sim.write_fields(\"start.vtu\");"),
@@ -34,6 +36,11 @@ fn write_fields() -> Function {
             let handle = call.receiver::<SimulationHandle>();
             let content = || handle.with(call, |simulation| Frame::new(simulation.time(), &simulation.fields()).encode());
             let written = write(call, Some(&handle), &[".vtu"], content)?;
+            if has_surfaces(&handle.0.model.model) && !call.host.is_check() {
+                let path = call.text("path")?.replace(".vtu", "_contacts.vtu");
+                let frame = |simulation: &Simulation| Frame::of_contacts(simulation.time(), &simulation.contact_surfaces()).encode();
+                write_at(call, Some(&handle), &path, &handle.with(call, frame)?)?;
+            }
             let has_obstacles = handle.0.model.model.interactions.iter().any(|all| matches!(all.partner, Partner::Obstacle { .. }));
             if has_obstacles && !call.host.is_check() {
                 let path = call.text("path")?.replace(".vtu", "_obstacles.vtu");

@@ -87,6 +87,7 @@ impl SimulationHandle {
         call.host.count_effect();
         data.past.borrow_mut().clear();
         let row = data.script_row(data.simulation.borrow().row().clone());
+        self.tell_settled(call.host, &row, &report);
         self.note_contact();
         data.scale.set(data.scale.get().max(row.total().abs()));
         let mut rows = data.history.borrow().clone();

@@ -196,6 +196,7 @@ impl SimulationHandle {
             let tally = simulation.tally();
             stepped = simulation.step(end, &mut |row| rows.push(row.clone()));
             data.spent.set(data.spent.get() + begun.elapsed());
+            self.tell_halvings(call.host, &simulation, tally.causes(), &before.row);
             match &stepped {
                 Err(StepError::Interrupted { .. }) => {
                     // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
@@ -234,7 +235,9 @@ impl SimulationHandle {
         let data = &self.0;
         let row = data.script_row(row);
         data.scale.set(data.scale.get().max(row.total().abs()));
-        call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get() });
+        self.tell_contacts(call.host, &row);
+        let dimension = data.model.model.dimension();
+        call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get(), dimension });
         if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
             let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
             artifacts.accepted(&row, &mut simulation)?;

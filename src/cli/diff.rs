@@ -1,0 +1,116 @@
+//! `conserva diff`: what differs between two runs.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::columns::{aligned, short};
+use super::complaint::refuse;
+use super::console::Console;
+use crate::output::{Comparison, Exactness, compare};
+
+/// Arguments of `conserva diff`.
+#[derive(Args)]
+#[command(
+    after_help = "Exit code: 0 the runs are the same, 1 they differ, 2 they cannot be compared (no run, damage, no time in common).\n\
+    Rows are compared where both runs have the same time. Wall-clock times and memory are never compared; another path of the script and \
+    another version of the program are told, but make no difference."
+)]
+pub struct Arguments {
+    /// Folder of a run
+    first: PathBuf,
+    /// Folder of another run
+    second: PathBuf,
+    /// Largest difference that counts as none, relative to the largest value of its kind (all energies are one kind, and so on)
+    #[arg(long, value_name = "REL", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// Leave out a column or field (`*` stands for anything: `--ignore "race.*"`); may be given several times
+    #[arg(long, value_name = "NAME")]
+    ignore: Vec<String>,
+    /// How it is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// How a comparison is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For a terminal
+    Text,
+    /// For programs
+    Json,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
+        _ => Err("write a number that is not negative, such as --tolerance 1e-9".into()),
+    }
+}
+
+/// Compares two runs; the exit code.
+pub fn diff(arguments: Arguments) -> u8 {
+    let Arguments { first, second, tolerance, ignore, format } = arguments;
+    let all = match compare(&first, &second, &Exactness { tolerance, ignored: ignore }) {
+        Ok(all) => all,
+        Err(error) => return refuse(&error),
+    };
+    let same = all.iter().all(Comparison::is_same);
+    let console = Console::new(true);
+    match format {
+        Format::Json => {
+            let value = serde_json::json!({ "same": same, "tolerance": tolerance, "simulations": all });
+            console.say(&serde_json::to_string_pretty(&value).unwrap_or_default());
+        }
+        Format::Text => {
+            all.iter().flat_map(told).for_each(|line| console.say(&line));
+            let rows: usize = all.iter().map(|found| found.rows[2]).sum();
+            let (columns, fields) = (all[0].columns_compared, all[0].fields_compared);
+            let within = if tolerance > 0.0 { format!(" within {tolerance:e}") } else { String::new() };
+            let verdict = if same { "same" } else { "different" };
+            console
+                .say(&format!("{verdict}{within}: {rows} rows with {columns} columns and {fields} arrays of the last frame were compared"));
+        }
+    }
+    u8::from(!same)
+}
+
+/// A comparison in lines.
+fn told(found: &Comparison) -> Vec<String> {
+    let mut lines = Vec::new();
+    let is_silent = found.is_same() && found.entries.is_empty();
+    if !found.simulation.is_empty() && !is_silent {
+        lines.push(format!("simulation \"{}\"", found.simulation));
+    }
+    for entry in &found.entries {
+        let value = |value: &serde_json::Value| match value {
+            serde_json::Value::Null => "none".to_string(),
+            serde_json::Value::String(text) => text.clone(),
+            value => value.to_string(),
+        };
+        let note = if entry.counts { "" } else { "  (makes no difference)" };
+        lines.push(format!("{}: {} | {}{note}", entry.name, value(&entry.first), value(&entry.second)));
+    }
+    let [first, second, common] = found.rows;
+    if first != second {
+        lines.push(format!("rows of history.csv: {first} | {second}, of which {common} have the same time"));
+    }
+    lines.extend(found.missing.iter().cloned());
+    let size = |value: Option<f64>| value.map_or("-".into(), short);
+    if !found.columns.is_empty() {
+        let mut rows = vec![["column", "from step", "t", "rows", "largest difference", "relative", "at step"].map(String::from).to_vec()];
+        rows.extend(found.columns.iter().map(|column| {
+            let (from, count, at) = (column.from_step.to_string(), column.rows.to_string(), column.at_step.to_string());
+            vec![column.column.clone(), from, short(column.from_time), count, size(column.largest), size(column.relative), at]
+        }));
+        lines.extend(aligned(&rows));
+    }
+    if !found.fields.is_empty() {
+        let mut rows = vec![["field of the last frame", "places", "largest difference", "relative", "at"].map(String::from).to_vec()];
+        rows.extend(found.fields.iter().map(|field| {
+            vec![field.field.clone(), field.places.to_string(), size(field.largest), size(field.relative), field.at.to_string()]
+        }));
+        lines.extend(aligned(&rows));
+    }
+    lines
+}

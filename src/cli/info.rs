@@ -1,0 +1,374 @@
+//! `conserva info`: what a file or a folder is, in a few lines.
+//!
+//! [`KINDS`] lists what is known, each with a test by name or first bytes and a description; a further kind of files is a row.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use clap::Args;
+use serde_json::{Map, Value, json};
+
+use super::columns::{aligned, short};
+use super::console::{Console, complain, ink};
+use super::diff::Format;
+use super::process::exit_code;
+use crate::mesh;
+use crate::output::{
+    FieldsRead, ReadError, RunFolder, Section, Table, read_fields, read_frames, read_parquet, read_summary, read_table, runs_below,
+};
+use crate::script::{Class, Diagnostic, Mode, Session, Settings, Silent, home};
+
+/// Arguments of `conserva info`.
+#[derive(Args)]
+pub struct Arguments {
+    /// Folder of a run, one of its files, a mesh file or a script
+    path: PathBuf,
+    /// How it is written
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// What is said of a file, in this order.
+type Facts = Vec<(&'static str, Value)>;
+
+/// A kind of files.
+struct Kind {
+    name: &'static str,
+    /// Whether a file is of this kind, by its ending (in small letters) and its first bytes.
+    fits: fn(&str, &[u8]) -> bool,
+    describe: fn(&Path) -> Result<Facts, Box<Diagnostic>>,
+}
+
+/// What is known, the first that fits.
+const KINDS: &[Kind] = &[
+    Kind { name: "table", fits: |ending, _| ending == "csv", describe: csv_file },
+    Kind { name: "table (Parquet)", fits: |ending, head| ending == "parquet" || head.starts_with(b"PAR1"), describe: parquet_file },
+    Kind { name: "summary of a run", fits: |ending, _| ending == "json", describe: summary_file },
+    Kind { name: "series of fields (PVD)", fits: |ending, _| ending == "pvd", describe: series_file },
+    Kind { name: "fields (VTU)", fits: |ending, _| ending == "vtu", describe: fields_file },
+    Kind { name: "log of a run", fits: |_, head| head.starts_with(b"{\"event\":"), describe: log_file },
+    Kind { name: "picture", fits: |ending, head| ending == "svg" || head.starts_with(PNG), describe: picture_file },
+    Kind { name: "script", fits: |ending, _| ending == "rhai", describe: script_file },
+    Kind {
+        name: "mesh",
+        fits: |ending, head| matches!(ending, "msh" | "inp") || head.starts_with(b"$MeshFormat") || head.starts_with(b"*"),
+        describe: mesh_file,
+    },
+];
+
+/// The first bytes of a PNG file.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Bytes at the start of a file by which it is known.
+const HEAD: usize = 64;
+
+/// Describes a file or a folder; the exit code.
+pub fn info(arguments: Arguments) -> u8 {
+    let Arguments { path, format } = arguments;
+    let (kind, facts) = match facts_of(&path) {
+        Ok(found) => found,
+        Err(error) => {
+            complain(&error.render(ink()));
+            return exit_code(error.class);
+        }
+    };
+    let console = Console::new(true);
+    match format {
+        Format::Json => {
+            let mut all: Map<String, Value> = facts.into_iter().map(|(key, value)| (key.replace(' ', "_"), value)).collect();
+            all.insert("kind".into(), kind.into());
+            all.insert("path".into(), path.display().to_string().into());
+            console.say(&serde_json::to_string_pretty(&all).unwrap_or_default());
+        }
+        Format::Text => {
+            console.say(&format!("{}: {kind}", path.display()));
+            facts.iter().for_each(|(key, value)| say(&console, key, value));
+        }
+    }
+    0
+}
+
+fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
+    let kind = std::fs::metadata(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    if kind.is_dir() {
+        return Ok(("run", run_folder(path)?));
+    }
+    let mut head = Vec::new();
+    let opened =
+        std::fs::File::open(path).and_then(|file| std::io::Read::read_to_end(&mut std::io::Read::take(file, HEAD as u64), &mut head));
+    opened.map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let Some(kind) = KINDS.iter().find(|kind| (kind.fits)(&ending, &head)) else {
+        let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        let error = Diagnostic::error(Class::Script, format!("\"{}\" is of no kind that is known here", path.display()));
+        return Err(Box::new(error.hint(format!("known are the folder of a run, and: {}", names.join(", ")))));
+    };
+    Ok((kind.name, (kind.describe)(path)?))
+}
+
+/// A fact in lines: a list below its name, the rest beside it.
+fn say(console: &Console, key: &str, value: &Value) {
+    let word = |value: &Value| match value {
+        Value::Null => "-".to_string(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) if number.is_f64() => short(number.as_f64().unwrap_or(f64::NAN)),
+        value => value.to_string(),
+    };
+    match value {
+        Value::Array(all) if all.iter().any(Value::is_array) => {
+            console.say(&format!("  {key}:"));
+            let rows: Vec<Vec<String>> = all.iter().filter_map(Value::as_array).map(|row| row.iter().map(word).collect()).collect();
+            aligned(&rows).iter().for_each(|line| console.say(&format!("    {line}")));
+        }
+        Value::Array(all) => console.say(&format!("  {key}: {}", all.iter().map(word).collect::<Vec<_>>().join(", "))),
+        Value::Object(all) => {
+            let pairs: Vec<String> = all.iter().map(|(name, value)| format!("{name}={}", word(value))).collect();
+            console.say(&format!("  {key}: {}", pairs.join(" ")));
+        }
+        value => console.say(&format!("  {key}: {}", word(value))),
+    }
+}
+
+fn refused(error: &ReadError) -> Box<Diagnostic> {
+    let message = Diagnostic::error(Class::Script, error.to_string());
+    Box::new(error.cause.iter().fold(message, Diagnostic::cause).hint(&error.cure))
+}
+
+fn run_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let run = RunFolder::open(path).map_err(|error| refused(&error))?;
+    let mut facts = summary_facts(run.summary.as_ref());
+    if run.summary.is_none() {
+        facts.push(("outcome", run.outcome().into()));
+    }
+    if let Some(history) = run.file("history.csv") {
+        let read = read_table(&history).map_err(|error| refused(&error))?;
+        let last = read.table.column("time").and_then(|time| time.values.last().copied().flatten());
+        facts.extend([
+            ("rows of history.csv", read.table.rows().into()),
+            ("columns", read.table.columns.len().into()),
+            ("end time", last.into()),
+        ]);
+        if read.is_cut {
+            facts.push(("note", "the last line of history.csv is cut: the run was killed while it wrote it".into()));
+        }
+    }
+    for (name, key) in
+        [("fields.pvd", "frames of the fields"), ("contacts.pvd", "frames of contact surfaces"), ("obstacles.pvd", "frames of obstacles")]
+    {
+        if let Some(list) = run.file(name) {
+            facts.push((key, read_frames(&list).map_err(|error| refused(&error))?.len().into()));
+        }
+    }
+    let further = run.further();
+    if !further.is_empty() {
+        facts.push(("further simulations", further.into()));
+    }
+    Ok(facts)
+}
+
+/// What a summary says, without what only programs ask for.
+fn summary_facts(summary: Option<&Value>) -> Facts {
+    const SHOWN: [&str; 16] = [
+        "script",
+        "parameters",
+        "version",
+        "outcome",
+        "bodies",
+        "unknowns",
+        "steps",
+        "newton_iterations",
+        "halvings",
+        "halvings_by_cause",
+        "energy_drift",
+        "momentum_drift",
+        "angular_momentum_drift",
+        "worst_energy_defect",
+        "peak_memory_bytes",
+        "findings",
+    ];
+    let Some(summary) = summary else { return Facts::new() };
+    let mut facts = Facts::new();
+    for key in SHOWN {
+        let value = match (key, summary.get(key)) {
+            ("findings", Some(Value::Array(all))) => all.iter().filter_map(|finding| finding.get("message")).cloned().collect(),
+            (_, Some(value)) => value.clone(),
+            (_, None) => continue,
+        };
+        let is_empty = value.as_array().is_some_and(Vec::is_empty) || value.as_object().is_some_and(Map::is_empty);
+        if !is_empty {
+            facts.push((key, value));
+        }
+    }
+    if let Some(total) = summary.get("wall_seconds").and_then(|wall| wall.get("total")) {
+        facts.push(("wall_seconds", total.clone()));
+    }
+    facts
+}
+
+fn summary_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let summary = read_summary(path).map_err(|error| refused(&error))?;
+    if summary.get("outcome").is_none() {
+        let error = ReadError::new(path, "is no summary of a run: it has no `outcome`", "name the summary.json of a run");
+        return Err(refused(&error));
+    }
+    Ok(summary_facts(Some(&summary)))
+}
+
+fn csv_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let read = read_table(path).map_err(|error| refused(&error))?;
+    let mut facts = table_facts(&read.table);
+    if read.is_cut {
+        facts.push(("note", "the last line is cut and was left out".into()));
+    }
+    Ok(facts)
+}
+
+fn parquet_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    Ok(table_facts(&read_parquet(path).map_err(|error| refused(&error))?))
+}
+
+/// Rows, and for each column its values: how many, the smallest, the largest, the last.
+fn table_facts(table: &Table) -> Facts {
+    let mut rows = vec![json!(["column", "values", "smallest", "largest", "last"])];
+    for column in &table.columns {
+        let known = || column.values.iter().flatten().copied().filter(|value| !value.is_nan());
+        let (least, most) = (known().reduce(f64::min), known().reduce(f64::max));
+        rows.push(json!([column.name, known().count(), least, most, column.values.last().copied().flatten()]));
+    }
+    vec![("rows", table.rows().into()), ("columns", rows.into())]
+}
+
+fn series_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let frames = read_frames(path).map_err(|error| refused(&error))?;
+    let missing: Vec<String> = frames.iter().filter(|frame| !frame.path.is_file()).map(|frame| frame.name.clone()).collect();
+    let mut facts: Facts = vec![("frames", frames.len().into())];
+    if let (Some(first), Some(last)) = (frames.first(), frames.last()) {
+        facts.extend([("first time", first.time.into()), ("last time", last.time.into())]);
+        if missing.is_empty() {
+            facts.extend(frame_facts(&read_fields(&last.path).map_err(|error| refused(&error))?, "in the last frame"));
+        } else {
+            facts.push(("missing files", missing.into()));
+        }
+    }
+    Ok(facts)
+}
+
+fn fields_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let frame = read_fields(path).map_err(|error| refused(&error))?;
+    let mut facts: Facts = frame.time.map(|time| ("time", time.into())).into_iter().collect();
+    facts.extend(frame_facts(&frame, "arrays"));
+    Ok(facts)
+}
+
+fn frame_facts(frame: &FieldsRead, title: &'static str) -> Facts {
+    let mut rows = vec![json!(["field", "of", "components", "smallest", "largest"])];
+    for array in frame.arrays.iter().filter(|array| matches!(array.section, Section::PointData | Section::CellData)) {
+        let known = || (0..array.numbers.len()).map(|index| array.numbers.at(index)).filter(|value| !value.is_nan());
+        let of = if array.section == Section::PointData { "points" } else { "cells" };
+        rows.push(json!([array.name, of, array.components, known().reduce(f64::min), known().reduce(f64::max)]));
+    }
+    let parts = match frame.kind.as_str() {
+        "obstacle" => "obstacles",
+        "contact" => "contacts",
+        _ => "bodies",
+    };
+    vec![("points", frame.points.into()), ("cells", frame.cells.into()), (parts, frame.parts.clone().into()), (title, rows.into())]
+}
+
+/// How often each event is told, and how the run ended.
+fn log_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let text = std::fs::read_to_string(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let (mut counts, mut script, mut outcome) =
+        (BTreeMap::<String, usize>::new(), Value::Null, Value::from("no end: killed, or still running"));
+    for (number, line) in text.lines().enumerate() {
+        let event = serde_json::from_str::<Value>(line).ok().filter(|event| event["event"].is_string());
+        let Some(event) = event else {
+            // A process that was killed may leave a line without its end.
+            if number + 1 == text.lines().count() && !text.ends_with('\n') {
+                break;
+            }
+            return Err(refused(&ReadError::damaged(path, format!("line {} is no event", number + 1))));
+        };
+        match event["event"].as_str() {
+            Some("start") => script = event["script"].clone(),
+            Some("end") => outcome = event["outcome"].clone(),
+            _ => {}
+        }
+        *counts.entry(event["event"].as_str().unwrap_or_default().into()).or_default() += 1;
+    }
+    let counts: Map<String, Value> = counts.into_iter().map(|(event, count)| (event, count.into())).collect();
+    Ok(vec![("script", script), ("outcome", outcome), ("events", counts.into())])
+}
+
+fn picture_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let bytes = std::fs::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let size = if bytes.starts_with(PNG) {
+        // The size stands in the first chunk, behind its length and name.
+        let number = |at: usize| Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?).to_string());
+        number(16).zip(number(20)).map(|size| ("PNG", size))
+    } else {
+        let text = String::from_utf8_lossy(&bytes);
+        let tag = text.split("<svg").nth(1).and_then(|rest| rest.split('>').next()).unwrap_or_default();
+        let value = |key: &str| Some(tag.split(&format!(" {key}=\"")).nth(1)?.split('"').next()?.to_string());
+        value("width").zip(value("height")).map(|size| ("SVG", size))
+    };
+    let Some((format, (width, height))) = size else { return Err(refused(&ReadError::damaged(path, "it is no picture"))) };
+    Ok(vec![("format", format.into()), ("size", format!("{width} x {height}").into())])
+}
+
+fn mesh_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let mesh = mesh::read_mesh(path).map_err(|error| {
+        let message = Diagnostic::error(Class::Script, format!("\"{}\": {error}", path.display()));
+        Box::new(message.hint(error.cure()))
+    })?;
+    let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for point in &mesh.points {
+        for i in 0..3 {
+            ends[0][i] = ends[0][i].min(point[i]);
+            ends[1][i] = ends[1][i].max(point[i]);
+        }
+    }
+    let box_of = |end: [f64; 3]| end[..mesh.dimension()].iter().map(|&x| short(x)).collect::<Vec<_>>().join(", ");
+    let mut facts: Facts = vec![
+        ("cells", format!("{} of {}", mesh.cell_count(), mesh.kind.row().name).into()),
+        ("nodes", mesh.points.len().into()),
+        ("box", format!("[{}] to [{}]", box_of(ends[0]), box_of(ends[1])).into()),
+        (if mesh.dimension() == 2 { "area" } else { "volume" }, mesh.measure().into()),
+    ];
+    let mut boundaries = vec![json!(["boundary", "facets", "nodes"])];
+    boundaries.extend(mesh.boundaries.iter().map(|of| json!([of.name, of.facets.len(), mesh.boundary_nodes(of).len()])));
+    if !mesh.boundaries.is_empty() {
+        facts.push(("boundaries", boundaries.into()));
+    }
+    let mut parts = vec![json!(["part", "cells"])];
+    parts.extend(mesh.parts.iter().map(|(name, cells)| json!([name, cells.len()])));
+    if !mesh.parts.is_empty() {
+        facts.push(("parts", parts.into()));
+    }
+    Ok(facts)
+}
+
+fn script_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let text = std::fs::read_to_string(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let settings = Settings { mode: Mode::Check, ..Settings::default() };
+    let session = Session::new(settings, home(path), Rc::new(Silent))?;
+    let outline = session.outline(&path.display().to_string(), &text)?;
+    let about: Vec<&str> = text.lines().map_while(|line| line.trim().strip_prefix("//")).map(str::trim).collect();
+    let mut facts: Facts = vec![("lines", text.lines().count().into())];
+    if !about.is_empty() {
+        facts.push(("about", about.join(" ").into()));
+    }
+    let (tests, functions): (Vec<_>, Vec<_>) =
+        outline.functions.iter().map(|(name, ..)| name.clone()).partition(|name| name.starts_with("test_"));
+    for (key, names) in [("functions", functions), ("tests", tests)] {
+        if !names.is_empty() {
+            facts.push((key, names.into()));
+        }
+    }
+    let run = Path::new("out").join(path.file_stem().unwrap_or_default());
+    if !runs_below(&run).is_empty() {
+        facts.push(("last run", run.display().to_string().into()));
+    }
+    Ok(facts)
+}

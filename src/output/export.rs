@@ -1,0 +1,140 @@
+//! Files of a run in other formats, written beside those that it has.
+
+use std::path::Path;
+
+use super::files::{OutputError, RunFiles};
+use super::node_table::node_table;
+use super::parquet::parquet;
+use super::pvd::pvd;
+use super::reading::error::ReadError;
+use super::reading::fields::{FieldsRead, read_fields};
+use super::reading::folder::RunFolder;
+use super::reading::frames::{ListedFrame, read_frames};
+use super::reading::table::read_table;
+use super::vtu_text::vtu_text;
+use super::xdmf::{grid, hdf5, xdmf};
+
+/// A format to convert to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExportFormat {
+    /// `history.csv` as `history.parquet`.
+    Parquet,
+    /// Every frame as a table of its points, `fields-csv/fields_000000.csv`.
+    Csv,
+    /// Every frame as VTU in plain text, `fields-text.pvd`.
+    Vtu,
+    /// Every series as XDMF with HDF5, `fields.xdmf`.
+    Xdmf,
+}
+
+/// What stands in the way of a conversion.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// A file of the run.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A file to be written.
+    #[error(transparent)]
+    Write(#[from] OutputError),
+}
+
+/// Series that a run may have.
+const SERIES: [&str; 3] = ["fields", "contacts", "obstacles"];
+
+/// Converts what a run has, the further simulations below it included; the names of the files that a reader opens.
+///
+/// # Errors
+/// No run, nothing to convert, a damaged file, or a file that cannot be written.
+pub fn export(run: &RunFolder, format: ExportFormat, into: &Path) -> Result<Vec<String>, ExportError> {
+    let mut written = export_simulation(run, format, into)?;
+    for name in run.further() {
+        let further = RunFolder::open(&run.path.join(&name))?;
+        written.extend(export_simulation(&further, format, &into.join(&name))?.into_iter().map(|file| format!("{name}/{file}")));
+    }
+    if written.is_empty() {
+        let (what, cure) = match format {
+            ExportFormat::Parquet => ("history.csv", "run the script again: every simulation writes one"),
+            _ => ("fields.pvd with frames", "run the script again: every simulation writes its first and its last frame"),
+        };
+        return Err(ReadError::new(&run.path, format!("has no {what} to convert"), cure).into());
+    }
+    Ok(written)
+}
+
+fn export_simulation(run: &RunFolder, format: ExportFormat, into: &Path) -> Result<Vec<String>, ExportError> {
+    if format == ExportFormat::Parquet {
+        let Some(history) = run.file("history.csv") else { return Ok(Vec::new()) };
+        let table = read_table(&history)?.table;
+        let refused = |what: String| ReadError::new(&history, format!("cannot be written as Parquet: {what}"), "name no column twice");
+        let bytes = parquet(&table).map_err(refused)?;
+        RunFiles::create(into)?.write("history.parquet", bytes)?;
+        return Ok(vec!["history.parquet".into()]);
+    }
+    let mut written = Vec::new();
+    for name in SERIES {
+        let Some(list) = run.file(&format!("{name}.pvd")) else { continue };
+        let frames = read_frames(&list)?;
+        if !frames.is_empty() {
+            written.push(export_series(name, &frames, format, &RunFiles::create(into)?)?);
+        }
+    }
+    Ok(written)
+}
+
+/// Converts a series frame by frame, so that one is in memory at a time.
+fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files: &RunFiles) -> Result<String, ExportError> {
+    let (folder, ending) = match format {
+        ExportFormat::Csv | ExportFormat::Parquet => (format!("{name}-csv"), "csv"),
+        ExportFormat::Vtu => (format!("{name}-text"), "vtu"),
+        ExportFormat::Xdmf => (format!("{name}-hdf5"), "h5"),
+    };
+    remove_older(files, &folder, ending)?;
+    let (mut listed, mut grids) = (Vec::new(), Vec::new());
+    for (number, ListedFrame { time, path, .. }) in frames.iter().enumerate() {
+        let frame: FieldsRead = read_fields(path)?;
+        let file = format!("{folder}/{name}_{number:06}.{ending}");
+        let refused = |what: String| ReadError::new(path, format!("cannot be converted: {what}"), "choose another format");
+        match format {
+            ExportFormat::Csv | ExportFormat::Parquet => files.write(&file, node_table(&frame).to_csv())?,
+            ExportFormat::Vtu => files.write(&file, vtu_text(&frame))?,
+            ExportFormat::Xdmf => {
+                grids.push(grid(&frame, *time, &file).map_err(refused)?);
+                files.write(&file, hdf5(&frame).map_err(refused)?)?
+            }
+        };
+        listed.push((*time, file));
+    }
+    let list = match format {
+        // A table of the frames with their times, for the tables themselves have no place for one.
+        ExportFormat::Csv | ExportFormat::Parquet => {
+            let lines = listed.iter().map(|(time, file)| format!("{time:?},{file}\n"));
+            let list = format!("{name}-csv.csv");
+            files.write(&list, std::iter::once("time,file\n".to_string()).chain(lines).collect::<String>())?;
+            list
+        }
+        ExportFormat::Vtu => {
+            let list = format!("{name}-text.pvd");
+            files.write(&list, pvd(&listed))?;
+            list
+        }
+        ExportFormat::Xdmf => {
+            let list = format!("{name}.xdmf");
+            files.write(&list, xdmf(&grids))?;
+            list
+        }
+    };
+    Ok(list)
+}
+
+/// Removes the frames of an earlier conversion, of which there may have been more.
+fn remove_older(files: &RunFiles, folder: &str, ending: &str) -> Result<(), OutputError> {
+    let first = files.place(&format!("{folder}/first"))?;
+    for entry in first.parent().into_iter().flat_map(std::fs::read_dir).flatten().flatten() {
+        let path = entry.path();
+        let is_frame = path.extension().is_some_and(|found| found == ending) && entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_frame {
+            std::fs::remove_file(&path).map_err(|source| OutputError::Write { path: path.clone(), source })?;
+        }
+    }
+    Ok(())
+}

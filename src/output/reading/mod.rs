@@ -1,0 +1,10 @@
+//! Files of a run read back: tables, lists of frames, frames, the folder as a whole. Everything that a file claims is checked against
+//! its bytes, because a run may have been killed and files may have been edited.
+
+pub mod error;
+pub mod fields;
+pub mod folder;
+pub mod frames;
+pub mod parquet_table;
+pub mod table;
+pub mod tags;

@@ -1,0 +1,174 @@
+//! XDMF with HDF5: a series as a list in XML (`fields.xdmf`) with its numbers in one HDF5 file for each frame (`fields_000000.h5`).
+//!
+//! For programs that read HDF5 and not VTK (h5py, MATLAB, Julia), and for meshio and ParaView as well. The grid stands in every file, so
+//! that each is whole by itself. Symmetric tensors are in the order xx, xy, xz, yy, yz, zz. (XDMF model and format, version 3; cells of
+//! several kinds are written as `Mixed`.)
+
+use std::fmt::Write as _;
+
+use hdf5_pure::FileBuilder;
+
+use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
+
+/// A kind of cells: VTK's number, XDMF's number and name, nodes.
+const KINDS: [(u8, i64, &str, usize); 8] = [
+    (3, 2, "Polyline", 2),
+    (5, 4, "Triangle", 3),
+    (9, 5, "Quadrilateral", 4),
+    (10, 6, "Tetrahedron", 4),
+    (12, 9, "Hexahedron", 8),
+    (22, 36, "Triangle_6", 6),
+    (23, 37, "Quadrilateral_8", 8),
+    (28, 35, "Quadrilateral_9", 9),
+];
+
+/// The topology of a frame: name, and its numbers with their width.
+struct Topology {
+    name: &'static str,
+    numbers: Vec<i64>,
+    width: usize,
+}
+
+fn topology(frame: &FieldsRead) -> Result<Topology, String> {
+    let kind = |vtk: u8| KINDS.iter().find(|kind| kind.0 == vtk).ok_or_else(|| format!("cells of VTK's kind {vtk} have no name in XDMF"));
+    let mut kinds: Vec<u8> = frame.cells().map(|(kind, _)| kind).collect();
+    kinds.dedup();
+    if let [one] = kinds[..] {
+        let &(_, _, name, width) = kind(one)?;
+        return Ok(Topology { name, numbers: frame.cells().flat_map(|(_, nodes)| nodes.iter().copied()).collect(), width });
+    }
+    let mut numbers = Vec::new();
+    for (vtk, nodes) in frame.cells() {
+        let &(_, number, ..) = kind(vtk)?;
+        numbers.push(number);
+        if vtk == 3 {
+            numbers.push(nodes.len() as i64);
+        }
+        numbers.extend(nodes);
+    }
+    Ok(Topology { name: "Mixed", width: 1, numbers })
+}
+
+/// The HDF5 file of a frame: `points`, `topology`, and every field under its name.
+///
+/// # Errors
+/// What the format refuses, in words.
+pub fn hdf5(frame: &FieldsRead) -> Result<Vec<u8>, String> {
+    let mut file = FileBuilder::new();
+    let topology = topology(frame)?;
+    let rows = (topology.numbers.len() / topology.width) as u64;
+    let shape = if topology.width > 1 { vec![rows, topology.width as u64] } else { vec![rows] };
+    file.create_dataset("topology").with_i64_data(&topology.numbers).with_shape(&shape);
+    for array in frame.arrays.iter().filter(|array| array.section != Section::Cells) {
+        let shape = shape_of(array);
+        let dataset = file.create_dataset(&dataset_of(array));
+        match &array.numbers {
+            Numbers::Reals(values) if array.components == 6 => dataset.with_f64_data(&as_tensors(values)).with_shape(&shape),
+            Numbers::Reals(values) => dataset.with_f64_data(values).with_shape(&shape),
+            Numbers::Integers(values) => dataset.with_i64_data(values).with_shape(&shape),
+        };
+    }
+    file.finish().map_err(|error| error.to_string())
+}
+
+/// Symmetric tensors xx, yy, zz, xy, yz, xz in the order of XDMF: xx, xy, xz, yy, yz, zz.
+fn as_tensors(values: &[f64]) -> Vec<f64> {
+    values.chunks_exact(6).flat_map(|tensor| [0, 3, 5, 1, 4, 2].map(|component| tensor[component])).collect()
+}
+
+fn shape_of(array: &ArrayRead) -> Vec<u64> {
+    let rows = (array.numbers.len() / array.components) as u64;
+    if array.components > 1 { vec![rows, array.components as u64] } else { vec![rows] }
+}
+
+/// Name of an array's data set; a field of cells may have the name of one of points.
+fn dataset_of(array: &ArrayRead) -> String {
+    match array.section {
+        Section::Points => "points".into(),
+        Section::CellData => format!("cell_{}", array.name),
+        _ => array.name.clone(),
+    }
+}
+
+/// A frame's part of the list; `file`: path of its HDF5 file relative to the list.
+///
+/// # Errors
+/// Cells that have no name in XDMF.
+pub fn grid(frame: &FieldsRead, time: f64, file: &str) -> Result<String, String> {
+    let Topology { name, numbers, width } = topology(frame)?;
+    let file = file.replace('&', "&amp;").replace('<', "&lt;");
+    let item = |kind: &str, shape: &[u64], dataset: &str| {
+        let shape: Vec<String> = shape.iter().map(u64::to_string).collect();
+        let shape = shape.join(" ");
+        format!("<DataItem DataType=\"{kind}\" Precision=\"8\" Dimensions=\"{shape}\" Format=\"HDF\">{file}:/{dataset}</DataItem>")
+    };
+    let mut text = String::new();
+    let _ = writeln!(text, "      <Grid Name=\"grid\" GridType=\"Uniform\">\n        <Time Value=\"{time:?}\"/>");
+    let rows = (numbers.len() / width) as u64;
+    let shape = if width > 1 { vec![rows, width as u64] } else { vec![rows] };
+    let nodes = if name == "Polyline" { " NodesPerElement=\"2\"" } else { "" };
+    let data = item("Int", &shape, "topology");
+    let _ = writeln!(
+        text,
+        "        <Topology TopologyType=\"{name}\" NumberOfElements=\"{}\"{nodes}>\n          {data}\n        </Topology>",
+        frame.cells
+    );
+    for array in frame.arrays.iter().filter(|array| array.section != Section::Cells) {
+        let kind = if matches!(array.numbers, Numbers::Reals(_)) { "Float" } else { "Int" };
+        let data = item(kind, &shape_of(array), &dataset_of(array));
+        if array.section == Section::Points {
+            let _ = writeln!(text, "        <Geometry GeometryType=\"XYZ\">\n          {data}\n        </Geometry>");
+            continue;
+        }
+        let rank = match array.components {
+            1 => "Scalar",
+            3 => "Vector",
+            6 => "Tensor6",
+            _ => "Matrix",
+        };
+        let center = if array.section == Section::CellData { "Cell" } else { "Node" };
+        let _ = writeln!(
+            text,
+            "        <Attribute Name=\"{}\" AttributeType=\"{rank}\" Center=\"{center}\">\n          {data}\n        </Attribute>",
+            array.name
+        );
+    }
+    text.push_str("      </Grid>\n");
+    Ok(text)
+}
+
+/// The list of a series with its frames' parts.
+pub fn xdmf(grids: &[String]) -> String {
+    let head = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n    \
+                <Grid Name=\"series\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+    format!("{head}{}    </Grid>\n  </Domain>\n</Xdmf>\n", grids.concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::reading::fields::fields_of;
+    use super::super::samples::{block, ring};
+    use super::super::vtu::Frame;
+    use super::*;
+
+    #[test]
+    fn data_sets_hold_the_arrays_bit_by_bit() {
+        let read = |frame: Frame| fields_of(Path::new("x"), &frame.encode()).unwrap();
+        let bodies = [ring("ring", [1.0, 1.5], [2, 8]), block([1, 1, 1], [1.0; 3])];
+        let mixed = read(Frame::new(0.5, &bodies));
+        let file = hdf5_pure::File::from_bytes(hdf5(&mixed).unwrap()).unwrap();
+        let stress = file.dataset("stress").unwrap();
+        assert_eq!(stress.shape().unwrap(), [mixed.points as u64, 6]);
+        let tensors = bodies.iter().flat_map(|body| &body.stress).flat_map(|&[xx, yy, zz, xy, yz, xz]| [xx, xy, xz, yy, yz, zz]);
+        assert_eq!(stress.read_f64().unwrap(), tensors.collect::<Vec<_>>());
+        let numbers = file.dataset("topology").unwrap().read_i64().unwrap();
+        assert_eq!((numbers.len(), numbers[0], numbers[16 * 5]), (16 * 5 + 9, 5, 9));
+        let one = read(Frame::new(0.5, &bodies[..1]));
+        let text = xdmf(&[grid(&one, 0.5, "fields/a&b.h5").unwrap()]);
+        assert!(text.contains("TopologyType=\"Quadrilateral\" NumberOfElements=\"16\""), "{text}");
+        assert!(text.contains("Dimensions=\"16 4\" Format=\"HDF\">fields/a&amp;b.h5:/topology</DataItem>"), "{text}");
+        assert!(text.contains("<Attribute Name=\"body\" AttributeType=\"Scalar\" Center=\"Cell\">"), "{text}");
+    }
+}

@@ -1,0 +1,62 @@
+//! `sim.table`: columns of the history as a file for other programs, CSV or Parquet as its ending says.
+
+use super::handle::SimulationHandle;
+use super::writing::{chosen_columns, path_parameter, write};
+use crate::dynamics::LedgerRow;
+use crate::output::{Column, Table, parquet};
+use crate::script::api::examples::flight_example;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// `table`: chosen columns as they are now.
+pub fn table() -> Function {
+    Function {
+        name: "table",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "writes columns of the history so far as a table, as CSV or Parquet as the ending says; a value that does not exist, such \
+                  as a force before the first step, is an empty field or a null",
+        parameters: vec![
+            path_parameter("a `.csv` or `.parquet` file below the output folder"),
+            Parameter::new("columns", Kind::Any, "the name of a column, or an array of names").or(Absent::Means("all columns")),
+        ],
+        returns: "",
+        example: flight_example(
+            "sim.run_to(0.05);\nsim.table(\"energies.csv\", [\"time\", \"kinetic\", \"strain\"]);\nsim.table(\"all.parquet\");",
+        ),
+        see_also: &["history", "plot", "probe"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            let table = columns(call, &handle)?;
+            let is_parquet = call.text("path")?.ends_with(".parquet");
+            let content = || match is_parquet {
+                true => parquet(&table).map_err(|refused| call.fail("the table cannot be written as Parquet").cause(refused)),
+                false => Ok(table.to_csv()),
+            };
+            Ok(write(call, Some(&handle), &[".csv", ".parquet"], content)?)
+        }),
+    }
+}
+
+/// The columns that the call names, each once.
+fn columns(call: &Call, handle: &SimulationHandle) -> Result<Table, Failure> {
+    let argument = call.argument("columns");
+    let chosen = if argument.is_given() {
+        chosen_columns(call, handle)?
+    } else {
+        let all = handle.columns().into_iter();
+        all.map(|name| (handle.column(&name).unwrap_or_default(), name)).map(|(values, name)| (name, values)).collect()
+    };
+    for (index, (name, _)) in chosen.iter().enumerate() {
+        if chosen[..index].iter().any(|(other, _)| other == name) {
+            let failure = argument.fail(format!("the column `{name}` is named twice"));
+            return Err(failure.hint("a table has each column once"));
+        }
+    }
+    let ledger = LedgerRow::columns(handle.0.model.model.dimension());
+    let column = |(name, values): (String, Vec<f64>)| Column::of_history(&name, values, ledger.contains(&name.as_str()));
+    Ok(Table { columns: chosen.into_iter().map(column).collect() })
+}
