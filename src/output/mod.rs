@@ -14,6 +14,8 @@ mod obstacles;
 mod picture;
 mod plot;
 mod pvd;
+mod recording;
+mod report;
 mod summary;
 mod vtu;
 mod writer;
@@ -30,6 +32,8 @@ pub use obstacles::Surroundings;
 pub use picture::{Component, Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use pvd::{FieldSeries, pvd};
+pub use recording::{Recording, Skin, Still, shapes};
+pub use report::{Report, Table, kept_rows, report};
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
 };

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::columns::{further_values, model_columns};
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
-use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, RunFiles, Surroundings};
+use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, Recording, RunFiles, Surroundings};
 use crate::script::api::asides::is_study;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
@@ -23,6 +23,7 @@ pub struct Artifacts {
     series: FieldWriter,
     /// Where there are rigid obstacles, their frames and the extent of the bodies beside them.
     obstacles: Option<(FieldSeries, Surroundings)>,
+    recording: Recording,
     model: Model,
     every: Option<f64>,
     frames: usize,
@@ -53,7 +54,8 @@ impl Artifacts {
             csv.append(row, &further_values(model, row))?;
             let series = FieldWriter::new(FieldSeries::create(&files, "fields.pvd")?);
             let obstacles = obstacle_series(&files, model)?;
-            Ok(Artifacts { files, csv, series, obstacles, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
+            let recording = Recording::new(model, None);
+            Ok(Artifacts { files, csv, series, obstacles, recording, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
@@ -63,6 +65,9 @@ impl Artifacts {
     /// # Errors
     /// A file that cannot be written.
     pub fn begin(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let begun = Instant::now();
+        self.recording.begin(simulation, self.csv.rows() - 1);
+        self.spent += begun.elapsed();
         if self.frames == 0 { self.frame(simulation) } else { Ok(()) }
     }
 
@@ -74,8 +79,11 @@ impl Artifacts {
         let begun = Instant::now();
         self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
         self.series.check().map_err(|error| output_failure(&error))?;
-        self.spent += begun.elapsed();
         // Only the last of several pieces of a step has fields, because the simulation stands there.
+        if row.time == simulation.time() {
+            self.recording.advanced(simulation, self.csv.rows() - 1);
+        }
+        self.spent += begun.elapsed();
         let due = self.every.is_some_and(|every| {
             let last = self.series.last().unwrap_or(f64::NEG_INFINITY);
             row.time == simulation.time() && (row.time / every + SAME_MOMENT).floor() > (last / every + SAME_MOMENT).floor()
@@ -83,11 +91,11 @@ impl Artifacts {
         if due { self.frame(simulation) } else { Ok(()) }
     }
 
-    /// Puts another history in place of the one on disk.
+    /// Puts another history in place of the one on disk; `simulation` stands at its last row.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn rewrite(&mut self, before: &[LedgerRow], after: &[LedgerRow]) -> Result<(), Failure> {
+    pub fn rewrite(&mut self, before: &[LedgerRow], after: &[LedgerRow], simulation: &Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
         let same = before.iter().zip(after).take_while(|(a, b)| a == b).count();
         let mut rewrite = || {
@@ -95,6 +103,10 @@ impl Artifacts {
             after[same..].iter().try_for_each(|row| self.csv.append(row, &further_values(&self.model, row)))
         };
         rewrite().map_err(|error| output_failure(&error))?;
+        self.recording.keep(same);
+        if after.len() > same {
+            self.recording.advanced(simulation, after.len() - 1);
+        }
         self.spent += begun.elapsed();
         Ok(())
     }
@@ -150,6 +162,16 @@ impl Artifacts {
         let refused = self.wait();
         let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
         refused.and(frame).and(self.wait())
+    }
+
+    /// What is kept for the animation.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Counts time that was spent on a file before it was written.
+    pub fn count(&mut self, spent: Duration) {
+        self.spent += spent;
     }
 
     /// Time spent on them.

@@ -236,8 +236,8 @@ impl SimulationHandle {
     /// # Errors
     /// A file that cannot be written.
     pub fn replace_history(&self, rows: Vec<LedgerRow>) -> Result<(), Failure> {
-        if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
-            artifacts.rewrite(&self.0.history.borrow(), &rows)?;
+        if let (Some(artifacts), Ok(simulation)) = (self.0.artifacts.borrow_mut().as_mut(), self.0.simulation.try_borrow()) {
+            artifacts.rewrite(&self.0.history.borrow(), &rows, &simulation)?;
         }
         *self.0.history.borrow_mut() = rows;
         Ok(())

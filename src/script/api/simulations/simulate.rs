@@ -217,7 +217,7 @@ pub fn create(
     let mut artifacts =
         Artifacts::create(call.host, is_first, &model.model, &name, fields_every, &history[0], probe_columns(&model.model, &probes))?;
     if let Some(artifacts) = &mut artifacts {
-        artifacts.rewrite(&history[..1], &history)?;
+        artifacts.rewrite(&history[..1], &history, &simulation)?;
     }
     let data = SimulationData {
         place: call.place(&Target::Call),
