@@ -25,6 +25,8 @@ const STILLS: usize = 200;
 /// Bytes that the stills may take where nothing else is asked for, and the stills that are allowed even if they take more.
 const BYTES: usize = 24 << 20;
 const FEWEST: usize = 40;
+/// Spacing that is chosen beforehand at most.
+const FORESIGHT: usize = 4;
 /// Largest number of a component.
 const TOP: f64 = 65535.0;
 
@@ -163,6 +165,16 @@ impl Recording {
         &self.stills
     }
 
+    /// Tells a recording that has hardly begun that so many nominal steps are to come: it then begins with the spacing to which they lead,
+    /// or with one still in [`FORESIGHT`] steps if that is less, because a run may end early.
+    pub fn expect(&mut self, steps: f64) {
+        if self.stills.len() <= 1 && self.steps == 0 && self.spacing == 1 {
+            while self.spacing < FORESIGHT && steps / self.spacing as f64 > self.most as f64 {
+                self.spacing *= 2;
+            }
+        }
+    }
+
     /// Before the first step: the state at the start, whose row of the history is `row`.
     pub fn begin(&mut self, simulation: &Simulation, row: usize) {
         if self.stills.is_empty() {
@@ -209,10 +221,8 @@ impl Recording {
         let mut pressing: f64 = 0.0;
         for (body, skin) in bodies.iter().zip(&self.bodies) {
             pack_into(&mut bytes, body, skin);
-            for ((_, _, field), [low, high]) in Field::ALL.iter().zip(&mut extremes) {
-                for value in skin.nodes.iter().map(|&node| field.value(body, node as usize)).filter(|value| value.is_finite()) {
-                    (*low, *high) = (low.min(value), high.max(value));
-                }
+            for ([low, high], [least, greatest]) in extremes.iter_mut().zip(extremes_of(body, skin)) {
+                (*low, *high) = (low.min(least), high.max(greatest));
             }
             pressing = body.contact_pressure.iter().fold(pressing, |longest, pressure| longest.max(pressure.abs()));
         }
@@ -233,6 +243,29 @@ fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 2])> {
     placed.iter().map(|obstacle| (number(&obstacle.shape), obstacle.translation)).collect()
 }
 
+/// Least and greatest value of each field of [`Field::ALL`], in its order. Lengths are compared by their squares: this runs at most steps.
+fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
+    let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; Field::ALL.len()];
+    for node in skin.nodes.iter().map(|&node| node as usize) {
+        let [xx, yy, zz, xy, yz, xz] = body.stress[node];
+        let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+        let square = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
+        let values = [
+            0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz),
+            -(xx + yy + zz) / 3.0,
+            body.contact_pressure[node],
+            square(body.displacement[node]),
+            square(body.velocity[node]),
+        ];
+        for ([low, high], value) in all.iter_mut().zip(values.into_iter().chain(body.stress[node])) {
+            // What is no number leaves them as they are.
+            (*low, *high) = (low.min(value), high.max(value));
+        }
+    }
+    [0, 3, 4].iter().for_each(|&squared: &usize| all[squared] = all[squared].map(f64::sqrt));
+    all.to_vec()
+}
+
 fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
     let dimension = skin.dimension;
     let value = |component: usize, node: usize| match component {
@@ -240,7 +273,9 @@ fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
         c if c < 2 * dimension => body.velocity[node][c - dimension],
         c => body.stress[node][skin.stresses()[c - 2 * dimension]],
     };
-    let (mut high, mut low) = (Vec::new(), Vec::new());
+    let count = skin.components() * skin.nodes.len();
+    bytes.reserve(8 * skin.components() + 2 * count);
+    let (mut high, mut low) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for component in 0..skin.components() {
         let values = || skin.nodes.iter().map(|&node| value(component, node as usize));
         let finite = values().filter(|value| value.is_finite());
@@ -277,5 +312,28 @@ impl Still {
     /// Its bytes, as the head of this file describes them.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{block, ring};
+    use super::*;
+
+    fn skin(body: &BodyFields) -> Skin {
+        Skin::new(&body.mesh)
+    }
+
+    #[test]
+    fn extremes_are_those_of_the_fields() {
+        for body in [ring("ring", [1.0, 1.5], [3, 20]), block([2, 3, 4], [1.0, 2.0, 3.0])] {
+            let skin = skin(&body);
+            for ((name, _, field), [low, high]) in Field::ALL.iter().zip(extremes_of(&body, &skin)) {
+                let values = || skin.nodes.iter().map(|&node| field.value(&body, node as usize));
+                let scale = values().fold(1.0, |scale: f64, value| scale.max(value.abs()));
+                assert!((values().fold(f64::INFINITY, f64::min) - low).abs() <= 1e-12 * scale, "{name}");
+                assert!((values().fold(f64::NEG_INFINITY, f64::max) - high).abs() <= 1e-12 * scale, "{name}");
+            }
+        }
     }
 }

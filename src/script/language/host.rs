@@ -151,8 +151,12 @@ impl Host {
         warning.place = warning.place.map(|place| self.sources.relocate(place));
         let key = format!("{} {}", warning.title, warning.place.as_ref().map(ToString::to_string).unwrap_or_default());
         if !self.warned.borrow().iter().any(|(known, _)| *known == key) {
-            self.warned.borrow_mut().push((key, warning.render(Ink::Plain)));
             self.observer.warn(&warning);
+            // For files, with the names of scripts only: folders differ between machines.
+            if let Some(place) = &mut warning.place {
+                place.source = place.source.rsplit(['/', '\\']).next().unwrap_or_default().into();
+            }
+            self.warned.borrow_mut().push((key, warning.render(Ink::Plain)));
         }
     }
 

@@ -15,15 +15,21 @@ const element = (tag, properties = {}, ...children) => {
   return made;
 };
 
+// The name of the language of the plots; nothing is loaded from there.
+const NAMESPACE = "http://www.w3.org/2000/svg";
+
 const svg = (tag, attributes = {}, ...children) => {
-  const made = document.createElementNS("http:" + "//www.w3.org/2000/svg", tag);
+  const made = document.createElementNS(NAMESPACE, tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
   made.append(...children);
   return made;
 };
 
 // The fewest digits that read back as the same number, as in history.csv; nothing where there is no value.
-const exact = (value) => Number.isNaN(value) || value === null ? "–" : String(value);
+const exact = (value) => {
+  if (value === null || Number.isNaN(value)) return "–";
+  return value !== 0 && Math.abs(value) < 1e-4 ? value.toExponential() : String(value);
+};
 
 // A number to read.
 const brief = (value, digits = 4) => {

@@ -160,9 +160,11 @@ class Page {
     $("scale-low").textContent = brief(range[0]);
     $("scale-middle").textContent = brief(0.5 * (range[0] + range[1]));
     $("scale-high").textContent = brief(range[1]);
+    const hasArrows = $("arrows").checked && !$("arrows-label").hidden;
+    $("arrow-key").textContent = hasArrows ? `→ contact pressure, longest of the run ${brief(this.data.pressing)}` : "";
     const typed = $("factor").value.trim() === "" ? NaN : Number($("factor").value);
     this.scene.draw({
-      field: field.name, range, factor: Number.isFinite(typed) ? typed : 1, hasMesh: $("mesh").checked, hasArrows: $("arrows").checked,
+      field: field.name, range, factor: Number.isFinite(typed) ? typed : 1, hasMesh: $("mesh").checked, hasArrows,
       isUndeformed: $("undeformed").checked, theme: this.theme(), obstacles: this.data.stills[this.still].obstacles,
     });
     this.redraws += 1;

@@ -16,6 +16,15 @@ use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
 
+/// What is kept of a run.
+#[derive(Clone, Copy)]
+pub struct Keeping {
+    /// Time between two frames of the fields.
+    pub fields_every: Option<f64>,
+    /// Stills of the recording at most.
+    pub stills: Option<usize>,
+}
+
 /// The files of a simulation.
 pub struct Artifacts {
     files: RunFiles,
@@ -40,7 +49,7 @@ impl Artifacts {
         is_first: bool,
         model: &Model,
         name: &str,
-        every: Option<f64>,
+        keeping: Keeping,
         row: &LedgerRow,
         probes: Vec<String>,
     ) -> Result<Option<Self>, Failure> {
@@ -54,19 +63,20 @@ impl Artifacts {
             csv.append(row, &further_values(model, row))?;
             let series = FieldWriter::new(FieldSeries::create(&files, "fields.pvd")?);
             let obstacles = obstacle_series(&files, model)?;
-            let recording = Recording::new(model, None);
+            let (recording, every) = (Recording::new(model, keeping.stills), keeping.fields_every);
             Ok(Artifacts { files, csv, series, obstacles, recording, model: model.clone(), every, frames: 0, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
 
-    /// Before the first step: the first frame of the fields.
+    /// Before steps, until `end` if that is known: the first frame of the fields.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn begin(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+    pub fn begin(&mut self, simulation: &Simulation, end: Option<f64>) -> Result<(), Failure> {
         let begun = Instant::now();
         self.recording.begin(simulation, self.csv.rows() - 1);
+        self.recording.expect(end.map_or(0.0, |end| (end - simulation.time()) / simulation.options().dt));
         self.spent += begun.elapsed();
         if self.frames == 0 { self.frame(simulation) } else { Ok(()) }
     }
@@ -162,6 +172,11 @@ impl Artifacts {
         let refused = self.wait();
         let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
         refused.and(frame).and(self.wait())
+    }
+
+    /// Goes on from what was kept before: that of the simulation from which this one branched off.
+    pub fn record_behind(&mut self, recording: Recording) {
+        self.recording = recording;
     }
 
     /// What is kept for the animation.

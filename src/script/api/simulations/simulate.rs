@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::Artifacts;
+use super::artifacts::{Artifacts, Keeping};
 use super::columns::{Probe, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use crate::dynamics::{LedgerRow, Model, Options, Simulation};
@@ -97,6 +97,14 @@ fn simulate() -> Function {
                     )
                     .or(Absent::Means("the first and the last state only")),
                     Parameter::new(
+                        "stills",
+                        Kind::Integer,
+                        "how many pictures of the run are kept at most for the animation of `report.html`; whenever there are more, every \
+                         second one is dropped",
+                    )
+                    .within(Interval::Closed(2.0, 5000.0))
+                    .or(Absent::Means("200, and fewer of large models")),
+                    Parameter::new(
                         "accept_overlap",
                         Kind::Flag,
                         "whether bodies that overlap at the start are meant to; without it, the first step refuses them unless `settle` \
@@ -127,6 +135,8 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     kernel.interrupt = Some(call.host.settings.interrupt.clone());
     kernel.progress = Some(call.host.settings.factorization.clone());
     let fields_every = options.optional_number("fields_every")?;
+    let stills = options.argument("stills");
+    let stills = if stills.is_given() { Some(stills.integer()? as usize) } else { None };
     let accepts_overlap = options.flag("accept_overlap")?;
     check_overrides(call.host, call.engine(), false)?;
     let model = original.0.borrow().clone();
@@ -153,7 +163,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = vec![simulation.row().clone()];
     let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
-    let handle = create(call, model, simulation, motion, fields_every, course)?;
+    let handle = create(call, model, simulation, motion, Keeping { fields_every, stills }, course)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
     handle.note_contact();
     keep_model(call.host, &original);
@@ -209,13 +219,13 @@ pub fn create(
     model: ModelData,
     simulation: Simulation,
     motion: Option<Motion>,
-    fields_every: Option<f64>,
+    keeping: Keeping,
     Course { history, probes, spent }: Course,
 ) -> Result<SimulationHandle, Failure> {
     let name = unique_name(call.host, &model.model.name);
     let is_first = Simulations::of(call.host).0.borrow().is_empty();
     let mut artifacts =
-        Artifacts::create(call.host, is_first, &model.model, &name, fields_every, &history[0], probe_columns(&model.model, &probes))?;
+        Artifacts::create(call.host, is_first, &model.model, &name, keeping, &history[0], probe_columns(&model.model, &probes))?;
     if let Some(artifacts) = &mut artifacts {
         artifacts.rewrite(&history[..1], &history, &simulation)?;
     }
@@ -231,7 +241,7 @@ pub fn create(
         overlaps: RefCell::default(),
         simulation: RefCell::new(simulation),
         history: RefCell::new(history),
-        fields_every,
+        keeping,
         cure: RefCell::default(),
         past: RefCell::default(),
         probes: RefCell::new(probes),
