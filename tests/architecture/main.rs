@@ -31,6 +31,7 @@ const FLOORS: &[&[&str]] = &[
 const OWNERS: &[(&str, &[&str])] = &[
     ("annotate-snippets", &["script"]),
     ("clap", &["cli"]),
+    ("base64", &["output"]),
     ("csv", &["output"]),
     ("faer", &["linear"]),
     ("pulp", &["math", "linear"]),
