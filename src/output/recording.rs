@@ -166,7 +166,7 @@ impl Recording {
     }
 
     /// Tells a recording that has hardly begun that so many nominal steps are to come: it then begins with the spacing to which they lead,
-    /// or with one still in [`FORESIGHT`] steps if that is less, because a run may end early.
+    /// or with one still in four steps if that is less, because a run may end early.
     pub fn expect(&mut self, steps: f64) {
         if self.stills.len() <= 1 && self.steps == 0 && self.spacing == 1 {
             while self.spacing < FORESIGHT && steps / self.spacing as f64 > self.most as f64 {
