@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::files::{OutputError, RunFiles};
+use super::recording::Recording;
 use crate::dynamics::{LedgerRow, SettleReport, State, Tally};
 use crate::math::simd::instructions;
 
@@ -143,6 +144,8 @@ pub struct Course {
     pub reached: (usize, f64),
     /// What it has counted.
     pub tally: Tally,
+    /// Its stills.
+    pub recording: Option<Recording>,
 }
 
 /// A checkpoint.

@@ -20,6 +20,8 @@ mod picture;
 mod plot;
 mod pvd;
 mod reading;
+mod recording;
+mod report;
 mod summary;
 mod table;
 mod vtu;
@@ -48,6 +50,8 @@ pub use reading::folder::{RunFolder, read_summary, runs_below};
 pub use reading::frames::{ListedFrame, read_frames};
 pub use reading::parquet_table::read_parquet;
 pub use reading::table::{TableRead, read_table};
+pub use recording::{Recording, Skin, Still, shapes};
+pub use report::{Report, ReportTable, kept_rows, report};
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
 };

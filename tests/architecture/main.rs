@@ -32,6 +32,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("annotate-snippets", &["script"]),
     ("clap", &["cli"]),
     ("crc32fast", &["output"]),
+    ("base64", &["output"]),
     ("csv", &["output"]),
     ("faer", &["linear"]),
     ("pulp", &["math", "linear"]),

@@ -12,7 +12,7 @@ use std::sync::atomic::Ordering;
 
 use rhai::{Engine, NativeCallContextStore, Position};
 
-use super::diagnostics::Diagnostic;
+use super::diagnostics::{Diagnostic, Ink};
 use super::failure::{Failure, interrupted};
 use super::observer::Observer;
 use super::sandbox::Sandbox;
@@ -40,7 +40,8 @@ pub struct Host {
     engine: RefCell<Weak<RefCell<Engine>>>,
     module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
     loading: RefCell<Vec<Vec<String>>>,
-    warned: RefCell<Vec<String>>,
+    /// Keys and texts of the warnings.
+    warned: RefCell<Vec<(String, String)>>,
     passed: RefCell<Vec<String>>,
     effects: Cell<u64>,
     /// Changes after which the script is stopped.
@@ -149,10 +150,19 @@ impl Host {
     pub fn warn(&self, mut warning: Diagnostic) {
         warning.place = warning.place.map(|place| self.sources.relocate(place));
         let key = format!("{} {}", warning.title, warning.place.as_ref().map(ToString::to_string).unwrap_or_default());
-        if !self.warned.borrow().contains(&key) {
-            self.warned.borrow_mut().push(key);
+        if !self.warned.borrow().iter().any(|(known, _)| *known == key) {
             self.observer.warn(&warning);
+            // For files, with the names of scripts only: folders differ between machines.
+            if let Some(place) = &mut warning.place {
+                place.source = place.source.rsplit(['/', '\\']).next().unwrap_or_default().into();
+            }
+            self.warned.borrow_mut().push((key, warning.render(Ink::Plain)));
         }
+    }
+
+    /// What was warned of so far.
+    pub fn warnings(&self) -> Vec<String> {
+        self.warned.borrow().iter().map(|(_, text)| text.clone()).collect()
     }
 
     /// Reports a check that holds, the first time that it does: in a loop or after every step it is asked often.

@@ -10,12 +10,21 @@ use std::time::{Duration, Instant};
 use super::columns::{further_values, model_columns};
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
-use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, RunFiles, Surroundings};
+use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, Recording, RunFiles, Surroundings};
 use crate::script::api::asides::is_study;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
+
+/// What is kept of a run.
+#[derive(Clone, Copy)]
+pub struct Keeping {
+    /// Time between two frames of the fields.
+    pub fields_every: Option<f64>,
+    /// Stills of the recording at most.
+    pub stills: Option<usize>,
+}
 
 /// The files of a simulation.
 pub struct Artifacts {
@@ -26,6 +35,7 @@ pub struct Artifacts {
     obstacles: Option<(FieldSeries, Surroundings)>,
     /// Where there are contacts, the frames of their secondary surfaces.
     contacts: Option<FieldSeries>,
+    recording: Recording,
     model: Model,
     every: Option<f64>,
     frames: usize,
@@ -55,7 +65,7 @@ impl Artifacts {
         host: &Host,
         name: Option<&str>,
         model: &Model,
-        every: Option<f64>,
+        keeping: Keeping,
         row: &LedgerRow,
         probes: Vec<String>,
         start: Start,
@@ -73,17 +83,21 @@ impl Artifacts {
             let series = FieldWriter::new(open(&files, "fields.pvd")?);
             let obstacles = obstacle_series(&files, model, open)?;
             let contacts = optional_series(&files, "contacts.pvd", has_surfaces(model), open)?;
-            let model = model.clone();
-            Ok(Artifacts { files, csv, series, obstacles, contacts, model, every, frames: 0, recalls, spent: begun.elapsed() })
+            let (recording, every, model) = (Recording::new(model, keeping.stills), keeping.fields_every, model.clone());
+            Ok(Artifacts { files, csv, series, obstacles, contacts, recording, model, every, frames: 0, recalls, spent: begun.elapsed() })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
 
-    /// Before the first step: the first frame of the fields.
+    /// Before steps, until `end` if that is known: the first frame of the fields.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn begin(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+    pub fn begin(&mut self, simulation: &Simulation, end: Option<f64>) -> Result<(), Failure> {
+        let begun = Instant::now();
+        self.recording.begin(simulation, self.csv.rows() - 1);
+        self.recording.expect(end.map_or(0.0, |end| (end - simulation.time()) / simulation.options().dt));
+        self.spent += begun.elapsed();
         if self.frames == 0 { self.frame(simulation) } else { Ok(()) }
     }
 
@@ -95,8 +109,11 @@ impl Artifacts {
         let begun = Instant::now();
         self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
         self.series.check().map_err(|error| output_failure(&error))?;
-        self.spent += begun.elapsed();
         // Only the last of several pieces of a step has fields, because the simulation stands there.
+        if row.time == simulation.time() && !self.recalls {
+            self.recording.advanced(simulation, self.csv.rows() - 1);
+        }
+        self.spent += begun.elapsed();
         let due = self.every.is_some_and(|every| {
             let last = self.series.last().unwrap_or(f64::NEG_INFINITY);
             row.time == simulation.time() && (row.time / every + SAME_MOMENT).floor() > (last / every + SAME_MOMENT).floor()
@@ -110,11 +127,11 @@ impl Artifacts {
         self.frame(simulation)
     }
 
-    /// Puts another history in place of the one on disk.
+    /// Puts another history in place of the one on disk; `simulation` stands at its last row.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn rewrite(&mut self, before: &[LedgerRow], after: &[LedgerRow]) -> Result<(), Failure> {
+    pub fn rewrite(&mut self, before: &[LedgerRow], after: &[LedgerRow], simulation: &Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
         let same = before.iter().zip(after).take_while(|(a, b)| a == b).count();
         let mut rewrite = || {
@@ -122,6 +139,12 @@ impl Artifacts {
             after[same..].iter().try_for_each(|row| self.csv.append(row, &further_values(&self.model, row)))
         };
         rewrite().map_err(|error| output_failure(&error))?;
+        if !self.recalls {
+            self.recording.keep(same);
+            if after.len() > same {
+                self.recording.advanced(simulation, after.len() - 1);
+            }
+        }
         self.spent += begun.elapsed();
         Ok(())
     }
@@ -160,10 +183,11 @@ impl Artifacts {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn go_on(&mut self) -> Result<(), Failure> {
+    pub fn go_on(&mut self, recording: Recording) -> Result<(), Failure> {
         if !std::mem::take(&mut self.recalls) {
             return Ok(());
         }
+        self.recording = recording;
         let listed = self.csv.rename("history.csv").and(self.series.list());
         let beside = self.obstacles.iter().map(|(series, _)| series).chain(&self.contacts).try_for_each(FieldSeries::list);
         listed.and(beside).map_err(|error| output_failure(&error))
@@ -172,6 +196,12 @@ impl Artifacts {
     /// Whether the steps so far are those of an earlier program.
     pub fn recalls(&self) -> bool {
         self.recalls
+    }
+
+    /// Whether a file is there that an earlier program has written at this step or a later one. What it shows of the course so far is not
+    /// known before steps are computed again.
+    pub fn has_written(&self, path: &str) -> bool {
+        self.recalls && self.files.place(path).is_ok_and(|place| place.is_file())
     }
 
     /// Takes over a frame that an earlier program has written.
@@ -220,6 +250,21 @@ impl Artifacts {
         let refused = self.wait();
         let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
         refused.and(frame).and(self.wait())
+    }
+
+    /// Goes on from what was kept before: that of the simulation from which this one branched off.
+    pub fn record_behind(&mut self, recording: Recording) {
+        self.recording = recording;
+    }
+
+    /// What is kept for the animation.
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Counts time that was spent on a file before it was written.
+    pub fn count(&mut self, spent: Duration) {
+        self.spent += spent;
     }
 
     /// Time spent on them.

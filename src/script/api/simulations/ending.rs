@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::artifacts::output_failure;
 use super::handle::{SimulationHandle, Simulations};
+use super::reports::{Ending, json, write_at_end};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
 use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
 use crate::script::api::parameters::Overrides;
@@ -61,16 +62,17 @@ fn finish_simulation(
         let picture = svg(&energies(&data.name, &history).draw());
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))?;
     }
+    let is_conserving = simulation.is_conserving(&history);
+    let is_well = outcome == COMPLETED && is_conserving;
+    let ended = if outcome == COMPLETED && !is_conserving { NOT_CONSERVING } else { outcome };
+    write_at_end(host, handle, Ending { outcome: ended.into(), is_well })?;
     let mut summary = Summary {
         bodies: data.model.model.bodies.len(),
         unknowns: simulation.unknowns(),
         wall_seconds: wall(begun, all),
         peak_memory_bytes: peak_memory_bytes(),
-        ..common(host, outcome)
+        ..common(host, ended)
     };
-    if summary.outcome == COMPLETED && !simulation.is_conserving(&history) {
-        summary.outcome = NOT_CONSERVING.into();
-    }
     summary.book(&EnergyAccount::of(&history));
     summary.count(&simulation.statistics());
     summary.tell(&simulation.findings(&history), simulation.halvings());
@@ -81,15 +83,9 @@ fn finish_simulation(
 }
 
 fn common(host: &Host, outcome: &str) -> Summary {
-    let json = |value: rhai::Dynamic| match (value.as_bool(), value.as_int(), value.as_float()) {
-        (Ok(flag), ..) => flag.into(),
-        (_, Ok(whole), _) => whole.into(),
-        (.., Ok(number)) => number.into(),
-        _ => value.to_string().into(),
-    };
     Summary {
         script: host.main.borrow().clone(),
-        parameters: host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(value))).collect(),
+        parameters: host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value))).collect(),
         version: env!("CARGO_PKG_VERSION").into(),
         outcome: outcome.into(),
         ..Summary::default()

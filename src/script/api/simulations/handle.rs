@@ -8,7 +8,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::artifacts::Artifacts;
+use super::artifacts::{Artifacts, Keeping};
 use super::columns::Probe;
 use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
 use crate::script::api::models::data::ModelData;
@@ -46,8 +46,8 @@ pub struct SimulationData {
     pub motion: Option<Motion>,
     /// Time spent in the kernels.
     pub spent: Cell<Duration>,
-    /// Time between two frames of the fields.
-    pub fields_every: Option<f64>,
+    /// What is kept of its run.
+    pub keeping: Keeping,
     /// How the failure of the last step that failed is mended.
     pub cure: RefCell<String>,
     /// States before the last steps, to go back to.
@@ -238,8 +238,8 @@ impl SimulationHandle {
     /// # Errors
     /// A file that cannot be written.
     pub fn replace_history(&self, rows: Vec<LedgerRow>) -> Result<(), Failure> {
-        if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
-            artifacts.rewrite(&self.0.history.borrow(), &rows)?;
+        if let (Some(artifacts), Ok(simulation)) = (self.0.artifacts.borrow_mut().as_mut(), self.0.simulation.try_borrow()) {
+            artifacts.rewrite(&self.0.history.borrow(), &rows, &simulation)?;
         }
         *self.0.history.borrow_mut() = rows;
         Ok(())

@@ -167,7 +167,9 @@ impl Journal {
             // Frames that the journal counts on are on the disk before it.
             handle.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), |artifacts| artifacts.wait())?;
             let (row, name) = (simulation.row(), handle.0.name.clone());
-            courses.push(Course { name, unknowns: simulation.unknowns(), reached: (row.step, row.time), tally: simulation.tally() });
+            let recording = handle.0.artifacts.borrow().as_ref().map(|artifacts| artifacts.recording().clone());
+            let (unknowns, reached, tally) = (simulation.unknowns(), (row.step, row.time), simulation.tally());
+            courses.push(Course { name, unknowns, reached, tally, recording });
             let last = pages.records.iter().rposition(|record| record.simulation == number);
             if let Some(last) = last.filter(|&last| pages.records[last].state.is_none() && pages.records[last].outcome != Outcome::Failed) {
                 pages.records[last].state = Some(simulation.shared_state());
@@ -272,12 +274,14 @@ impl SimulationHandle {
 /// From here on everything is computed: the simulations count on from what they had counted, and their files grow again.
 fn go_on(host: &Host, journal: &Journal) -> Result<(), Failure> {
     let courses = std::mem::take(&mut journal.0.borrow_mut().courses);
-    for (handle, course) in Simulations::of(host).0.borrow().iter().zip(&courses) {
+    for (handle, course) in Simulations::of(host).0.borrow().iter().zip(courses) {
         if let Ok(mut simulation) = handle.0.simulation.try_borrow_mut() {
             simulation.count_from(&course.tally);
-            handle.0.causes_seen.set(simulation.halvings().len());
         }
-        handle.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), |artifacts| artifacts.go_on())?;
+        handle.warn_of_large_motion(host);
+        if let (Some(artifacts), Some(recording)) = (handle.0.artifacts.borrow_mut().as_mut(), course.recording) {
+            artifacts.go_on(recording)?;
+        }
     }
     Ok(())
 }

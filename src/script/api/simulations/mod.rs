@@ -18,6 +18,7 @@ pub mod plots;
 pub mod probes;
 pub mod properties;
 pub mod reactions;
+pub mod reports;
 pub mod results;
 pub mod settling;
 pub mod simulate;

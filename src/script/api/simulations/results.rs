@@ -5,7 +5,7 @@ use rhai::Dynamic;
 use super::artifacts::has_surfaces;
 use super::handle::SimulationHandle;
 use super::writing::{chosen_columns, path_parameter, write, write_at};
-use super::{pictures, plots, tables};
+use super::{pictures, plots, reports, tables};
 use crate::dynamics::{Partner, Simulation};
 use crate::output::{Frame, Surroundings, braille_plot};
 use crate::script::api::examples::flight_example;
@@ -17,7 +17,15 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![write_fields(), tables::table(), plots::plot(), plots::plot_curves(), show(), pictures::picture_function()]
+    vec![
+        write_fields(),
+        tables::table(),
+        plots::plot(),
+        plots::plot_curves(),
+        show(),
+        pictures::picture_function(),
+        reports::report_function(),
+    ]
 }
 
 fn write_fields() -> Function {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::{Artifacts, Start};
+use super::artifacts::{Artifacts, Keeping, Start};
 use super::columns::{Probe, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::journal::Journal;
@@ -98,6 +98,14 @@ fn simulate() -> Function {
                     )
                     .or(Absent::Means("the first and the last state only")),
                     Parameter::new(
+                        "stills",
+                        Kind::Integer,
+                        "how many pictures of the run are kept at most for the animation of `report.html`; whenever there are more, every \
+                         second one is dropped",
+                    )
+                    .within(Interval::Closed(2.0, 5000.0))
+                    .or(Absent::Means("200, and fewer of large models")),
+                    Parameter::new(
                         "accept_overlap",
                         Kind::Flag,
                         "whether bodies that overlap at the start are meant to; without it, the first step refuses them unless `settle` \
@@ -128,6 +136,8 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     kernel.interrupt = Some(call.host.settings.interrupt.clone());
     kernel.progress = Some(call.host.settings.factorization.clone());
     let fields_every = options.optional_number("fields_every")?;
+    let stills = options.argument("stills");
+    let stills = if stills.is_given() { Some(stills.integer()? as usize) } else { None };
     let accepts_overlap = options.flag("accept_overlap")?;
     check_overrides(call.host, call.engine(), false)?;
     let model = original.0.borrow().clone();
@@ -154,7 +164,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = vec![simulation.row().clone()];
     let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
-    let handle = create(call, model, simulation, motion, fields_every, course)?;
+    let handle = create(call, model, simulation, motion, Keeping { fields_every, stills }, course)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
     handle.note_contact();
     keep_model(call.host, &original);
@@ -210,7 +220,7 @@ pub fn create(
     model: ModelData,
     simulation: Simulation,
     motion: Option<Motion>,
-    fields_every: Option<f64>,
+    keeping: Keeping,
     Course { history, probes, spent }: Course,
 ) -> Result<SimulationHandle, Failure> {
     let name = unique_name(call.host, &model.model.name);
@@ -218,9 +228,9 @@ pub fn create(
     let below = Some(name.as_str()).filter(|_| !Simulations::of(call.host).0.borrow().is_empty());
     let start = if Journal::of(call.host).is_recalling() { Start::Recalled } else { Start::Anew };
     let columns = probe_columns(&model.model, &probes);
-    let mut artifacts = Artifacts::create(call.host, below, &model.model, fields_every, &history[0], columns, start)?;
+    let mut artifacts = Artifacts::create(call.host, below, &model.model, keeping, &history[0], columns, start)?;
     if let Some(artifacts) = &mut artifacts {
-        artifacts.rewrite(&history[..1], &history)?;
+        artifacts.rewrite(&history[..1], &history, &simulation)?;
     }
     let data = SimulationData {
         place: call.place(&Target::Call),
@@ -234,7 +244,7 @@ pub fn create(
         overlaps: RefCell::default(),
         simulation: RefCell::new(simulation),
         history: RefCell::new(history),
-        fields_every,
+        keeping,
         cure: RefCell::default(),
         past: RefCell::default(),
         probes: RefCell::new(probes),

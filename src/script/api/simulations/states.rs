@@ -146,7 +146,10 @@ fn branch() -> Function {
             simulation.restore(&state);
             let (history, probes) = (handle.0.history.borrow().clone(), handle.0.probes.borrow().clone());
             let course = Course { history, probes, spent: begun.elapsed() };
-            let branch = create(call, model, simulation, motion, handle.0.fields_every, course)?;
+            let branch = create(call, model, simulation, motion, handle.0.keeping, course)?;
+            if let (Some(own), Some(original)) = (branch.0.artifacts.borrow_mut().as_mut(), handle.0.artifacts.borrow().as_ref()) {
+                own.record_behind(original.recording().clone());
+            }
             *branch.0.closed_since.borrow_mut() = handle.0.closed_since.borrow().clone();
             Ok(Dynamic::from(branch))
         }),

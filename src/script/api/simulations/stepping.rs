@@ -122,7 +122,7 @@ impl SimulationHandle {
         }
         self.refuse_nested(call)?;
         let from = self.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
-        self.begin(call)?;
+        self.begin(call, end)?;
         self.0.advancing.set(true);
         call.host.begin_steps();
         if end.is_none() {
@@ -222,10 +222,10 @@ impl SimulationHandle {
     }
 
     /// What comes before the first step: the first frame of the fields.
-    fn begin(&self, call: &Call) -> Result<(), Failure> {
+    fn begin(&self, call: &Call, end: Option<f64>) -> Result<(), Failure> {
         if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
             let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
-            artifacts.begin(&simulation)?;
+            artifacts.begin(&simulation, end)?;
         }
         Ok(())
     }

@@ -1,0 +1,339 @@
+//! A recording: what an animation of a run needs, kept beside the run and bounded in memory.
+//!
+//! A *still* is kept of every nominal step at first; whenever there are more than allowed, every second one is dropped and the spacing
+//! doubles. So which stills are there depends on the steps alone, never on the clock, and a long run costs what a short one does. A still
+//! holds displacement, velocity and stress of all nodes that can be seen (in space those of the hull) as 16-bit numbers between the
+//! extremes of each component: an error of 1/131072 of the range. It is the state's picture, not the state: nothing can be computed from it again.
+//!
+//! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
+//! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of
+//! the body (u32), for each its pressure and the vector of the pressure (f32). They are those of the report, which compresses them only.
+
+use std::fmt;
+use std::sync::Arc;
+
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::picture::{Field, Vectors};
+use crate::contact::Obstacle;
+use crate::dynamics::{BodyFields, Model, Partner, PlacedObstacle, Simulation};
+use crate::mesh::Mesh;
+
+/// Stills that are held at most where nothing else is asked for.
+const STILLS: usize = 200;
+/// Bytes that the stills may take where nothing else is asked for, and the stills that are allowed even if they take more.
+const BYTES: usize = 24 << 20;
+const FEWEST: usize = 40;
+/// Spacing that is chosen beforehand at most.
+const FORESIGHT: usize = 4;
+/// Largest number of a component.
+const TOP: f64 = 65535.0;
+
+/// Stills of a run so far. A value: keep it, restore it, go on from it to the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recording {
+    most: usize,
+    spacing: usize,
+    steps: usize,
+    stills: Vec<Arc<Still>>,
+    bodies: Vec<Skin>,
+}
+
+/// What is recorded of a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Skin {
+    /// Nodes that are recorded, in ascending order.
+    pub nodes: Vec<u32>,
+    /// Space dimension.
+    pub dimension: usize,
+}
+
+impl Skin {
+    fn new(mesh: &Mesh) -> Self {
+        let dimension = mesh.dimension();
+        let mut nodes: Vec<u32> = if dimension == 2 {
+            (0..mesh.points.len() as u32).collect()
+        } else {
+            mesh.hull().into_iter().flat_map(|facet| mesh.facet_nodes(facet).collect::<Vec<_>>()).collect()
+        };
+        nodes.sort_unstable();
+        nodes.dedup();
+        Skin { nodes, dimension }
+    }
+
+    /// Components of the stress that a body of this dimension has, as indices into [`BodyFields::stress`].
+    pub fn stresses(&self) -> &'static [usize] {
+        if self.dimension == 2 { &[0, 1, 2, 3] } else { &[0, 1, 2, 3, 4, 5] }
+    }
+
+    /// Numbers that are recorded of a node.
+    fn components(&self) -> usize {
+        2 * self.dimension + self.stresses().len()
+    }
+}
+
+/// A state of a run to look at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Still {
+    /// Row of the history that belongs to it.
+    pub row: usize,
+    /// Nominal steps before it.
+    steps: usize,
+    /// Time `[time]`.
+    pub time: f64,
+    /// Least and greatest value of each field of [`Field::ALL`] at the recorded nodes.
+    pub extremes: Vec<[f64; 2]>,
+    /// Longest vector of contact pressure `[stress]`.
+    pub pressing: f64,
+    /// Rigid obstacles: number of the shape among [`shapes`], translation.
+    pub obstacles: Vec<(usize, [f64; 2])>,
+    bytes: Bytes,
+}
+
+/// Bytes that are written as such.
+#[derive(Clone, PartialEq, Default)]
+struct Bytes(Vec<u8>);
+
+impl fmt::Debug for Bytes {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} bytes", self.0.len())
+    }
+}
+
+impl Serialize for Bytes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bytes(&self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Bytes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Reader;
+        impl<'de> Visitor<'de> for Reader {
+            type Value = Bytes;
+            fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+                out.write_str("bytes")
+            }
+            fn visit_bytes<E>(self, bytes: &[u8]) -> Result<Bytes, E> {
+                Ok(Bytes(bytes.to_vec()))
+            }
+            fn visit_byte_buf<E>(self, bytes: Vec<u8>) -> Result<Bytes, E> {
+                Ok(Bytes(bytes))
+            }
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut bytes: A) -> Result<Bytes, A::Error> {
+                let mut all = Vec::with_capacity(bytes.size_hint().unwrap_or(0));
+                while let Some(byte) = bytes.next_element()? {
+                    all.push(byte);
+                }
+                Ok(Bytes(all))
+            }
+        }
+        deserializer.deserialize_byte_buf(Reader)
+    }
+}
+
+/// The different shapes of a model's rigid obstacles.
+pub fn shapes(model: &Model) -> Vec<Obstacle> {
+    let mut shapes: Vec<Obstacle> = Vec::new();
+    for interaction in &model.interactions {
+        if let Partner::Obstacle { shape, .. } = &interaction.partner
+            && !shapes.contains(shape)
+        {
+            shapes.push(shape.clone());
+        }
+    }
+    shapes
+}
+
+impl Recording {
+    /// Of a model, with so many stills at most (2 at least); by default 200, or fewer where they would take too much memory.
+    pub fn new(model: &Model, most: Option<usize>) -> Self {
+        let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh)).collect();
+        let size: usize = bodies.iter().map(|skin| 2 * skin.components() * skin.nodes.len()).sum();
+        let most = most.unwrap_or_else(|| (BYTES / size.max(1)).clamp(FEWEST, STILLS)).max(2);
+        Recording { most, spacing: 1, steps: 0, stills: Vec::new(), bodies }
+    }
+
+    /// What is recorded of each body.
+    pub fn bodies(&self) -> &[Skin] {
+        &self.bodies
+    }
+
+    /// The stills so far, in the order of time.
+    pub fn stills(&self) -> &[Arc<Still>] {
+        &self.stills
+    }
+
+    /// Tells a recording that has hardly begun that so many nominal steps are to come: it then begins with the spacing to which they lead,
+    /// or with one still in four steps if that is less, because a run may end early.
+    pub fn expect(&mut self, steps: f64) {
+        if self.stills.len() <= 1 && self.steps == 0 && self.spacing == 1 {
+            while self.spacing < FORESIGHT && steps / self.spacing as f64 > self.most as f64 {
+                self.spacing *= 2;
+            }
+        }
+    }
+
+    /// Before the first step: the state at the start, whose row of the history is `row`.
+    pub fn begin(&mut self, simulation: &Simulation, row: usize) {
+        if self.stills.is_empty() {
+            self.stills.push(Arc::new(self.still(simulation, row)));
+        }
+    }
+
+    /// After a nominal step or a new equilibrium, whose last row of the history is `row`.
+    pub fn advanced(&mut self, simulation: &Simulation, row: usize) {
+        if self.stills.is_empty() {
+            return self.begin(simulation, row);
+        }
+        self.steps += 1;
+        if !self.steps.is_multiple_of(self.spacing) {
+            return;
+        }
+        if self.stills.len() >= self.most {
+            self.spacing *= 2;
+            let spacing = self.spacing;
+            self.stills.retain(|still| still.steps.is_multiple_of(spacing));
+            if !self.steps.is_multiple_of(spacing) {
+                return;
+            }
+        }
+        self.stills.push(Arc::new(self.still(simulation, row)));
+    }
+
+    /// Forgets what came behind the first `rows` rows of the history, when a simulation goes back.
+    pub fn keep(&mut self, rows: usize) {
+        self.stills.retain(|still| still.row < rows);
+        // Steps since the last still are not known any more; a piece of a halved step counts as one.
+        self.steps = self.stills.last().map_or(0, |last| last.steps + rows.saturating_sub(last.row + 1));
+    }
+
+    /// The state as it is now.
+    pub fn still(&self, simulation: &Simulation, row: usize) -> Still {
+        let shapes = shapes_of(&simulation.obstacles());
+        Still { row, steps: self.steps, time: simulation.time(), ..self.packed(&simulation.fields(), shapes) }
+    }
+
+    fn packed(&self, bodies: &[BodyFields], obstacles: Vec<(usize, [f64; 2])>) -> Still {
+        let mut bytes = Vec::new();
+        let mut extremes = vec![[f64::INFINITY, f64::NEG_INFINITY]; Field::ALL.len()];
+        let mut pressing: f64 = 0.0;
+        for (body, skin) in bodies.iter().zip(&self.bodies) {
+            pack_into(&mut bytes, body, skin);
+            for ([low, high], [least, greatest]) in extremes.iter_mut().zip(extremes_of(body, skin)) {
+                (*low, *high) = (low.min(least), high.max(greatest));
+            }
+            pressing = body.contact_pressure.iter().fold(pressing, |longest, pressure| longest.max(pressure.abs()));
+        }
+        Still { row: 0, steps: 0, time: 0.0, extremes, pressing, obstacles, bytes: Bytes(bytes) }
+    }
+}
+
+/// Obstacles as numbers of their shapes, in the order in which the shapes come first.
+fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 2])> {
+    let mut shapes: Vec<&Obstacle> = Vec::new();
+    let mut number = |shape| match shapes.iter().position(|known| *known == shape) {
+        Some(number) => number,
+        None => {
+            shapes.push(shape);
+            shapes.len() - 1
+        }
+    };
+    placed.iter().map(|obstacle| (number(&obstacle.shape), obstacle.translation)).collect()
+}
+
+/// Least and greatest value of each field of [`Field::ALL`], in its order. Lengths are compared by their squares: this runs at most steps.
+fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
+    let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; Field::ALL.len()];
+    for node in skin.nodes.iter().map(|&node| node as usize) {
+        let [xx, yy, zz, xy, yz, xz] = body.stress[node];
+        let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+        let square = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
+        let values = [
+            0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz),
+            -(xx + yy + zz) / 3.0,
+            body.contact_pressure[node],
+            square(body.displacement[node]),
+            square(body.velocity[node]),
+        ];
+        for ([low, high], value) in all.iter_mut().zip(values.into_iter().chain(body.stress[node])) {
+            // What is no number leaves them as they are.
+            (*low, *high) = (low.min(value), high.max(value));
+        }
+    }
+    [0, 3, 4].iter().for_each(|&squared: &usize| all[squared] = all[squared].map(f64::sqrt));
+    all.to_vec()
+}
+
+fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
+    let dimension = skin.dimension;
+    let value = |component: usize, node: usize| match component {
+        c if c < dimension => body.displacement[node][c],
+        c if c < 2 * dimension => body.velocity[node][c - dimension],
+        c => body.stress[node][skin.stresses()[c - 2 * dimension]],
+    };
+    let count = skin.components() * skin.nodes.len();
+    bytes.reserve(8 * skin.components() + 2 * count);
+    let (mut high, mut low) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for component in 0..skin.components() {
+        let values = || skin.nodes.iter().map(|&node| value(component, node as usize));
+        let finite = values().filter(|value| value.is_finite());
+        let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        let [least, greatest] = if least <= greatest { [least as f32, greatest as f32] } else { [0.0; 2] };
+        bytes.extend(least.to_le_bytes());
+        bytes.extend(greatest.to_le_bytes());
+        let (origin, range) = (f64::from(least), f64::from(greatest) - f64::from(least));
+        let mut before = 0u16;
+        for value in values() {
+            let place = if range > 0.0 { (value - origin) / range * TOP } else { 0.0 };
+            // What is no number becomes zero.
+            let word = place.round().clamp(0.0, TOP) as u16;
+            let [l, h] = word.wrapping_sub(before).to_le_bytes();
+            low.push(l);
+            high.push(h);
+            before = word;
+        }
+    }
+    bytes.extend(high);
+    bytes.extend(low);
+    let touching: Vec<usize> = (0..skin.nodes.len()).filter(|&place| body.contact_pressure[skin.nodes[place] as usize] != 0.0).collect();
+    bytes.extend((touching.len() as u32).to_le_bytes());
+    touching.iter().for_each(|&place| bytes.extend((place as u32).to_le_bytes()));
+    for &place in &touching {
+        let node = skin.nodes[place] as usize;
+        let vector = Vectors::ContactPressure.value(body, node);
+        let numbers = std::iter::once(body.contact_pressure[node]).chain(vector[..dimension].iter().copied());
+        numbers.for_each(|number| bytes.extend((number as f32).to_le_bytes()));
+    }
+}
+
+impl Still {
+    /// Its bytes, as the head of this file describes them.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{block, ring};
+    use super::*;
+
+    fn skin(body: &BodyFields) -> Skin {
+        Skin::new(&body.mesh)
+    }
+
+    #[test]
+    fn extremes_are_those_of_the_fields() {
+        for body in [ring("ring", [1.0, 1.5], [3, 20]), block([2, 3, 4], [1.0, 2.0, 3.0])] {
+            let skin = skin(&body);
+            for ((name, _, field), [low, high]) in Field::ALL.iter().zip(extremes_of(&body, &skin)) {
+                let values = || skin.nodes.iter().map(|&node| field.value(&body, node as usize));
+                let scale = values().fold(1.0, |scale: f64, value| scale.max(value.abs()));
+                assert!((values().fold(f64::INFINITY, f64::min) - low).abs() <= 1e-12 * scale, "{name}");
+                assert!((values().fold(f64::NEG_INFINITY, f64::max) - high).abs() <= 1e-12 * scale, "{name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,56 @@
+(() => {
+"use strict";
+// Small things that all parts use.
+
+const $ = (id) => document.getElementById(id);
+
+// An element with properties and children; texts become text, never markup.
+const element = (tag, properties = {}, ...children) => {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name.startsWith("data-") || name.startsWith("aria-") || name === "role" || name === "scope" || name === "colspan") made.setAttribute(name, value);
+    else made[name] = value;
+  }
+  made.append(...children);
+  return made;
+};
+
+// The name of the language of the plots; nothing is loaded from there.
+const NAMESPACE = "http://www.w3.org/2000/svg";
+
+const svg = (tag, attributes = {}, ...children) => {
+  const made = document.createElementNS(NAMESPACE, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children);
+  return made;
+};
+
+// The fewest digits that read back as the same number, as in history.csv; nothing where there is no value.
+const exact = (value) => {
+  if (value === null || Number.isNaN(value)) return "–";
+  return value !== 0 && Math.abs(value) < 1e-4 ? value.toExponential() : String(value);
+};
+
+// A number to read.
+const brief = (value, digits = 4) => {
+  if (value === null || !Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-3) return value.toExponential(Math.max(digits - 2, 0)).replace("e+", "e").replace("-", "−").replace("e-", "e−");
+  return Number(value.toPrecision(digits)).toString().replace("-", "−");
+};
+
+const words = (name) => name.replaceAll("_", " ");
+
+// Round numbers between two ends.
+const ticks = (low, high, count) => {
+  const raw = (high - low) / count;
+  if (!(raw > 0) || !Number.isFinite(raw)) return [low];
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((k) => k * power).find((step) => step >= raw * 0.999);
+  const all = [];
+  for (let k = Math.ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; k += 1) all.push(k * step);
+  return all;
+};
+
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);

@@ -1,0 +1,339 @@
+// The page: puts the parts together, plays, and listens.
+
+const THEMES = {
+  light: { back: 0xffffffff, ink: "#1c1f24", dark: 0xff241f1c, faint: 0xff6b6660, wall: "#b0b4ba", arrow: "#c2261f", halo: "#ffffff" },
+  dark: { back: 0xff1c1714, ink: "#e8eaee", dark: 0xffeeeae8, faint: 0xff5a5148, wall: "#6a7079", arrow: "#ff8f7a", halo: "#14171c" },
+};
+
+class Page {
+  constructor(data, columns, bodies) {
+    Object.assign(this, { data, columns, bodies });
+    this.time = columns.get("time");
+    this.film = new Film(data, bodies);
+    this.scene = new Scene($("canvas"), data, bodies, this.film);
+    this.still = 0;
+    this.row = data.stills.length ? data.stills[0].row : 0;
+    this.isPlaying = false;
+    this.isMoved = false;
+    this.isAsked = false;
+    this.redraws = 0;
+    this.slowest = 0;
+    this.describe();
+    this.listen();
+    const go = (time) => this.goToRow(this.rowAt(time));
+    this.plots = plotsOf(data, columns).map((plot) => new Plot(plot, this.time, go));
+    $("figures").append(...this.plots.map(({ figure }) => figure), this.chosen(go));
+    this.ledger = new Ledger($("rows"), data, columns, (row) => this.goToRow(row));
+    this.goToRow(this.row);
+  }
+
+  // What does not change with time.
+  describe() {
+    const { data } = this;
+    const outcome = $("outcome");
+    outcome.textContent = data.outcome ?? `so far, t = ${brief(this.time[this.time.length - 1], 6)}`;
+    outcome.className = `badge ${data.outcome === null ? "" : data.well ? "well" : "ill"}`;
+    $("field").append(...data.fields.map(({ name, words: text }) => element("option", { value: name, textContent: text })));
+    $("moment").max = String(Math.max(data.stills.length - 1, 0));
+    $("ramp").style.background = `linear-gradient(to right, ${data.colors.filter((_, k) => k % 15 === 0).map((color) => `rgb(${color.join(" ")})`).join(", ")})`;
+    $("arrows-label").hidden = data.dimension === 3 || !(data.pressing > 0);
+    for (const id of ["turning", "turning-keys"]) $(id).hidden = data.dimension === 2;
+    $("ledger-note").textContent = data.rows === data.row_count
+      ? `All ${data.rows} rows of history.csv with all their digits; a click goes to the row's time.`
+      : `${data.rows} of the ${data.row_count} rows of history.csv, with all their digits: those of the animation, and of every stretch the last one and the peaks of defect, iterations, halvings and contact force. A click goes to the row's time.`;
+    $("tables").append(...data.tables.flatMap((table) => [element("h3", { textContent: table.title }), tableOf(table)]));
+    const warnings = data.warnings.map((text) => element("pre", { textContent: text.trimEnd() }));
+    $("warning-list").append(...(warnings.length ? warnings : [element("p", { textContent: "None." })]));
+    $("to-warnings").textContent = warnings.length ? `Warnings (${warnings.length})` : "Warnings";
+    const parameters = Object.entries(data.parameters).map(([name, value]) => [name, String(value)]);
+    if (parameters.length) $("parameters").append(tableOf({ head: ["parameter", "value"], rows: parameters }));
+    for (const { name, text } of data.scripts) $("sources").append(element("h3", { textContent: name }), element("pre", { tabIndex: 0, textContent: text }));
+    $("made").textContent = `Made by Conserva ${data.version}.`;
+    this.readings = data.columns.filter((name) => !isZero(this.columns.get(name)) || ["step", "time", "energy_defect"].includes(name)).map((name) => {
+      const value = element("dd", { "data-column": name });
+      $("readout").append(element("div", {}, element("dt", { textContent: words(name) }), value));
+      return [value, this.columns.get(name)];
+    });
+  }
+
+  // A plot of a column that the reader chooses.
+  chosen(go) {
+    const names = this.data.columns.filter((name) => !["step", "time"].includes(name));
+    const choice = element("select", { "aria-label": "Column" }, ...names.map((name) => element("option", { textContent: name })));
+    choice.value = this.data.contacts.length ? `${this.data.contacts[0]}.max_pressure` : "dt";
+    const box = element("div", {});
+    let plot = null;
+    const make = () => {
+      plot = new Plot({ title: "A column of your choice", curves: [{ label: choice.value, values: this.columns.get(choice.value) }] }, this.time, go);
+      plot.figure.append(element("label", {}, "Column ", choice));
+      box.replaceChildren(plot.figure);
+      plot.show(this.row);
+    };
+    choice.addEventListener("change", () => { make(); choice.focus(); });
+    make();
+    this.ownPlot = { show: (row) => plot.show(row) };
+    return box;
+  }
+
+  rowAt(time) {
+    let low = 0, high = this.time.length - 1;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.time[middle] < time) low = middle + 1;
+      else high = middle;
+    }
+    return low > 0 && time - this.time[low - 1] < this.time[low] - time ? low - 1 : low;
+  }
+
+  // The still next to a row.
+  stillAt(row) {
+    const { stills } = this.data;
+    let best = 0;
+    stills.forEach((still, k) => { if (Math.abs(this.time[still.row] - this.time[row]) < Math.abs(this.time[stills[best].row] - this.time[row]) || (still.row === row)) best = k; });
+    return best;
+  }
+
+  goToRow(row) {
+    this.row = clamp(row, 0, this.data.rows - 1);
+    this.still = this.stillAt(this.row);
+    this.update();
+  }
+
+  goToStill(still) {
+    this.still = clamp(still, 0, this.data.stills.length - 1);
+    this.row = this.data.stills[this.still]?.row ?? 0;
+    this.update();
+  }
+
+  update() {
+    const { row } = this;
+    for (const [value, column] of this.readings) value.textContent = exact(column[row]);
+    $("moment").value = String(this.still);
+    $("clock").textContent = `t = ${brief(this.time[row], 6)}, step ${exact(this.columns.get("step")[row])}`;
+    $("moment").setAttribute("aria-valuetext", $("clock").textContent);
+    this.plots?.forEach((plot) => plot.show(row));
+    this.ownPlot?.show(row);
+    this.ledger?.show(row);
+    this.redraw();
+  }
+
+  // Draws with the next picture of the screen.
+  redraw() {
+    if (this.isAsked) return;
+    this.isAsked = true;
+    requestAnimationFrame(() => {
+      this.isAsked = false;
+      this.draw();
+    });
+  }
+
+  theme() {
+    const chosen = document.documentElement.dataset.theme;
+    const isDark = chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+    return THEMES[isDark ? "dark" : "light"];
+  }
+
+  range(field) {
+    if ($("range").value === "own") {
+      const [low, high] = [Number($("low").value.replace("−", "-")), Number($("high").value.replace("−", "-"))];
+      if (Number.isFinite(low) && high > low) return [low, high];
+    }
+    if ($("range").value === "still") {
+      let [low, high] = [Infinity, -Infinity];
+      this.bodies.forEach((_, k) => {
+        for (const value of this.film.field(field.name, k, this.scene.values[k])) {
+          if (value < low) low = value;
+          if (value > high) high = value;
+        }
+      });
+      return [low, high];
+    }
+    return [field.low, field.high];
+  }
+
+  draw() {
+    if (!this.data.stills.length || !this.film.show(this.still)) return;
+    const begun = performance.now();
+    const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
+    const range = this.range(field);
+    $("scale-title").textContent = field.words;
+    $("scale-low").textContent = brief(range[0]);
+    $("scale-middle").textContent = brief(0.5 * (range[0] + range[1]));
+    $("scale-high").textContent = brief(range[1]);
+    const hasArrows = $("arrows").checked && !$("arrows-label").hidden;
+    $("arrow-key").textContent = hasArrows ? `→ contact pressure, longest of the run ${brief(this.data.pressing)}` : "";
+    const typed = $("factor").value.trim() === "" ? NaN : Number($("factor").value);
+    this.scene.draw({
+      field: field.name, range, factor: Number.isFinite(typed) ? typed : 1, hasMesh: $("mesh").checked, hasArrows,
+      isUndeformed: $("undeformed").checked, theme: this.theme(), obstacles: this.data.stills[this.still].obstacles,
+    });
+    this.redraws += 1;
+    this.lastRedraw = performance.now() - begun;
+    this.slowest = Math.max(this.slowest, this.lastRedraw);
+  }
+
+  play(isPlaying) {
+    if (this.data.stills.length < 2) return;
+    this.isPlaying = isPlaying;
+    $("play").textContent = isPlaying ? "Pause" : "Play";
+    $("play").setAttribute("aria-pressed", String(isPlaying));
+    if (!isPlaying) return;
+    const { stills } = this.data, last = stills.length - 1;
+    if (this.still === last) this.goToStill(0);
+    // The whole run takes ten seconds at the speed 1; equilibria at one time count as stills at equal distances.
+    const isTimed = stills[last].time > stills[0].time;
+    const at = (k) => isTimed ? (stills[k].time - stills[0].time) / (stills[last].time - stills[0].time) : k / last;
+    let position = at(this.still), before = null;
+    const tick = (now) => {
+      if (!this.isPlaying) return;
+      position += before === null ? 0 : Math.min(now - before, 250) / 10000 * Number($("speed").value);
+      before = now;
+      let k = this.still;
+      // Somebody has gone elsewhere.
+      if (Math.abs(at(k) - position) > 0.2 && this.wasPlayed !== k) position = at(k);
+      if (position > 1) {
+        if (!$("repeat").checked) {
+          this.goToStill(last);
+          this.play(false);
+          return;
+        }
+        position = 0;
+        k = 0;
+      }
+      while (k < last && at(k + 1) <= position) k += 1;
+      if (k !== this.still) this.goToStill(k);
+      this.wasPlayed = k;
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  listen() {
+    const canvas = $("canvas"), { scene } = this;
+    $("play").addEventListener("click", () => this.play(!this.isPlaying));
+    $("moment").addEventListener("input", () => {
+      this.play(false);
+      this.goToStill(Number($("moment").value));
+    });
+    for (const id of ["field", "range", "mesh", "arrows", "undeformed"]) $(id).addEventListener("change", () => this.redraw());
+    for (const id of ["factor", "low", "high"]) $(id).addEventListener("input", () => this.redraw());
+    $("range").addEventListener("change", () => {
+      const isOwn = $("range").value === "own";
+      if (isOwn && !$("low").value) [$("low").value, $("high").value] = [$("scale-low").textContent.replace("−", "-"), $("scale-high").textContent.replace("−", "-")];
+      $("own-range").hidden = !isOwn;
+    });
+    $("theme").addEventListener("change", () => {
+      if ($("theme").value) document.documentElement.dataset.theme = $("theme").value;
+      else delete document.documentElement.dataset.theme;
+      this.redraw();
+    });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
+    const moved = (change) => {
+      this.isMoved = true;
+      change();
+      this.redraw();
+    };
+    const whole = () => {
+      this.isMoved = false;
+      scene.fit();
+      this.redraw();
+    };
+    $("in").addEventListener("click", () => moved(() => scene.zoomBy(1.3)));
+    $("out").addEventListener("click", () => moved(() => scene.zoomBy(1 / 1.3)));
+    $("fit").addEventListener("click", whole);
+    canvas.addEventListener("wheel", (event) => {
+      // Only with the focus or a key, so that scrolling the page over the picture still scrolls the page.
+      if (document.activeElement !== canvas && !event.ctrlKey) return;
+      event.preventDefault();
+      moved(() => scene.zoomBy(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY));
+    }, { passive: false });
+    const turn = (dx, dy) => {
+      scene.turn[0] -= dx;
+      scene.turn[1] = clamp(scene.turn[1] + dy, -1.57, 1.57);
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.focus({ preventScroll: true });
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons & 1) {
+        if (scene.isSpace && event.shiftKey) moved(() => turn(0.008 * event.movementX, 0.008 * event.movementY));
+        else moved(() => scene.moveBy(event.movementX, event.movementY));
+        $("tip").hidden = true;
+      } else this.tell(event);
+    });
+    canvas.addEventListener("pointerleave", () => { $("tip").hidden = true; });
+    canvas.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.altKey || event.metaKey) return;
+      const step = 40, keys = {
+        " ": () => this.play(!this.isPlaying),
+        "Home": () => this.goToStill(0), "End": () => this.goToStill(this.data.stills.length - 1),
+        "+": () => moved(() => scene.zoomBy(1.3)), "=": () => moved(() => scene.zoomBy(1.3)), "-": () => moved(() => scene.zoomBy(1 / 1.3)), "0": whole,
+        "ArrowLeft": () => event.shiftKey ? moved(() => scene.moveBy(step, 0)) : this.goToStill(this.still - 1),
+        "ArrowRight": () => event.shiftKey ? moved(() => scene.moveBy(-step, 0)) : this.goToStill(this.still + 1),
+        "ArrowUp": event.shiftKey ? () => moved(() => scene.moveBy(0, step)) : null,
+        "ArrowDown": event.shiftKey ? () => moved(() => scene.moveBy(0, -step)) : null,
+        ...(scene.isSpace ? { a: () => moved(() => turn(-0.1, 0)), d: () => moved(() => turn(0.1, 0)), w: () => moved(() => turn(0, 0.1)), s: () => moved(() => turn(0, -0.1)) } : {}),
+      };
+      const action = keys[event.key];
+      if (!action) return;
+      event.preventDefault();
+      if (event.key.startsWith("Arrow") && !event.shiftKey || event.key === "Home" || event.key === "End") this.play(false);
+      action();
+    });
+    new ResizeObserver(() => { this.redraw(); this.ledger?.fill(); }).observe(canvas);
+  }
+
+  // What is under the pointer.
+  tell(event) {
+    const tip = $("tip"), found = this.film.at >= 0 ? this.scene.nearest(event.offsetX, event.offsetY) : null;
+    tip.hidden = !found;
+    if (!found) return;
+    const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
+    const values = this.film.field(field.name, found.body, new Float32Array(this.bodies[found.body].nodes));
+    tip.textContent = `${this.bodies[found.body].name}: ${field.words} ${brief(values[found.node])}`;
+    tip.style.left = `${Math.min(event.offsetX + 14, Math.max($("canvas").clientWidth - tip.offsetWidth - 4, 0))}px`;
+    tip.style.top = `${event.offsetY + 14}px`;
+  }
+
+  // Unpacks the stills; the first picture is shown as soon as it is there, and the view fits all of them in the end.
+  async load() {
+    await this.film.load(() => this.redraw());
+    const count = this.data.stills.length, stride = Math.max(Math.floor(count / 24), 1);
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let k = 0; k < count; k = k === count - 1 ? count : Math.min(k + stride, count - 1)) {
+      this.film.show(k);
+      this.bodies.forEach(({ points, nodes }, b) => {
+        const { values } = this.film.now[b];
+        for (let d = 0; d < this.data.dimension; d += 1) {
+          for (let i = 0; i < nodes; i += 1) {
+            const x = points[3 * i + d] + values[d][i];
+            if (x < low[d]) low[d] = x;
+            if (x > high[d]) high[d] = x;
+          }
+        }
+      });
+    }
+    this.scene.widen(low, high);
+    if (!this.isMoved) this.scene.fit();
+    this.redraw();
+    document.documentElement.dataset.ready = "true";
+  }
+}
+
+const begin = async () => {
+  const data = JSON.parse($("data").textContent);
+  if (typeof DecompressionStream === "undefined") throw new Error("this browser is too old: it cannot unpack the data (it needs DecompressionStream, of 2023)");
+  const [columns, bodies] = [await readHistory(data), await readBodies(data)];
+  const page = new Page(data, columns, bodies);
+  // For those who look into the page with the tools of the browser.
+  window.conserva = page;
+  await page.load();
+};
+
+begin().catch((error) => {
+  $("trouble").hidden = false;
+  $("trouble").textContent = `The report cannot be shown: ${error.message}`;
+  console.error(error);
+});
+})();

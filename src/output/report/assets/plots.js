@@ -1,0 +1,160 @@
+// Plots of the history, with a line at the animation's time.
+
+const WIDTH = 560, HEIGHT = 210, LEFT = 62, RIGHT = 10, TOP = 10, BOTTOM = 26;
+const DASHES = ["", "7 3", "2 3", "9 3 2 3", "12 4", "4 2 1 2"];
+
+class Plot {
+  // `curves`: label and values; `isLogarithmic`: sizes on a logarithmic axis; `isStepped`: values of steps; `go`: goes to a row.
+  constructor({ title, curves, isLogarithmic = false, isStepped = false }, time, go) {
+    this.time = time;
+    this.curves = curves;
+    this.isLogarithmic = isLogarithmic;
+    this.isStepped = isStepped;
+    this.svg = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `${title} over time` });
+    this.legend = element("ul", { className: "legend" });
+    this.figure = element("figure", {}, element("figcaption", { textContent: title }), this.svg, this.legend);
+    this.draw();
+    const pick = (event) => {
+      const frame = this.svg.getBoundingClientRect();
+      const x = (event.clientX - frame.left) / frame.width * WIDTH;
+      go(this.t0 + clamp((x - LEFT) / (WIDTH - LEFT - RIGHT), 0, 1) * (this.t1 - this.t0));
+    };
+    this.svg.addEventListener("pointerdown", (event) => {
+      this.svg.setPointerCapture(event.pointerId);
+      pick(event);
+    });
+    this.svg.addEventListener("pointermove", (event) => { if (event.buttons & 1) pick(event); });
+  }
+
+  x(time) { return this.t1 > this.t0 ? LEFT + (time - this.t0) / (this.t1 - this.t0) * (WIDTH - LEFT - RIGHT) : LEFT; }
+
+  y(value) {
+    const scaled = this.isLogarithmic ? Math.log10(Math.max(Math.abs(value), this.floor)) : value;
+    return HEIGHT - BOTTOM - (scaled - this.low) / (this.high - this.low) * (HEIGHT - TOP - BOTTOM);
+  }
+
+  range() {
+    let low = Infinity, high = -Infinity;
+    for (const { values } of this.curves) {
+      for (let value of values) {
+        if (!Number.isFinite(value)) continue;
+        if (this.isLogarithmic) {
+          if (value === 0) continue;
+          value = Math.log10(Math.abs(value));
+        }
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+    if (this.isLogarithmic) {
+      if (!(low <= high)) [low, high] = [-17, -16];
+      // What is smaller than round-off needs no room.
+      low = Math.max(Math.floor(low), Math.ceil(high) - 16);
+      high = Math.max(Math.ceil(high), low + 1);
+      this.floor = 10 ** low;
+    } else {
+      if (!(low <= high)) [low, high] = [0, 1];
+      const room = high > low ? 0.05 * (high - low) : Math.max(Math.abs(high), 1e-300) * 0.5 || 1;
+      const touchesZero = low >= 0 && low < 0.3 * high;
+      low = touchesZero ? 0 : low - room;
+      high += room;
+    }
+    [this.low, this.high] = [low, high];
+  }
+
+  draw() {
+    const { time } = this;
+    this.t0 = time[0];
+    this.t1 = time[time.length - 1];
+    this.range();
+    this.svg.replaceChildren();
+    const text = (x, y, content, anchor) => this.svg.append(svg("text", { x, y, "text-anchor": anchor }, content));
+    if (this.isLogarithmic) {
+      const stride = Math.max(Math.ceil((this.high - this.low) / 5), 1);
+      for (let power = this.low; power <= this.high; power += stride) {
+        const y = HEIGHT - BOTTOM - (power - this.low) / (this.high - this.low) * (HEIGHT - TOP - BOTTOM);
+        this.svg.append(svg("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
+        text(LEFT - 6, y + 4, `1e${power}`.replace("-", "−"), "end");
+      }
+    } else {
+      for (const value of ticks(this.low, this.high, 4)) {
+        const y = this.y(value);
+        this.svg.append(svg("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
+        text(LEFT - 6, y + 4, brief(Math.abs(value) < 1e-12 * (this.high - this.low) ? 0 : value, 5), "end");
+      }
+    }
+    for (const value of ticks(this.t0, this.t1, 6)) text(this.x(value), HEIGHT - 8, brief(value, 5), "middle");
+    this.dots = this.curves.map(({ label, values }, k) => {
+      const color = `var(--c${k % 6})`, dash = DASHES[k % DASHES.length];
+      this.svg.append(svg("path", { class: "curve", d: this.curve(values), stroke: color, style: `stroke:${color}`, "stroke-dasharray": dash }));
+      const sample = svg("svg", { viewBox: "0 0 30 8" }, svg("line", { x1: 0, x2: 30, y1: 4, y2: 4, style: `stroke:${color};stroke-width:2`, "stroke-dasharray": dash }));
+      const value = element("b", {});
+      this.legend.append(element("li", {}, sample, ` ${label} `, value));
+      return { dot: svg("circle", { class: "dot", r: 3.5, style: `fill:${color}` }), value };
+    });
+    this.cursor = svg("line", { class: "cursor", y1: TOP, y2: HEIGHT - BOTTOM });
+    this.svg.append(this.cursor, ...this.dots.map(({ dot }) => dot));
+  }
+
+  // A path through all values; where there are several for a pixel, through the first, least, greatest and last of them.
+  curve(values) {
+    const { time } = this;
+    const parts = [];
+    let isOn = false, lastY = 0;
+    const put = (i) => {
+      if (!Number.isFinite(values[i])) {
+        isOn = false;
+        return;
+      }
+      const x = this.x(time[i]).toFixed(1), y = this.y(values[i]).toFixed(1);
+      if (isOn && this.isStepped) parts.push(`H${x}V${y}`);
+      else parts.push(`${isOn ? "L" : "M"}${x} ${y}`);
+      isOn = true;
+      lastY = y;
+    };
+    const dense = values.length > 3 * WIDTH;
+    for (let i = 0; i < values.length;) {
+      let j = i + 1, least = i, greatest = i;
+      if (dense) {
+        const pixel = Math.floor(this.x(time[i]) * 1.5);
+        for (; j < values.length && Math.floor(this.x(time[j]) * 1.5) === pixel; j += 1) {
+          if (values[j] < values[least]) least = j;
+          if (values[j] > values[greatest]) greatest = j;
+        }
+      }
+      for (const k of [...new Set([i, Math.min(least, greatest), Math.max(least, greatest), j - 1])]) put(k);
+      i = j;
+    }
+    return parts.join("");
+  }
+
+  show(row) {
+    const x = this.x(this.time[row]);
+    this.cursor.setAttribute("x1", x);
+    this.cursor.setAttribute("x2", x);
+    this.dots.forEach(({ dot, value }, k) => {
+      const number = this.curves[k].values[row];
+      value.textContent = brief(number, 5);
+      dot.setAttribute("cx", x);
+      dot.setAttribute("cy", Number.isFinite(number) ? clamp(this.y(number), TOP, HEIGHT - BOTTOM) : -10);
+    });
+  }
+}
+
+const isZero = (values) => values.every((value) => !(Math.abs(value) > 0));
+
+// The plots of a run.
+const plotsOf = (data, columns) => {
+  const curve = (name, label = words(name)) => ({ label, values: columns.get(name) });
+  const some = (names) => names.filter((name) => columns.has(name) && !isZero(columns.get(name))).map((name) => curve(name));
+  const plots = [
+    { title: "Energies", curves: [...some(["kinetic", "strain", "potential"]), curve("total")] },
+    { title: "Momenta", curves: some(["momentum_x", "momentum_y", "momentum_z", "angular_momentum"]) },
+    { title: "Ledger defects (sizes)", isLogarithmic: true, curves: ["energy_defect", "momentum_defect", "angular_momentum_defect"].map((name) => curve(name)) },
+    { title: "Contact forces", curves: data.contacts.map((name) => curve(`${name}.normal_force`, name)) },
+    { title: "Newton iterations and halvings", isStepped: true, curves: [curve("newton_iterations"), curve("halvings")] },
+    { title: "Work and dissipation in each step", curves: some(["load_work", "contact_work", "dissipation"]) },
+    { title: "Deepest penetration", curves: some(["max_penetration"]) },
+  ];
+  return plots.filter(({ curves }) => curves.length > 0);
+};

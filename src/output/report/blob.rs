@@ -1,0 +1,16 @@
+//! Numbers for the page: little-endian bytes, deflated, in base64.
+
+use std::io::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+
+/// Bytes as the page reads them.
+pub fn blob(bytes: &[u8]) -> String {
+    let mut encoder = DeflateEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::fast());
+    // Memory takes everything.
+    let _ = encoder.write_all(bytes);
+    STANDARD.encode(encoder.finish().unwrap_or_default())
+}

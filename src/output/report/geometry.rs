@@ -1,0 +1,110 @@
+//! What is drawn of a body: triangles, edges of its cells, its outline, in numbers of the recorded nodes.
+
+use std::collections::BTreeMap;
+
+use crate::mesh::Mesh;
+use crate::output::recording::Skin;
+
+/// Cosine of the angle between facets in space from which their common edge is drawn.
+const SHARP: f64 = 0.8;
+
+/// A body to draw.
+pub struct Surface {
+    /// Undeformed places of the recorded nodes.
+    pub points: Vec<[f64; 3]>,
+    /// Triangles; in space their normals point outward.
+    pub triangles: Vec<[u32; 3]>,
+    /// Edges of cells, in space those of the hull's facets, each once.
+    pub edges: Vec<[u32; 2]>,
+    /// The outline of a plane body, in space the sharp edges.
+    pub outline: Vec<[u32; 2]>,
+}
+
+impl Surface {
+    /// Of a mesh.
+    pub fn new(mesh: &Mesh, skin: &Skin) -> Self {
+        let place = |node: u32| skin.nodes.binary_search(&node).map_or(0, |place| place as u32);
+        let hull: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.facet_nodes(facet).map(place).collect()).collect();
+        let polygons: Vec<Vec<u32>> = if mesh.dimension() == 2 {
+            // Around the cell: the start of every edge, and its middle node where it has one.
+            let around: Vec<usize> = mesh.kind.facets().iter().flat_map(|facet| facet.iter().step_by(2)).copied().collect();
+            mesh.cells().map(|cell| around.iter().map(|&node| place(cell[node])).collect()).collect()
+        } else {
+            hull.clone()
+        };
+        let points: Vec<[f64; 3]> = skin.nodes.iter().map(|&node| mesh.points[node as usize]).collect();
+        let is_quadratic = mesh.kind.is_quadratic() && mesh.dimension() == 2;
+        let triangles = polygons.iter().flat_map(|polygon| triangles(polygon, is_quadratic)).collect();
+        let mut edges: Vec<[u32; 2]> = polygons.iter().flat_map(|polygon| sides(polygon)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let outline = if mesh.dimension() == 2 {
+            // Start, end and, on curved cells, the middle.
+            let halves = |facet: &Vec<u32>| match facet[..] {
+                [start, end, middle] => vec![[start, middle], [middle, end]],
+                _ => vec![[facet[0], facet[1]]],
+            };
+            hull.iter().flat_map(halves).collect()
+        } else {
+            sharp(&points, &hull)
+        };
+        Surface { points, triangles, edges, outline }
+    }
+}
+
+fn sides(polygon: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])
+}
+
+/// A fan; with middle nodes between the corners, the corners first and then what they leave.
+fn triangles(polygon: &[u32], is_quadratic: bool) -> Vec<[u32; 3]> {
+    let fan = |corners: &[u32]| -> Vec<[u32; 3]> { (2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]).collect() };
+    if !is_quadratic {
+        return fan(polygon);
+    }
+    let count = polygon.len();
+    let ear = |corner: usize| [polygon[(corner + count - 1) % count], polygon[corner], polygon[corner + 1]];
+    let middles: Vec<u32> = polygon.iter().skip(1).step_by(2).copied().collect();
+    (0..count).step_by(2).map(ear).chain(fan(&middles)).collect()
+}
+
+/// Edges at which facets in space meet at an angle.
+fn sharp(points: &[[f64; 3]], hull: &[Vec<u32>]) -> Vec<[u32; 2]> {
+    let mut at: BTreeMap<[u32; 2], Vec<[f64; 3]>> = BTreeMap::new();
+    for facet in hull {
+        let normal = normal(points, facet);
+        for [a, b] in sides(facet) {
+            at.entry([a.min(b), a.max(b)]).or_default().push(normal);
+        }
+    }
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    at.into_iter().filter(|(_, normals)| normals.len() != 2 || dot(&normals[0], &normals[1]) < SHARP).map(|(edge, _)| edge).collect()
+}
+
+/// Unit normal by Newell's sums.
+fn normal(points: &[[f64; 3]], facet: &[u32]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for [a, b] in sides(facet) {
+        let (a, b) = (points[a as usize], points[b as usize]);
+        for (d, component) in sum.iter_mut().enumerate() {
+            let (e, f) = ((d + 1) % 3, (d + 2) % 3);
+            *component += (a[e] - b[e]) * (a[f] + b[f]);
+        }
+    }
+    let length = sum[0].hypot(sum[1]).hypot(sum[2]);
+    if length > 0.0 { sum.map(|x| x / length) } else { [0.0; 3] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_of_a_cell_cover_it_once() {
+        let square = [0, 1, 2, 3];
+        assert_eq!(triangles(&square, false), [[0, 1, 2], [0, 2, 3]]);
+        // Corners 0, 2, 4 and middles 1, 3, 5: ears of a quarter each and the middle one.
+        assert_eq!(triangles(&[0, 1, 2, 3, 4, 5], true), [[5, 0, 1], [1, 2, 3], [3, 4, 5], [1, 3, 5]]);
+        assert_eq!(triangles(&[0, 1, 2, 3, 4, 5, 6, 7], true).len(), 6);
+    }
+}

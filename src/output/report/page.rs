@@ -1,0 +1,170 @@
+//! The page of a run: its data put into the template.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::assets::{PAGE, PROGRAM, STYLE};
+use super::blob::blob;
+use super::geometry::Surface;
+use crate::dynamics::{BodyDefinition, PlacedObstacle};
+use crate::output::colormap::viridis;
+use crate::output::obstacles::{Surroundings, Wall};
+use crate::output::picture::Field;
+use crate::output::recording::{Skin, Still};
+
+/// Bytes of stills that are compressed together.
+const CHUNK: usize = 2 << 20;
+/// How far a half plane is drawn, in extents of the bodies.
+const REACH: f64 = 50.0;
+
+/// A table of texts.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ReportTable {
+    /// Its title.
+    pub title: String,
+    /// Names of its columns; none for a list of names with what they mean.
+    pub head: Vec<String>,
+    /// Its rows.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// Everything that a report tells.
+pub struct Report<'a> {
+    /// Name of the simulation.
+    pub name: String,
+    /// How the run ended; `None` while it goes on.
+    pub outcome: Option<String>,
+    /// Whether it ended as it should.
+    pub is_well: bool,
+    /// Version of the program.
+    pub version: String,
+    /// Names and texts of the script and its modules, the script first.
+    pub scripts: Vec<(String, String)>,
+    /// Values of `param(...)` by name.
+    pub parameters: BTreeMap<String, Value>,
+    /// What there is, how it is held and loaded, how it is integrated.
+    pub tables: Vec<ReportTable>,
+    /// What the user was warned of, and what is remarkable about the run.
+    pub warnings: Vec<String>,
+    /// Names and values of the history's columns in the rows of `rows`; NaN where there is no value.
+    pub columns: Vec<(String, Vec<f64>)>,
+    /// Numbers of these rows among all, ascending.
+    pub rows: Vec<usize>,
+    /// Rows of the whole history.
+    pub row_count: usize,
+    /// Names of the contacts.
+    pub contacts: Vec<String>,
+    /// The bodies.
+    pub bodies: &'a [BodyDefinition],
+    /// What is recorded of each.
+    pub skins: &'a [Skin],
+    /// The stills, in the order of time.
+    pub stills: &'a [&'a Still],
+    /// The different shapes of rigid obstacles.
+    pub obstacles: Vec<PlacedObstacle>,
+}
+
+/// The page of a run.
+pub fn report(report: &Report) -> Vec<u8> {
+    let mut blobs: Vec<(String, String)> = Vec::new();
+    let mut add = |name: &str, bytes: &[u8]| blobs.push((name.into(), blob(bytes)));
+    let (geometry, bodies) = geometry(report);
+    add("geometry", &geometry);
+    let numbers: Vec<u8> = report.columns.iter().flat_map(|(_, values)| values).flat_map(|value| value.to_le_bytes()).collect();
+    add("history", &numbers);
+    let chunks = chunks(report.stills);
+    for (number, stills) in chunks.iter().enumerate() {
+        let bytes: Vec<u8> = stills.iter().flat_map(|still| still.bytes()).copied().collect();
+        add(&format!("stills-{number}"), &bytes);
+    }
+    let data = data(report, &bodies, &chunks.iter().map(|stills| stills.len()).collect::<Vec<_>>());
+    fill(report, &data, &blobs)
+}
+
+/// The stills in groups of about the same size.
+fn chunks<'a>(stills: &'a [&'a Still]) -> Vec<&'a [&'a Still]> {
+    let size = stills.iter().map(|still| still.bytes().len()).max().unwrap_or(0).max(1);
+    stills.chunks((CHUNK / size).max(1)).collect()
+}
+
+/// Arrays of all bodies one after the other, and what tells their lengths.
+fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
+    let mut bytes: Vec<u8> = Vec::new();
+    let mut bodies = Vec::new();
+    for (body, skin) in report.bodies.iter().zip(report.skins) {
+        let surface = Surface::new(&body.mesh, skin);
+        bytes.extend(surface.points.iter().flatten().flat_map(|&x| (x as f32).to_le_bytes()));
+        bytes.extend(surface.triangles.iter().flatten().flat_map(|node| node.to_le_bytes()));
+        bytes.extend(surface.edges.iter().chain(&surface.outline).flatten().flat_map(|node| node.to_le_bytes()));
+        bodies.push(json!({
+            "name": body.name, "nodes": surface.points.len(), "triangles": surface.triangles.len(), "edges": surface.edges.len(),
+            "outline": surface.outline.len(), "cells": body.mesh.cell_count(),
+        }));
+    }
+    (bytes, bodies)
+}
+
+fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
+    let dimension = report.skins.first().map_or(2, |skin| skin.dimension);
+    let points = report.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
+    let around = Surroundings::of(points);
+    let wall = |obstacle: &PlacedObstacle| {
+        let wall = Wall::new(obstacle, &around, REACH);
+        json!({ "name": wall.name, "border": wall.border, "back": wall.back, "closed": wall.is_closed })
+    };
+    let fields = Field::ALL.iter().enumerate().filter(|(_, (name, ..))| dimension == 3 || !["stress_yz", "stress_xz"].contains(name));
+    let fields = fields.map(|(index, (name, words, _))| {
+        let ranges = report.stills.iter().map(|still| still.extremes[index]);
+        let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
+        json!({ "name": name, "words": words, "low": low, "high": high })
+    });
+    let stills = report.stills.iter().map(|still| {
+        let row = report.rows.binary_search(&still.row).unwrap_or_else(|place| place.min(report.rows.len().saturating_sub(1)));
+        json!({ "time": still.time, "row": row, "obstacles": still.obstacles })
+    });
+    let scripts = report.scripts.iter().map(|(name, text)| json!({ "name": name, "text": text }));
+    json!({
+        "name": report.name, "outcome": report.outcome, "well": report.is_well, "version": report.version,
+        "scripts": scripts.collect::<Vec<_>>(), "parameters": report.parameters, "tables": report.tables, "warnings": report.warnings,
+        "columns": report.columns.iter().map(|(name, _)| name).collect::<Vec<_>>(), "rows": report.rows.len(),
+        "row_count": report.row_count, "contacts": report.contacts, "dimension": dimension, "bodies": bodies,
+        "fields": fields.collect::<Vec<_>>(), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
+        "pressing": report.stills.iter().map(|still| still.pressing).fold(0.0, f64::max),
+        "walls": report.obstacles.iter().map(wall).collect::<Vec<_>>(),
+        "colors": (0..256).map(|k| viridis(f64::from(k) / 255.0).map(f64::round)).collect::<Vec<_>>(),
+    })
+}
+
+/// Puts everything into the template.
+fn fill(report: &Report, data: &Value, blobs: &[(String, String)]) -> Vec<u8> {
+    let json = data.to_string().replace('<', "\\u003c");
+    let mut page = String::with_capacity(1 << 20);
+    let mut rest = PAGE;
+    // One pass from the left, so that nothing that was put in is looked at again.
+    while let Some(start) = rest.find("{{") {
+        let Some(length) = rest[start..].find("}}") else { break };
+        page.push_str(&rest[..start]);
+        match &rest[start + 2..start + length] {
+            "title" => page.push_str(&escaped(&report.name)),
+            "style" => page.push_str(STYLE),
+            "program" => PROGRAM.iter().for_each(|part| page.push_str(part)),
+            "data" => page.push_str(&json),
+            "blobs" => {
+                for (name, text) in blobs {
+                    page.push_str(&format!("<script type=\"text/plain\" id=\"{name}\">{text}</script>\n"));
+                }
+            }
+            _ => {}
+        }
+        rest = &rest[start + length + 2..];
+    }
+    page.push_str(rest);
+    page.into_bytes()
+}
+
+/// A text as HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,55 @@
+//! Which rows of a long history a report shows.
+
+use crate::dynamics::LedgerRow;
+
+/// Rows that a report shows at most, besides those of its stills.
+const ROWS: usize = 4000;
+
+/// Numbers of the rows that a report shows, ascending: all, or of a long history those in `must`, the first and last, and of each stretch
+/// its last row and those with the largest energy defect, the most iterations, the most halvings and the largest contact force, so that no
+/// peak is lost.
+pub fn kept_rows(rows: &[LedgerRow], must: &[usize]) -> Vec<usize> {
+    thinned(rows, must, ROWS)
+}
+
+fn thinned(rows: &[LedgerRow], must: &[usize], most: usize) -> Vec<usize> {
+    if rows.len() <= most {
+        return (0..rows.len()).collect();
+    }
+    let measures: [fn(&LedgerRow) -> f64; 4] = [
+        |row| row.energy_defect.abs(),
+        |row| row.newton_iterations as f64,
+        |row| row.halvings as f64,
+        |row| row.contacts.iter().map(|contact| contact.normal_force).fold(0.0, f64::max),
+    ];
+    let stretch = rows.len().div_ceil(most / (measures.len() + 1)).max(1);
+    let mut kept: Vec<usize> = must.iter().copied().filter(|&row| row < rows.len()).chain([0, rows.len() - 1]).collect();
+    for start in (0..rows.len()).step_by(stretch) {
+        let end = (start + stretch).min(rows.len());
+        kept.push(end - 1);
+        // The first of equal ones.
+        kept.extend(measures.iter().filter_map(|of| (start..end).rev().max_by(|&a, &b| of(&rows[a]).total_cmp(&of(&rows[b])))));
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_history_is_whole_and_a_long_one_keeps_its_peaks() {
+        let mut rows: Vec<LedgerRow> = (0..10_000).map(|step| LedgerRow { step, newton_iterations: 3, ..LedgerRow::default() }).collect();
+        rows[1234].energy_defect = -1e-3;
+        rows[777].newton_iterations = 17;
+        rows[9_001].halvings = 2;
+        assert_eq!(thinned(&rows[..100], &[], 100), (0..100).collect::<Vec<_>>());
+        let kept = thinned(&rows, &[4321, 20_000], 1000);
+        for row in [0, 777, 1234, 4321, 9_001, 9_999] {
+            assert!(kept.contains(&row), "{row}");
+        }
+        assert!(kept.len() <= 1003 && kept.windows(2).all(|pair| pair[0] < pair[1]) && kept.len() >= 200, "{}", kept.len());
+    }
+}

@@ -1,0 +1,259 @@
+//! `report.html`: what a simulation, its model and its script are, put together for the page, and `report(sim, path)`.
+
+use rhai::Dynamic;
+use serde_json::Value;
+
+use super::artifacts::output_failure;
+use super::columns::{further_values, model_columns, probe_columns};
+use super::handle::{SimulationData, SimulationHandle, busy};
+use super::writing::{path_parameter, write};
+use crate::bodies::{Dilatation, Formulation, Plane};
+use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation};
+use crate::output::{Report, ReportTable, Still, kept_rows, report, shapes};
+use crate::script::api::examples::flight_example;
+use crate::script::api::models::description::describe_obstacle;
+use crate::script::api::parameters::Overrides;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{number_text, vector_text};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::host::Host;
+use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::wording::joined;
+
+/// `report`: the page of a simulation as it is now.
+pub(super) fn report_function() -> Function {
+    Function {
+        name: "report",
+        form: Form::Function,
+        topic: Topic::Results,
+        summary: "writes a page about the run so far that opens in any browser without a network: the model, an animation, plots and \
+                  the ledger over its time, warnings, the script; at the end of a run `report.html` is written without being asked for",
+        parameters: vec![
+            Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
+            path_parameter("an `.html` file below the output folder"),
+        ],
+        returns: "",
+        example: flight_example("sim.run_to(0.05);\nreport(sim, \"flight.html\");"),
+        see_also: &["picture", "plot", "simulate"],
+        body: body(|call| {
+            let handle = call.handle::<SimulationHandle>("simulation")?;
+            let path = call.text("path")?;
+            if handle.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {
+                return Ok(Dynamic::UNIT);
+            }
+            let content = || {
+                handle.refuse_in_check(call)?;
+                let simulation = handle.0.simulation.try_borrow().map_err(|_| busy(call))?;
+                Ok(page(call.host, &handle.0, &simulation, None))
+            };
+            Ok(write(call, Some(&handle), &[".html"], content)?)
+        }),
+    }
+}
+
+/// How a run ended.
+pub struct Ending {
+    /// In words.
+    pub outcome: String,
+    /// Whether as it should.
+    pub is_well: bool,
+}
+
+/// The page of a simulation; `ending` where the run is over.
+pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending: Option<Ending>) -> Vec<u8> {
+    let model = &data.model.model;
+    let history = data.history.borrow();
+    let last = history.len() - 1;
+    let artifacts = data.artifacts.borrow();
+    let Some(artifacts) = artifacts.as_ref() else { return Vec::new() };
+    let recording = artifacts.recording();
+    let now = (recording.stills().last().is_none_or(|still| still.row != last)).then(|| recording.still(simulation, last));
+    let stills: Vec<&Still> = recording.stills().iter().map(|still| &**still).chain(now.as_ref()).collect();
+    let rows = kept_rows(&history, &stills.iter().map(|still| still.row).collect::<Vec<_>>());
+    let found = simulation.findings(&history);
+    let warnings = host.warnings().into_iter().chain(found.iter().map(|finding| format!("{finding}: {}", finding.explanation)));
+    let parameters = host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value)));
+    report(&Report {
+        name: data.name.clone(),
+        is_well: ending.as_ref().is_none_or(|ending| ending.is_well),
+        outcome: ending.map(|ending| ending.outcome),
+        version: env!("CARGO_PKG_VERSION").into(),
+        scripts: scripts(host),
+        parameters: parameters.collect(),
+        tables: tables(data, simulation),
+        warnings: warnings.collect(),
+        columns: columns(data, &history, &rows),
+        rows,
+        row_count: history.len(),
+        contacts: model.contact_names().into_iter().map(String::from).collect(),
+        bodies: &model.bodies,
+        skins: recording.bodies(),
+        stills: &stills,
+        obstacles: placed(model),
+    })
+}
+
+/// The value of a parameter for a file.
+pub fn json(value: &Dynamic) -> Value {
+    match (value.as_bool(), value.as_int(), value.as_float()) {
+        (Ok(flag), ..) => flag.into(),
+        (_, Ok(whole), _) => whole.into(),
+        (.., Ok(number)) => number.into(),
+        _ => value.to_string().into(),
+    }
+}
+
+/// The texts of the script and its modules by the names of their files: folders differ between machines.
+fn scripts(host: &Host) -> Vec<(String, String)> {
+    let main = host.main.borrow();
+    let file = |name: &str| name.rsplit(['/', '\\']).next().unwrap_or(name).to_string();
+    let mut all = host.sources.all();
+    all.sort_by_key(|(name, _)| *name != *main);
+    all.into_iter().map(|(name, text)| (file(&name), text.to_string())).collect()
+}
+
+/// The history's columns in the rows that are shown.
+fn columns(data: &SimulationData, history: &[LedgerRow], rows: &[usize]) -> Vec<(String, Vec<f64>)> {
+    let model = &data.model.model;
+    let names = LedgerRow::columns(model.dimension());
+    let further: Vec<Vec<f64>> = rows.iter().map(|&row| further_values(model, &history[row])).collect();
+    let own = names.iter().map(|name| {
+        let values = rows.iter().map(|&row| history[row].column(name).unwrap_or(f64::NAN));
+        (name.to_string(), values.collect())
+    });
+    let extra = model_columns(model).into_iter().chain(probe_columns(model, &data.probes.borrow()));
+    let extra = extra.enumerate().map(|(index, name)| {
+        let values = further.iter().map(|values| values.get(index).copied().unwrap_or(f64::NAN));
+        (name, values.collect())
+    });
+    own.chain(extra).collect()
+}
+
+/// The different shapes of rigid obstacles where they are defined.
+fn placed(model: &Model) -> Vec<PlacedObstacle> {
+    let named = |shape| {
+        let touching =
+            model.interactions.iter().filter(|one| matches!(&one.partner, Partner::Obstacle { shape: other, .. } if *other == shape));
+        let name = touching.map(|one| one.name.as_str()).collect::<Vec<_>>().join(", ");
+        PlacedObstacle { name, shape, translation: [0.0; 2] }
+    };
+    shapes(model).into_iter().map(named).collect()
+}
+
+fn table(title: &str, head: &[&str], rows: Vec<Vec<String>>) -> ReportTable {
+    ReportTable { title: title.into(), head: head.iter().map(|name| name.to_string()).collect(), rows }
+}
+
+fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable> {
+    let model = &data.model.model;
+    let bodies = model.bodies.iter().map(|body| {
+        let mesh = &body.mesh;
+        let cells = format!("{} {}", mesh.cell_count(), mesh.kind.name());
+        vec![body.name.clone(), cells, mesh.points.len().to_string(), material(body), formulation(body.formulation, mesh.dimension())]
+    });
+    let mut all = vec![
+        table("Bodies", &["body", "cells", "nodes", "material", "formulation"], bodies.collect()),
+        table("Held and loaded", &[], conditions(data)),
+        table("Contacts", &["contact", "secondary", "primary", "method", "update", "enforcement"], contacts(model)),
+        table("Time integration", &[], integration(simulation)),
+    ];
+    all.retain(|table| !table.rows.is_empty());
+    all
+}
+
+fn material(body: &BodyDefinition) -> String {
+    let constants = body.material.constants().into_iter().map(|(name, value)| format!("{} {}", name.replace('_', " "), number_text(value)));
+    format!("{}: {}", body.material.name().replace('_', " "), constants.collect::<Vec<_>>().join(", "))
+}
+
+fn formulation(formulation: Formulation, dimension: usize) -> String {
+    let plane = match formulation.plane {
+        _ if dimension == 3 => "in space",
+        Plane::Strain => "plane strain",
+        Plane::Stress => "plane stress",
+        Plane::Axisymmetric => "axisymmetric",
+    };
+    let mean = if formulation.dilatation == Dilatation::Mean { ", mean dilatation" } else { "" };
+    format!("{plane}{mean}")
+}
+
+fn conditions(data: &SimulationData) -> Vec<Vec<String>> {
+    let model = &data.model.model;
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    let held = model.supports.iter().map(|support| {
+        let names = AXES.into_iter().zip(support.components).take(model.dimension()).filter(|(_, held)| *held);
+        let names: Vec<&str> = names.map(|(name, _)| name).collect();
+        vec![format!("\"{}\"", model.boundary_name(&support.on)), format!("fixed in {}", joined(&names, "and"))]
+    });
+    let moved = model.prescriptions.iter().map(|given| {
+        let motion = format!("prescribed {}: {}", AXES[given.component], given.displacement.describe());
+        vec![format!("\"{}\"", model.boundary_name(&given.on)), motion]
+    });
+    let loads = model.loads.iter().zip(&data.model.loads).map(|(load, note)| {
+        let what = note.title.split(" on \"").next().unwrap_or(&note.title);
+        vec![format!("\"{}\"", model.boundary_name(&load.on)), format!("{what}: {}", load.amplitude.describe())]
+    });
+    let mut all: Vec<Vec<String>> = held.chain(moved).chain(loads).collect();
+    if model.gravity != [0.0; 3] {
+        let size = model.gravity_amplitude.as_ref().map(|size| format!(", times {}", size.describe())).unwrap_or_default();
+        all.push(vec!["all bodies".into(), format!("gravity {}{size}", vector_text(&model.gravity[..model.dimension()]))]);
+    }
+    all.extend(model.initial_velocities.iter().map(|given| {
+        let (linear, spin) = (vector_text(&given.linear[..model.dimension()]), &given.angular);
+        let spin = if model.dimension() == 2 { number_text(spin[2]) } else { vector_text(spin) };
+        vec![format!("\"{}\"", model.bodies[given.body].name), format!("starts with the velocity {linear} and the spin {spin}")]
+    }));
+    all.extend(model.parts.iter().map(|part| vec![part.name().to_string(), part.describe()]));
+    all
+}
+
+fn contacts(model: &Model) -> Vec<Vec<String>> {
+    let row = |interaction: &Interaction| {
+        let primary = match &interaction.partner {
+            Partner::Obstacle { shape, motion } => describe_obstacle(shape, motion),
+            Partner::Itself => "itself".into(),
+            _ => joined(&interaction.primary().iter().map(|on| model.boundary_name(on)).collect::<Vec<_>>(), "and"),
+        };
+        let enforcement = match interaction.enforcement {
+            Enforcement::Multiplier => "multipliers".into(),
+            Enforcement::Penalty { factor } => format!("penalty, factor {}", number_text(factor)),
+            Enforcement::AugmentedLagrange { factor } => format!("augmented Lagrangian, factor {}", number_text(factor)),
+        };
+        let update = match (interaction.is_tie(), interaction.equality) {
+            (true, _) => "tied".into(),
+            (_, true) => "bilateral".into(),
+            _ => interaction.update.name.to_string(),
+        };
+        let method = interaction.method.name.replace('_', " ");
+        vec![interaction.name.clone(), model.boundary_name(&interaction.secondary), primary, method, update, enforcement]
+    };
+    model.interactions.iter().map(row).collect()
+}
+
+fn integration(simulation: &Simulation) -> Vec<Vec<String>> {
+    let options = simulation.options();
+    let row = |name: &str, value: String| vec![name.to_string(), value];
+    vec![
+        row("integrator", format!("{}: {}", options.integrator.name.replace('_', " "), options.integrator.summary)),
+        row("step size", number_text(options.dt)),
+        row("tolerance", number_text(options.tolerance)),
+        row("halvings at most", options.max_halvings.to_string()),
+        row("unknowns", simulation.unknowns().to_string()),
+    ]
+}
+
+/// Writes the page at the end of a run.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_at_end(host: &Host, handle: &SimulationHandle, ending: Ending) -> Result<(), Failure> {
+    let Ok(simulation) = handle.0.simulation.try_borrow() else { return Ok(()) };
+    let begun = std::time::Instant::now();
+    let bytes = page(host, &handle.0, &simulation, Some(ending));
+    let mut artifacts = handle.0.artifacts.borrow_mut();
+    let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
+    artifacts.count(begun.elapsed());
+    artifacts.write("report.html", &bytes).map_err(|error| output_failure(&error))
+}

@@ -1,0 +1,164 @@
+//! `report.html` as a reader sees it, in a headless Chromium: it loads without complaints, the picture changes when it is played and
+//! scrubbed, numbers are those of `history.csv`, names do no harm. Without a browser on the machine these tests say so and pass.
+
+mod browser;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use browser::Browser;
+use serde_json::{Value, json};
+
+/// A drop onto the ground, with names that try to leave their place.
+const SCRIPT: &str = r#"
+let height = param("height", 0.1);
+let rubber = neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 });
+let drop = model("drop");
+let ball = drop.add_body("</script><script>alert(1)</script>", disk(#{ radius: 0.5, cells: [4, 16], center: [0.0, 0.5 + height] }), rubber);
+drop.gravity([0.0, -10.0]);
+drop.add_contact("<b>ground</b>", #{ secondary: ball.boundary("outer"), primary: rigid_plane(#{ point: [0.0, 0.0], normal: [0.0, 1.0] }) });
+let sim = simulate(drop, #{ integrator: energy_momentum(), dt: 0.005 });
+sim.run_to(0.3);
+report(sim, "halfway.html");
+"#;
+
+/// An empty folder for a test.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("conserva report {name} {}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Runs a script into a folder.
+fn run(folder: &Path, script: &str, out: &str) -> PathBuf {
+    fs::write(folder.join("drop.rhai"), script).unwrap();
+    let out = folder.join(out);
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_conserva")).arg("run").arg(folder.join("drop.rhai")).arg("--out").arg(&out).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    out
+}
+
+/// A browser, or a word that there is none.
+fn browser(folder: &Path) -> Option<Browser> {
+    let browser = Browser::start(&folder.join("profile"));
+    if browser.is_none() {
+        eprintln!("SKIPPED: no Chromium on this machine, so nobody has looked at the report");
+    }
+    browser
+}
+
+/// A number that changes when the picture does.
+const PICTURE: &str =
+    "[...document.getElementById('canvas').toDataURL()].reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) >>> 0, 0)";
+
+#[test]
+fn two_runs_have_the_same_page() {
+    let folder = folder("twice");
+    let (first, second) = (run(&folder, SCRIPT, "a"), run(&folder, SCRIPT, "b"));
+    for name in ["report.html", "halfway.html"] {
+        let page = fs::read(first.join(name)).unwrap();
+        assert!(page == fs::read(second.join(name)).unwrap(), "{name}");
+        let text = String::from_utf8(page).unwrap();
+        assert!(!text.contains(&*folder.to_string_lossy()), "no folder of this machine is in the page");
+    }
+}
+
+#[test]
+fn a_run_that_fails_has_its_page_too() {
+    let folder = folder("failed");
+    fs::write(folder.join("drop.rhai"), format!("{SCRIPT}\nexpect(false, \"<i>never</i>\");")).unwrap();
+    let out = folder.join("out");
+    let run =
+        Command::new(env!("CARGO_BIN_EXE_conserva")).arg("run").arg(folder.join("drop.rhai")).arg("--out").arg(&out).output().unwrap();
+    assert_eq!(run.status.code(), Some(1));
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("\\u003ci>never"), "the page tells how the run ended");
+}
+
+#[test]
+fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
+    let folder = folder("browser");
+    let Some(mut page) = browser(&folder) else { return };
+    let out = run(&folder, SCRIPT, "out");
+    page.open(&out.join("report.html"));
+    assert_eq!(page.evaluate("document.querySelectorAll('script').length > 3 && document.getElementById('trouble').hidden"), json!(true));
+
+    // Scrubbed.
+    let start = page.evaluate(PICTURE);
+    page.evaluate("(() => { const m = document.getElementById('moment'); m.value = 30; m.dispatchEvent(new Event('input')); })()");
+    page.settle();
+    let middle = page.evaluate(PICTURE);
+    assert_ne!(start, middle);
+
+    // Every number of the moment and of the ledger is that of history.csv.
+    let mut history = csv_of(&out.join("history.csv"));
+    let names = history.remove(0);
+    let row = page.evaluate("conserva.row").as_u64().unwrap() as usize;
+    assert_eq!(row, 30, "a still for every step");
+    let shown =
+        page.evaluate("Object.fromEntries([...document.querySelectorAll('#readout dd')].map((e) => [e.dataset.column, e.textContent]))");
+    let shown = shown.as_object().unwrap();
+    assert!(shown.len() > 10);
+    for (name, text) in shown {
+        let column = names.iter().position(|known| known == name).unwrap();
+        assert_eq!(text.as_str().unwrap().parse::<f64>().unwrap(), history[row][column].parse::<f64>().unwrap(), "{name}");
+    }
+    for row in [0, 30, 60] {
+        page.evaluate(&format!("conserva.goToRow({row})"));
+        let cells = page.evaluate(&format!("[...document.querySelectorAll('#rows tr[data-row=\"{row}\"] td')].map((e) => e.textContent)"));
+        let cells: Vec<&str> = cells.as_array().unwrap().iter().map(|cell| cell.as_str().unwrap()).collect();
+        assert_eq!(cells.len(), names.len());
+        for ((cell, value), name) in cells.iter().zip(&history[row]).zip(&names) {
+            let same = if value.is_empty() { *cell == "–" } else { cell.parse::<f64>().unwrap() == value.parse::<f64>().unwrap() };
+            assert!(same, "row {row}, {name}: {cell} for {value}");
+        }
+    }
+
+    // Played, with the keyboard.
+    page.evaluate("(() => { conserva.goToStill(0); document.getElementById('canvas').focus(); })()");
+    page.press(" ");
+    page.wait_for("conserva.still > 5");
+    page.press(" ");
+    assert_eq!(page.evaluate("conserva.isPlaying"), json!(false));
+    page.press("End");
+    assert_eq!(page.evaluate("conserva.row"), json!(60));
+    page.press("ArrowLeft");
+    assert_eq!(page.evaluate("conserva.row"), json!(59));
+    let before = page.evaluate(PICTURE);
+    page.press("+");
+    assert_ne!(page.evaluate(PICTURE), before, "zoomed");
+
+    // All fields, the other shapes, the other theme.
+    for field in page.evaluate("conserva.data.fields.map((field) => field.name)").as_array().unwrap().clone() {
+        page.evaluate(&format!(
+            "(() => {{ const f = document.getElementById('field'); f.value = {field}; f.dispatchEvent(new Event('change')); }})()"
+        ));
+        page.settle();
+    }
+    for change in ["undeformed", "mesh", "arrows"] {
+        page.evaluate(&format!("document.getElementById('{change}').click()"));
+        page.settle();
+    }
+    let light = page.evaluate(PICTURE);
+    page.evaluate("(() => { const t = document.getElementById('theme'); t.value = 'dark'; t.dispatchEvent(new Event('change')); })()");
+    page.settle();
+    assert_ne!(page.evaluate(PICTURE), light, "dark");
+
+    // Names did no harm, and nothing complained.
+    let body = page.evaluate("conserva.data.bodies[0].name");
+    assert_eq!(body, json!("</script><script>alert(1)</script>"));
+    assert_eq!(page.evaluate("document.querySelectorAll('b, i').length === document.querySelectorAll('.legend b').length"), json!(true));
+    assert_eq!(page.complaints, Vec::<Value>::new());
+    page.open(&out.join("halfway.html"));
+    assert_eq!(page.evaluate("document.getElementById('outcome').textContent"), json!("so far, t = 0.3"));
+    assert_eq!(page.complaints, Vec::<Value>::new());
+}
+
+/// Lines and fields of a file; no name has a comma or quote here.
+fn csv_of(path: &Path) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(path).unwrap();
+    text.lines().map(|line| line.split(',').map(String::from).collect()).collect()
+}
