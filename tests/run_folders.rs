@@ -266,10 +266,12 @@ fn the_log_tells_what_happens() {
     let ends = [&lines[0], &lines[lines.len() - 1]].map(|line| line["event"].as_str().unwrap());
     assert_eq!(ends, ["start", "end"]);
     assert_eq!((count(&lines, "step"), count(&lines, "print"), count(&lines, "check")), (history.rows() - 1, 3, 1));
-    let steps: Vec<&Value> = lines.iter().filter(|line| line["event"] == "step").collect();
-    for (row, step) in steps.iter().enumerate() {
+    // Numbers of the text itself: this reader of JSON may be off in the last bit.
+    let told = stderr(&output);
+    for (row, step) in told.lines().filter(|line| line.starts_with("{\"event\":\"step\"")).enumerate() {
         for name in ["step", "time", "total", "energy_defect", "newton_iterations", "active"] {
-            assert_eq!(step[name].as_f64(), history.column(name).unwrap().values[row + 1], "{name} of row {row}");
+            let text = step.split(&format!("\"{name}\":")).nth(1).unwrap().split([',', '}']).next().unwrap();
+            assert_eq!(text.parse().ok(), history.column(name).unwrap().values[row + 1], "{name} of row {row}");
         }
     }
     // The block lands and bounces off: the contact closes and opens where its column says so.
