@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::artifacts::output_failure;
 use super::handle::{SimulationHandle, Simulations};
+use super::journal::go_on;
 use super::reports::{Ending, json, write_at_end};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
 use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
@@ -17,6 +18,7 @@ use crate::script::language::settings::Mode;
 /// # Errors
 /// The first file that could not be written.
 pub fn last_frames(host: &Host) -> Result<(), Failure> {
+    go_on(host)?;
     let write = |handle: &SimulationHandle| {
         let (Ok(simulation), mut artifacts) = (handle.0.simulation.try_borrow(), handle.0.artifacts.borrow_mut()) else { return Ok(()) };
         let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };

@@ -214,7 +214,11 @@ impl SimulationHandle {
     /// The script asks for another one than in the run that is resumed.
     pub fn recalled(&self, call: &Call, computation: Computation) -> Result<Option<Outcome>, Failure> {
         let journal = Journal::of(call.host);
-        let Some(number) = self.number(call.host).filter(|_| journal.is_recalling()) else { return Ok(None) };
+        if !journal.is_recalling() {
+            go_on(call.host)?;
+            return Ok(None);
+        }
+        let Some(number) = self.number(call.host) else { return Ok(None) };
         let Some(record) = journal.next(number, computation)? else { return Ok(None) };
         let Ok(mut simulation) = self.0.simulation.try_borrow_mut() else { return Ok(None) };
         match &record.state {
@@ -234,9 +238,6 @@ impl SimulationHandle {
             // Loads note whether they acted, when they are asked.
             let asked = || rows.iter().flat_map(|row| [row.time - 0.5 * row.dt, row.time]);
             self.0.model.loads.iter().for_each(|load| asked().for_each(|time| drop(load.amplitude.value(time))));
-        }
-        if !journal.is_recalling() {
-            go_on(call.host, &journal)?;
         }
         Ok(Some(record.outcome).filter(|outcome| *outcome != Outcome::Failed))
     }
@@ -271,8 +272,16 @@ impl SimulationHandle {
     }
 }
 
-/// From here on everything is computed: the simulations count on from what they had counted, and their files grow again.
-fn go_on(host: &Host, journal: &Journal) -> Result<(), Failure> {
+/// From here on everything is computed, unless it was before: the simulations count on from what they had counted, and their files grow
+/// again. It comes after all that an earlier program had computed has gone into the files.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn go_on(host: &Host) -> Result<(), Failure> {
+    let journal = Journal::of(host);
+    if journal.is_recalling() {
+        return Ok(());
+    }
     let courses = std::mem::take(&mut journal.0.borrow_mut().courses);
     for (handle, course) in Simulations::of(host).0.borrow().iter().zip(courses) {
         if let Ok(mut simulation) = handle.0.simulation.try_borrow_mut() {
