@@ -14,6 +14,7 @@ use super::console::{Console, complain, ink};
 use super::diff::Format;
 use super::process::exit_code;
 use crate::mesh;
+use crate::output::checkpoint::{Checkpoint, MAGIC};
 use crate::output::{
     FieldsRead, ReadError, RunFolder, Section, Table, read_fields, read_frames, read_parquet, read_summary, read_table, runs_below,
 };
@@ -47,6 +48,7 @@ const KINDS: &[Kind] = &[
     Kind { name: "summary of a run", fits: |ending, _| ending == "json", describe: summary_file },
     Kind { name: "series of fields (PVD)", fits: |ending, _| ending == "pvd", describe: series_file },
     Kind { name: "fields (VTU)", fits: |ending, _| ending == "vtu", describe: fields_file },
+    Kind { name: "checkpoint", fits: |ending, head| ending == "checkpoint" || head.starts_with(MAGIC), describe: checkpoint_file },
     Kind { name: "log of a run", fits: |_, head| head.starts_with(b"{\"event\":"), describe: log_file },
     Kind { name: "picture", fits: |ending, head| ending == "svg" || head.starts_with(PNG), describe: picture_file },
     Kind { name: "script", fits: |ending, _| ending == "rhai", describe: script_file },
@@ -315,6 +317,26 @@ fn picture_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     };
     let Some((format, (width, height))) = size else { return Err(refused(&ReadError::damaged(path, "it is no picture"))) };
     Ok(vec![("format", format.into()), ("size", format!("{width} x {height}").into())])
+}
+
+fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let Checkpoint { origin, courses, records } = Checkpoint::read(path).map_err(|error| {
+        let message = Diagnostic::error(Class::Script, format!("the checkpoint \"{}\" is no good", path.display()));
+        Box::new(message.cause(error.to_string()).hint("resume from the one before it, or run the script anew"))
+    })?;
+    let mut facts: Facts = vec![
+        ("script", origin.script.into()),
+        ("begun in", origin.folder.display().to_string().into()),
+        ("version", origin.program.into()),
+        ("instructions", origin.instructions.into()),
+        ("computations", records.len().into()),
+        ("states", records.iter().filter(|record| record.state.is_some()).count().into()),
+    ];
+    for course in courses {
+        let (step, time) = course.reached;
+        facts.push(("simulation", format!("\"{}\": step {step}, t = {time}, {} unknowns", course.name, course.unknowns).into()));
+    }
+    Ok(facts)
 }
 
 fn mesh_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {

@@ -17,7 +17,8 @@ use super::recording::Recording;
 use crate::dynamics::{LedgerRow, SettleReport, State, Tally};
 use crate::math::simd::instructions;
 
-const MAGIC: &[u8; 12] = b"conserva\0ckp";
+/// First bytes of a checkpoint.
+pub const MAGIC: &[u8; 12] = b"conserva\0ckp";
 /// Version of the format.
 const FORMAT: u32 = 1;
 /// Bytes before the content.

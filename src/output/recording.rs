@@ -3,7 +3,8 @@
 //! A *still* is kept of every nominal step at first; whenever there are more than allowed, every second one is dropped and the spacing
 //! doubles. So which stills are there depends on the steps alone, never on the clock, and a long run costs what a short one does. A still
 //! holds displacement, velocity and stress of all nodes that can be seen (in space those of the hull) as 16-bit numbers between the
-//! extremes of each component: an error of 1/131072 of the range. It is the state's picture, not the state: nothing can be computed from it again.
+//! extremes of each component: an error of 1/131072 of the range. It is the state's picture, not the state: nothing can be computed from it
+//! again.
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of

@@ -168,6 +168,9 @@ fn a_checkpoint_that_is_no_good_is_refused_with_its_reason_and_the_one_before_it
     let home = interrupted("damaged");
     let newest = newest(&home.join("k"));
     let sound = std::fs::read(&newest).unwrap();
+    let told = run(&home, &["info", &newest.to_string_lossy()]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("main.rhai") && told.contains("on a block") && told.contains("unknowns"), "{told}");
     let mut flipped = sound.clone();
     let middle = flipped.len() / 2;
     flipped[middle] ^= 1;
