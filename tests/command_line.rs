@@ -1,35 +1,17 @@
 //! The program from outside: exit codes, files, messages, interrupts, closed pipes, sudden death.
 
 use std::io::{BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A folder of its own for a test, with a script in it.
-fn folder(name: &str, script: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("command-line-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("main.rhai"), script).unwrap();
-    folder
-}
+#[path = "common/program.rs"]
+mod program;
 
-fn conserva(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_conserva"));
-    command.current_dir(folder).args(arguments).env_remove("NO_COLOR");
-    command
-}
+use program::{conserva, folder, stderr, stdout};
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     conserva(folder, arguments).output().unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
 }
 
 /// A free plate; `rest` is appended.

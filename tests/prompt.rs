@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+#[path = "common/program.rs"]
+mod program;
+
 use rexpect::session::{PtySession, spawn_command};
 
 /// Longest time to wait for an answer, on a machine with much else to do.
@@ -21,9 +24,7 @@ let sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.01 });
 ";
 
 fn folder(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("prompt-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = program::empty_folder(name);
     std::fs::write(folder.join("press.rhai"), PRESS).unwrap();
     folder
 }

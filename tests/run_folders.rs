@@ -1,11 +1,16 @@
 //! Commands on the folders of runs, from outside: `diff`, `list`, `info`, `export`, and the log of a run. Numbers that a file gives back
 //! are compared with what the script printed, damage is told with its place and a cure.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 use conserva::output::{Numbers, Section, read_fields, read_frames, read_parquet, read_table};
 use serde_json::Value;
+
+#[path = "common/program.rs"]
+mod program;
+
+use program::{folder, stderr, stdout};
 
 /// A block that falls on another one, with a probe; prints what contact does at the end.
 const PUNCH: &str = r#"
@@ -29,30 +34,14 @@ sim.table("all.parquet");
 sim.write_fields("now.vtu");
 "#;
 
-fn folder(name: &str, script: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("run-folders-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("main.rhai"), script).unwrap();
-    folder
-}
-
 fn conserva(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_conserva")).current_dir(folder).args(arguments).env_remove("NO_COLOR").output().unwrap()
+    program::conserva(folder, arguments).output().unwrap()
 }
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     let output = conserva(folder, &[&["run", "main.rhai", "--quiet"], arguments].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     output
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
 }
 
 /// Code and messages of a command that is refused.

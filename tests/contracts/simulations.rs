@@ -198,9 +198,8 @@ fn a_restored_state_goes_on_as_the_run_did() {
     }
 }
 
-/// Sliding contact makes the search, the matrix pattern and the order of elimination change on the way; all of it belongs to the state.
-#[test]
-fn a_state_of_sliding_bodies_goes_on_to_the_same_bytes() {
+/// A ring that turns in another one, pressed into it.
+fn sliding_rings() -> Builder {
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
     let outer = builder.body("outer ring", ring(1.0, 1.5, [2, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
@@ -208,6 +207,13 @@ fn a_state_of_sliding_bodies_goes_on_to_the_same_bytes() {
     builder.fix(outer, "outer", [true; 3]);
     builder.contact((inner, "outer"), (outer, "inner"));
     builder.throw(inner, [0.0; 3], [0.0, 0.0, 20.0]);
+    builder
+}
+
+/// Sliding contact makes the search, the matrix pattern and the order of elimination change on the way; all of it belongs to the state.
+#[test]
+fn a_state_of_sliding_bodies_goes_on_to_the_same_bytes() {
+    let builder = sliding_rings();
     for &integrator in integrators::CATALOGUE {
         // Two thirds of a facet a step.
         let mut sim = builder.simulate(integrator, 0.005);
@@ -239,13 +245,7 @@ fn a_state_of_sliding_bodies_goes_on_to_the_same_bytes() {
 
 #[test]
 fn what_was_counted_goes_on_from_its_bytes() {
-    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("constants are in range");
-    let mut builder = Builder::default();
-    let outer = builder.body("outer ring", ring(1.0, 1.5, [2, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
-    let inner = builder.body("inner ring", ring(0.5, 1.002, [2, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
-    builder.fix(outer, "outer", [true; 3]);
-    builder.contact((inner, "outer"), (outer, "inner"));
-    builder.throw(inner, [0.0; 3], [0.0, 0.0, 20.0]);
+    let builder = sliding_rings();
     // Three facets a step: halved before it is tried.
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.02);
     sim.settle().expect("there is an equilibrium");

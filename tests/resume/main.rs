@@ -8,32 +8,21 @@ use std::time::{Duration, Instant};
 #[path = "../common/splitmix.rs"]
 mod splitmix;
 
+#[path = "../common/program.rs"]
+mod program;
+
+use program::{conserva, folder, stderr};
 use splitmix::SplitMix;
 
 /// Rings on a block and on a plane, with everything by which a script can look at them.
 const LOOKS: &str = include_str!("looks.rhai");
 
-/// A folder of its own with a script in it.
-fn folder(name: &str, script: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-{name}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("main.rhai"), script).unwrap();
-    folder
-}
-
-fn conserva(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_conserva"));
-    command.current_dir(folder).args(arguments).env_remove("NO_COLOR").stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
-
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     conserva(folder, arguments).output().unwrap()
 }
 
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+fn begun(folder: &Path, arguments: &[&str]) -> Child {
+    conserva(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
 /// All files of a run by their paths; of a summary all but times and memory.
@@ -103,7 +92,7 @@ fn a_run_that_was_killed_at_any_moment_ends_as_if_it_had_not_been() {
     for round in 0..6 {
         let when = format!("round {round}");
         let _ = std::fs::remove_dir_all(home.join("k"));
-        let mut child = conserva(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "10"]).spawn().unwrap();
+        let mut child = begun(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "10"]);
         wait_for_lines(&home.join("k"), &mut child, 40 + random.below(450));
         signal(&child, "-KILL");
         child.wait().unwrap();
@@ -112,7 +101,7 @@ fn a_run_that_was_killed_at_any_moment_ends_as_if_it_had_not_been() {
         }
         if round % 2 == 0 {
             // Killed once more, wherever it is by then.
-            let mut child = conserva(&home, &["resume", "k", "--checkpoint", "10"]).spawn().unwrap();
+            let mut child = begun(&home, &["resume", "k", "--checkpoint", "10"]);
             std::thread::sleep(Duration::from_millis(random.below(300) as u64));
             signal(&child, "-KILL");
             child.wait().unwrap();
@@ -131,7 +120,7 @@ fn a_run_that_was_killed_at_any_moment_ends_as_if_it_had_not_been() {
 fn interrupts_and_stops_change_nothing() {
     let home = folder("interrupted", LOOKS);
     assert_eq!(run(&home, &["run", "main.rhai", "--out", "whole"]).status.code(), Some(0));
-    let mut child = conserva(&home, &["run", "main.rhai", "--out", "k"]).spawn().unwrap();
+    let mut child = begun(&home, &["run", "main.rhai", "--out", "k"]);
     wait_for_lines(&home.join("k"), &mut child, 60);
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
@@ -156,7 +145,7 @@ fn interrupts_and_stops_change_nothing() {
 /// A run that was interrupted after some checkpoints.
 fn interrupted(name: &str) -> PathBuf {
     let home = folder(name, LOOKS);
-    let mut child = conserva(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "5"]).spawn().unwrap();
+    let mut child = begun(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "5"]);
     wait_for_lines(&home.join("k"), &mut child, 60);
     signal(&child, "-KILL");
     child.wait().unwrap();
@@ -219,7 +208,7 @@ fn what_a_run_depends_on_must_be_as_it_was() {
 #[test]
 fn results_that_cannot_be_written_end_the_run_with_code_3() {
     let home = folder("removed", LOOKS);
-    let mut child = conserva(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "3"]).spawn().unwrap();
+    let mut child = begun(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "3"]);
     wait_for_lines(&home.join("k"), &mut child, 30);
     // In the way of every further checkpoint.
     let place = home.join("k/checkpoints");
