@@ -33,6 +33,8 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("base64", &["output"]),
     ("csv", &["output"]),
+    ("gif", &["output"]),
+    ("png", &["output"]),
     ("faer", &["linear"]),
     ("pulp", &["math", "linear"]),
     ("feral-metis", &["linear"]),

@@ -10,6 +10,7 @@ pub mod fields;
 pub mod forensics;
 pub mod handle;
 pub mod history;
+pub mod movies;
 pub mod overview;
 pub mod pictures;
 pub mod plots;

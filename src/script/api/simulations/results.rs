@@ -4,7 +4,7 @@ use rhai::Dynamic;
 
 use super::handle::SimulationHandle;
 use super::writing::{chosen_columns, path_parameter, write, write_at};
-use super::{pictures, plots, reports};
+use super::{movies, pictures, plots, reports};
 use crate::dynamics::{Partner, Simulation};
 use crate::output::{Frame, Surroundings, braille_plot};
 use crate::script::api::examples::flight_example;
@@ -16,7 +16,15 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![write_fields(), plots::plot(), plots::plot_curves(), show(), pictures::picture_function(), reports::report_function()]
+    vec![
+        write_fields(),
+        plots::plot(),
+        plots::plot_curves(),
+        show(),
+        pictures::picture_function(),
+        movies::movie_function(),
+        reports::report_function(),
+    ]
 }
 
 fn write_fields() -> Function {
