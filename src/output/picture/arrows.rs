@@ -30,7 +30,7 @@ pub(super) fn longest(bodies: &[BodyFields], vectors: Vectors) -> f64 {
     sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
-/// Length of an arrow over the size of its vector, the longest being of that size, beside bodies of that extent; zero where there is nothing
+/// Length of an arrow over the size of its vector, the longest of that size, beside bodies of that extent; zero where there is nothing
 /// to show.
 pub(super) fn factor(longest: f64, extent: f64) -> f64 {
     if longest > 0.0 { LONGEST * extent / longest } else { 0.0 }

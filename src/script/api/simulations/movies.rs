@@ -24,7 +24,7 @@ pub(super) fn movie_function() -> Function {
         name: "movie",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "draws the run so far as an animated PNG or a GIF, with the options of `picture`, in one view and with one color range for \
+        summary: "draws the run so far as an animated PNG or GIF, with the options of `picture`, in one view and with one color range for \
                   all of it; its pictures are those of the animation in `report.html` (`stills` of `simulate`)",
         parameters: vec![
             path_parameter("a `.png` or `.gif` file below the output folder"),

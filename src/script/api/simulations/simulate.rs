@@ -100,7 +100,7 @@ fn simulate() -> Function {
                     Parameter::new(
                         "stills",
                         Kind::Integer,
-                        "how many pictures of the run are kept at most for movies and the animation of `report.html`; whenever there are more, \
+                        "how many pictures of the run are kept for movies and the animation of `report.html`; whenever there are more, \
                          every second one is dropped",
                     )
                     .within(Interval::Closed(2.0, 5000.0))
