@@ -18,11 +18,11 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::picture::{Field, Vectors};
 use crate::contact::Obstacle;
-use crate::dynamics::{BodyFields, Model, Partner, PlacedObstacle, Simulation};
+use crate::dynamics::{BodyDefinition, BodyFields, Model, Partner, PlacedObstacle, Simulation};
 use crate::mesh::Mesh;
 
 /// Stills that are held at most where nothing else is asked for.
-const STILLS: usize = 200;
+const STILLS: usize = 160;
 /// Bytes that the stills may take where nothing else is asked for, and the stills that are allowed even if they take more.
 const BYTES: usize = 24 << 20;
 const FEWEST: usize = 40;
@@ -148,7 +148,7 @@ pub fn shapes(model: &Model) -> Vec<Obstacle> {
 }
 
 impl Recording {
-    /// Of a model, with so many stills at most (2 at least); by default 200, or fewer where they would take too much memory.
+    /// Of a model, with so many stills at most (2 at least); by default 160, or fewer where they would take too much memory.
     pub fn new(model: &Model, most: Option<usize>) -> Self {
         let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh)).collect();
         let size: usize = bodies.iter().map(|skin| 2 * skin.components() * skin.nodes.len()).sum();
@@ -309,7 +309,76 @@ fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
     }
 }
 
+/// Takes a body from the beginning of the bytes.
+fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
+    let mut take = |length: usize| {
+        let (taken, left) = rest.split_at(length.min(rest.len()));
+        *rest = left;
+        taken
+    };
+    let number = |bytes: &[u8]| f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+    let whole = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
+    let (components, recorded, dimension) = (skin.components(), skin.nodes.len(), skin.dimension);
+    let ranges: Vec<[f64; 2]> = take(8 * components).chunks_exact(8).map(|pair| [number(pair), number(&pair[4..])]).collect();
+    let (high, low) = (take(components * recorded), take(components * recorded));
+    let nodes = body.mesh.points.len();
+    let mut fields = BodyFields {
+        name: body.name.clone(),
+        mesh: body.mesh.clone(),
+        displacement: vec![[0.0; 3]; nodes],
+        velocity: vec![[0.0; 3]; nodes],
+        stress: vec![[0.0; 6]; nodes],
+        strain: vec![[0.0; 6]; nodes],
+        contact_pressure: vec![0.0; nodes],
+        contact_gap: vec![f64::NAN; nodes],
+        contact_force: vec![[0.0; 3]; nodes],
+        contact_active: vec![0.0; nodes],
+    };
+    for (component, [least, greatest]) in ranges.into_iter().enumerate() {
+        let mut word = 0u16;
+        let mut put = |node: usize, value: f64| match component {
+            c if c < dimension => fields.displacement[node][c] = value,
+            c if c < 2 * dimension => fields.velocity[node][c - dimension] = value,
+            c => fields.stress[node][skin.stresses()[c - 2 * dimension]] = value,
+        };
+        for (place, &node) in skin.nodes.iter().enumerate() {
+            let at = component * recorded + place;
+            word = word.wrapping_add(u16::from_le_bytes([low[at], high[at]]));
+            let value = least + (greatest - least) * f64::from(word) / TOP;
+            if place == 0 && recorded < nodes {
+                (0..nodes).for_each(|node| put(node, value));
+            }
+            put(node as usize, value);
+        }
+    }
+    let count = whole(take(4));
+    let touching: Vec<usize> = take(4 * count).chunks_exact(4).map(|bytes| skin.nodes[whole(bytes)] as usize).collect();
+    for node in touching {
+        fields.contact_pressure[node] = number(take(4));
+        for component in 0..dimension {
+            // The pressure's own direction is all that is known of the force.
+            fields.contact_force[node][component] = number(take(4));
+        }
+        fields.contact_active[node] = 1.0;
+    }
+    fields
+}
+
 impl Still {
+    /// The bodies as they were; strains and gaps are not recorded, and inner nodes of bodies in space have the values of one on the hull.
+    pub fn fields(&self, bodies: &[BodyDefinition], skins: &[Skin]) -> Vec<BodyFields> {
+        let mut rest = self.bytes();
+        bodies.iter().zip(skins).map(|(body, skin)| unpack(&mut rest, body, skin)).collect()
+    }
+
+    /// The rigid obstacles as they were; `shapes` are those of the model.
+    pub fn placed(&self, shapes: &[Obstacle]) -> Vec<PlacedObstacle> {
+        let of = |&(number, translation): &(usize, [f64; 2])| {
+            shapes.get(number).map(|shape| PlacedObstacle { name: String::new(), shape: shape.clone(), translation })
+        };
+        self.obstacles.iter().filter_map(of).collect()
+    }
+
     /// Its bytes, as the head of this file describes them.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes.0
@@ -323,6 +392,29 @@ mod tests {
 
     fn skin(body: &BodyFields) -> Skin {
         Skin::new(&body.mesh)
+    }
+
+    #[test]
+    fn what_is_packed_comes_back_to_the_last_of_65535_parts() {
+        for fields in [ring("ring", [1.0, 1.5], [3, 20]), block([2, 3, 4], [1.0, 2.0, 3.0])] {
+            let skin = skin(&fields);
+            let mut bytes = Vec::new();
+            pack_into(&mut bytes, &fields, &skin);
+            let material = crate::materials::NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 1.0 }.material().unwrap();
+            let body = BodyDefinition { name: "a".into(), mesh: fields.mesh.clone(), material, formulation: Default::default() };
+            let back = unpack(&mut &bytes[..], &body, &skin);
+            for &node in &skin.nodes {
+                let node = node as usize;
+                for i in 0..3 {
+                    assert!((back.displacement[node][i] - fields.displacement[node][i]).abs() < 1e-4);
+                    assert!((back.velocity[node][i] - fields.velocity[node][i]).abs() < 1e-4);
+                }
+                for &i in skin.stresses() {
+                    assert!((back.stress[node][i] - fields.stress[node][i]).abs() < 0.1, "of thousands");
+                }
+                assert!((back.contact_pressure[node] - fields.contact_pressure[node]).abs() < 1e-6);
+            }
+        }
     }
 
     #[test]

@@ -34,6 +34,8 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("crc32fast", &["output"]),
     ("base64", &["output"]),
     ("csv", &["output"]),
+    ("gif", &["output"]),
+    ("png", &["output"]),
     ("faer", &["linear"]),
     ("pulp", &["math", "linear"]),
     ("feral-metis", &["linear"]),

@@ -6,6 +6,7 @@ mod shapes;
 mod svg;
 
 pub(super) use font::{elided, text_width};
+pub(super) use png::painted;
 pub use png::png;
 pub use shapes::Drawing;
 pub(super) use shapes::{Anchor, Color, Ink, Line, Point, Stroke};

@@ -19,8 +19,13 @@ const TEXT: Color = [34; 3];
 
 /// A drawing as the bytes of a PNG file; `None` where there is no memory for it.
 pub fn png(drawing: &Drawing) -> Option<Vec<u8>> {
+    painted(drawing, FINENESS)?.encode_png().ok()
+}
+
+/// A drawing as pixels, so many in each direction for one of its own, and fewer of a very large one.
+pub fn painted(drawing: &Drawing, fineness: f64) -> Option<Pixmap> {
     let [width, height] = drawing.size.map(f64::ceil);
-    let fineness = FINENESS.min((LARGEST / (width * height)).sqrt());
+    let fineness = fineness.min((LARGEST / (width * height)).sqrt());
     let mut pixels = Pixmap::new((width * fineness) as u32, (height * fineness) as u32)?;
     pixels.fill(tiny_skia::Color::WHITE);
     let whole = Transform::from_scale(fineness as f32, fineness as f32);
@@ -65,7 +70,7 @@ pub fn png(drawing: &Drawing) -> Option<Vec<u8>> {
             Item::End => drop(masks.pop()),
         }
     }
-    pixels.encode_png().ok()
+    Some(pixels)
 }
 
 fn paint([red, green, blue]: Color, opacity: f64) -> Paint<'static> {

@@ -30,9 +30,9 @@ pub(super) fn longest(bodies: &[BodyFields], vectors: Vectors) -> f64 {
     sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
-/// Length of an arrow over the size of its vector, beside bodies of that extent; zero where there is nothing to show.
-pub(super) fn factor(bodies: &[BodyFields], vectors: Vectors, extent: f64) -> f64 {
-    let longest = longest(bodies, vectors);
+/// Length of an arrow over the size of its vector, the longest of that size, beside bodies of that extent; zero where there is nothing
+/// to show.
+pub(super) fn factor(longest: f64, extent: f64) -> f64 {
     if longest > 0.0 { LONGEST * extent / longest } else { 0.0 }
 }
 
@@ -64,12 +64,12 @@ pub(super) fn arrows_into(out: &mut Drawing, bodies: &[BodyFields], vectors: Vec
 }
 
 /// The longest arrow with its value, to the right of a place.
-pub(super) fn key_into(out: &mut Drawing, bodies: &[BodyFields], vectors: Vectors, unit: &str, [x, y]: Point, width: f64) {
+pub(super) fn key_into(out: &mut Drawing, longest: f64, vectors: Vectors, unit: &str, [x, y]: Point, width: f64) {
     let (mut shafts, mut heads) = (Vec::new(), Vec::new());
     arrow(&mut shafts, &mut heads, [x, y], [x + KEY, y]);
     out.paint(shafts, Ink::Stroke(Stroke::new(COLOR, 1.4)));
     out.paint(heads, Ink::Fill(COLOR));
-    let label = format!("{} up to {} {unit}", vectors.words(), number(longest(bodies, vectors)));
+    let label = format!("{} up to {} {unit}", vectors.words(), number(longest));
     out.text([x + KEY + 8.0, y + 0.35 * TEXT], elided(label.trim_end(), TEXT, width - KEY - 8.0), TEXT, Anchor::Start);
 }
 

@@ -1,8 +1,8 @@
 //! Puts a picture together: what is seen, the panels, their color bars, title and marks.
 
-use super::arrows::{arrows_into, factor, far_end, key_into};
+use super::arrows::{arrows_into, factor, far_end, key_into, longest};
 use super::marks::{Axes, TRIAD_ROOM, bar_into, triad_into};
-use super::options::{Measure, Panel, PictureOptions};
+use super::options::{Measure, Panel, PictureOptions, Sight};
 use super::scale::{Scale, TEXT};
 use super::view::{Bounds, Camera, View};
 use super::{hull, plane};
@@ -71,6 +71,12 @@ pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pi
     out
 }
 
+/// What is in sight of a picture of these bodies, to be joined with that of others ([`Sight::with`]).
+pub fn sight(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &PictureOptions) -> Sight {
+    let (layout, _) = Layout::new(bodies, obstacles, options, options.width.max(NARROWEST), 0.0);
+    Sight { bounds: layout.bounds, longest: options.vectors.as_ref().map_or(0.0, |(vectors, _)| longest(bodies, *vectors)) }
+}
+
 fn panel_values(bodies: &[BodyFields], panel: &Panel) -> Vec<Vec<f64>> {
     bodies.iter().map(|body| (0..body.mesh.points.len()).map(|node| panel.field.value(body, node)).collect()).collect()
 }
@@ -88,7 +94,10 @@ impl<'a> Layout<'a> {
             }
         }
         let own = Bounds::of(points.iter());
-        let around = Surroundings::of(points.iter().copied());
+        let around = match &options.sight {
+            Some(sight) => Surroundings::of([sight.bounds.low, sight.bounds.high()].into_iter()),
+            None => Surroundings::of(points.iter().copied()),
+        };
         let walls: Vec<Wall> = obstacles.iter().map(|obstacle| Wall::new(obstacle, &around, 2.0 * NEIGHBORHOOD)).collect();
         let reach = NEIGHBORHOOD * own.size[0].max(own.size[1]);
         let (low, high) = (own.low, own.high());
@@ -102,11 +111,15 @@ impl<'a> Layout<'a> {
         }
         let mut arrow = 0.0;
         if let Some((vectors, _)) = &options.vectors {
-            arrow = factor(bodies, *vectors, own.size[0].max(own.size[1]));
+            arrow = factor(longest(bodies, *vectors), own.size[0].max(own.size[1]));
             let ends = |body: &'a BodyFields| (0..body.mesh.points.len()).map(move |node| far_end(body, node, *vectors, arrow));
             points.extend(bodies.iter().flat_map(ends).map(|end| view.flat(end)));
         }
-        let bounds = Bounds::of(points.iter());
+        let mut bounds = Bounds::of(points.iter());
+        if let Some(sight) = &options.sight {
+            bounds = sight.bounds;
+            arrow = factor(sight.longest, bounds.size[0].max(bounds.size[1]));
+        }
         let count = options.panels.len().max(1);
         let fits = ((width / NARROWEST) as usize).max(1);
         let columns = if bounds.size[0] > WIDE * bounds.size[1] { 1 } else { count.min(2).min(fits) };
@@ -194,7 +207,8 @@ impl<'a> Layout<'a> {
             x += bar_into(out, [x, y], self.zoom, self.size[0], &self.options.length_unit) + 36.0;
         }
         if let Some((vectors, unit)) = &self.options.vectors {
-            key_into(out, self.bodies, *vectors, unit, [x, y], end - x);
+            let longest = self.options.sight.map_or_else(|| longest(self.bodies, *vectors), |sight| sight.longest);
+            key_into(out, longest, *vectors, unit, [x, y], end - x);
         }
     }
 }

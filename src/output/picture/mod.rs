@@ -13,7 +13,7 @@ mod view;
 #[cfg(test)]
 mod tests;
 
-pub use draw::picture;
+pub use draw::{picture, sight};
 pub use field::{Component, Field, Vectors};
-pub use options::{Measure, Panel, PictureOptions};
+pub use options::{Measure, Panel, PictureOptions, Sight};
 pub use view::{VIEWS, View};

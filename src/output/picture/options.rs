@@ -1,7 +1,7 @@
 //! What a picture shows and how.
 
 use super::field::{Field, Vectors};
-use super::view::View;
+use super::view::{Bounds, View};
 
 /// A field as one panel of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +31,23 @@ impl Measure {
     pub const ALL: &'static [(&'static str, Measure)] = &[("bar", Measure::Bar), ("axes", Measure::Axes), ("none", Measure::Nothing)];
 }
 
+/// What is in sight of a picture: the same for all pictures of a movie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Box of what is seen, in the plane of the picture.
+    pub(super) bounds: Bounds,
+    /// Size of the longest vector that is shown by an arrow.
+    pub(super) longest: f64,
+}
+
+impl Sight {
+    /// What two pictures see.
+    pub fn with(self, other: Sight) -> Sight {
+        let corners = [self.bounds.low, self.bounds.high(), other.bounds.low, other.bounds.high()];
+        Sight { bounds: Bounds::of(corners.iter()), longest: self.longest.max(other.longest) }
+    }
+}
+
 /// What a picture shows and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
@@ -52,6 +69,8 @@ pub struct PictureOptions {
     pub measure: Measure,
     /// Unit of lengths, empty where none is told.
     pub length_unit: String,
+    /// What is in sight, where it is not to be found from the bodies.
+    pub sight: Option<Sight>,
 }
 
 impl Default for PictureOptions {
@@ -66,6 +85,7 @@ impl Default for PictureOptions {
             vectors: None,
             measure: Measure::default(),
             length_unit: String::new(),
+            sight: None,
         }
     }
 }

@@ -82,7 +82,7 @@ fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// The box around points.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     pub low: Point,
     pub size: Point,

@@ -5,12 +5,13 @@
 //! is written in `ending.rs`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::columns::{further_values, model_columns};
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
-use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, Recording, RunFiles, Surroundings};
+use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, Recording, RunFiles, Still, Surroundings};
 use crate::script::api::asides::is_study;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::{Class, Failure};
@@ -260,6 +261,15 @@ impl Artifacts {
     /// What is kept for the animation.
     pub fn recording(&self) -> &Recording {
         &self.recording
+    }
+
+    /// The stills so far, that of the present state included, whose row of the history is `row`.
+    pub fn stills(&self, simulation: &Simulation, row: usize) -> Vec<Arc<Still>> {
+        let mut stills = self.recording.stills().to_vec();
+        if stills.last().is_none_or(|still| still.row != row) {
+            stills.push(Arc::new(self.recording.still(simulation, row)));
+        }
+        stills
     }
 
     /// Counts time that was spent on a file before it was written.

@@ -12,6 +12,7 @@ pub mod forensics;
 pub mod handle;
 pub mod history;
 pub mod journal;
+pub mod movies;
 pub mod overview;
 pub mod pictures;
 pub mod plots;

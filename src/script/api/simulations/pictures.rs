@@ -29,7 +29,7 @@ macro_rules! names {
     }};
 }
 
-fn keys() -> Vec<Parameter> {
+pub(super) fn keys() -> Vec<Parameter> {
     let optional = |name, kind, summary, absent| Parameter::new(name, kind, summary).or(Absent::Means(absent));
     vec![
         Parameter::new(
@@ -94,7 +94,7 @@ pub(super) fn picture_function() -> Function {
             "sim.picture(\"start.svg\", #{ field: \"velocity\", vectors: \"velocity\", length_unit: \"m\" });\n\
              sim.picture(\"both.png\", #{ field: [\"von_mises\", \"pressure\"], mesh: false });",
         ),
-        see_also: &["plot", "write_fields"],
+        see_also: &["movie", "plot", "write_fields"],
         body: body(|call| {
             let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
             let dimension = handle.0.model.model.dimension();
@@ -112,7 +112,7 @@ pub(super) fn picture_function() -> Function {
 }
 
 /// What the options say, in a space of that dimension.
-fn shown(options: &Options, dimension: usize) -> Result<PictureOptions, Failure> {
+pub(super) fn shown(options: &Options, dimension: usize) -> Result<PictureOptions, Failure> {
     let text = |name: &str| {
         let argument = options.argument(name);
         if argument.is_given() { argument.text() } else { Ok(String::new()) }
@@ -137,6 +137,7 @@ fn shown(options: &Options, dimension: usize) -> Result<PictureOptions, Failure>
         vectors: vectors.zip(Some(text("vector_unit")?)),
         measure,
         length_unit: text("length_unit")?,
+        sight: None,
     })
 }
 

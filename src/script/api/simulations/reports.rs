@@ -69,8 +69,8 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
     let artifacts = data.artifacts.borrow();
     let Some(artifacts) = artifacts.as_ref() else { return Vec::new() };
     let recording = artifacts.recording();
-    let now = (recording.stills().last().is_none_or(|still| still.row != last)).then(|| recording.still(simulation, last));
-    let stills: Vec<&Still> = recording.stills().iter().map(|still| &**still).chain(now.as_ref()).collect();
+    let stills = artifacts.stills(simulation, last);
+    let stills: Vec<&Still> = stills.iter().map(|still| &**still).collect();
     let rows = kept_rows(&history, &stills.iter().map(|still| still.row).collect::<Vec<_>>());
     let found = simulation.findings(&history);
     let warnings = host.warnings().into_iter().chain(found.iter().map(|finding| format!("{finding}: {}", finding.explanation)));

@@ -5,7 +5,7 @@ use rhai::Dynamic;
 use super::artifacts::has_surfaces;
 use super::handle::SimulationHandle;
 use super::writing::{chosen_columns, path_parameter, write, write_at};
-use super::{pictures, plots, reports, tables};
+use super::{movies, pictures, plots, reports, tables};
 use crate::dynamics::{Partner, Simulation};
 use crate::output::{Frame, Surroundings, braille_plot};
 use crate::script::api::examples::flight_example;
@@ -24,6 +24,7 @@ pub fn functions() -> Vec<Function> {
         plots::plot_curves(),
         show(),
         pictures::picture_function(),
+        movies::movie_function(),
         reports::report_function(),
     ]
 }

@@ -100,11 +100,11 @@ fn simulate() -> Function {
                     Parameter::new(
                         "stills",
                         Kind::Integer,
-                        "how many pictures of the run are kept at most for the animation of `report.html`; whenever there are more, every \
-                         second one is dropped",
+                        "how many pictures of the run are kept for movies and the animation of `report.html`; whenever there are more, \
+                         every second one is dropped",
                     )
                     .within(Interval::Closed(2.0, 5000.0))
-                    .or(Absent::Means("200, and fewer of large models")),
+                    .or(Absent::Means("160, and fewer of large models")),
                     Parameter::new(
                         "accept_overlap",
                         Kind::Flag,

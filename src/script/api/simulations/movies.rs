@@ -1,0 +1,81 @@
+//! `sim.movie`: the stills of a run as an animated PNG or GIF.
+
+use rhai::Dynamic;
+
+use super::handle::SimulationHandle;
+use super::pictures::{keys, shown};
+use super::writing::{path_parameter, write};
+use crate::math::catalogue::Interval;
+use crate::output::{Field, MovieFormat, PictureOptions, Sight, Still, movie, picture, shapes, sight};
+use crate::script::api::examples::flight_example;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// `sim.movie`.
+pub(super) fn movie_function() -> Function {
+    let mut options = keys();
+    let seconds = "how long it lasts; all pictures are shown equally long, and it repeats";
+    options.push(Parameter::number("seconds", "seconds", Interval::Closed(0.1, 3600.0), seconds).or(Absent::Number(8.0)));
+    Function {
+        name: "movie",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "draws the run so far as an animated PNG or GIF, with the options of `picture`, in one view and with one color range for \
+                  all of it; its pictures are those of the animation in `report.html` (`stills` of `simulate`)",
+        parameters: vec![
+            path_parameter("a `.png` or `.gif` file below the output folder"),
+            Parameter::new("options", Kind::Options(options), "what is shown").or(Absent::Means("#{ field: \"von_mises\" }")),
+        ],
+        returns: "",
+        example: flight_example("sim.run_to(0.05);\nsim.movie(\"flight.gif\", #{ field: \"velocity\", seconds: 2, width: 400 });"),
+        see_also: &["picture", "report", "simulate"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+            let path = call.text("path")?;
+            if handle.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {
+                return Ok(Dynamic::UNIT);
+            }
+            let title = options.argument("title");
+            let title = if title.is_given() { Some(title.text()?) } else { None };
+            let shown = shown(&options, handle.0.model.model.dimension())?;
+            let seconds = options.number("seconds")?;
+            Ok(write(call, Some(&handle), &[".png", ".gif"], || drawn(call, &handle, shown, title.as_deref(), seconds))?)
+        }),
+    }
+}
+
+/// The bytes of the movie; none where no files are written, because nothing is recorded then.
+fn drawn(call: &Call, handle: &SimulationHandle, mut shown: PictureOptions, title: Option<&str>, seconds: f64) -> Result<Vec<u8>, Failure> {
+    let format = if call.text("path")?.ends_with(".gif") { MovieFormat::Gif } else { MovieFormat::Png };
+    let row = handle.0.history.borrow().len() - 1;
+    let artifacts = handle.0.artifacts.borrow();
+    let Some(artifacts) = artifacts.as_ref() else { return Ok(Vec::new()) };
+    let stills = handle.with(call, |simulation| artifacts.stills(simulation, row))?;
+    let model = &handle.0.model.model;
+    let (skins, shapes) = (artifacts.recording().bodies(), shapes(model));
+    let at = |still: &Still| (still.fields(&model.bodies, skins), still.placed(&shapes));
+    for panel in &mut shown.panels {
+        let place = Field::ALL.iter().position(|row| row.2 == panel.field).unwrap_or(0);
+        let ranges = stills.iter().map(|still| still.extremes[place]);
+        let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
+        panel.range = panel.range.or((low <= high).then_some([low, high]));
+    }
+    let seen = |still: &Still| {
+        let (bodies, obstacles) = at(still);
+        sight(&bodies, &obstacles, &shown)
+    };
+    let all = stills.iter().map(|still| seen(still)).reduce(Sight::with);
+    shown.sight = all;
+    let draw = |index: usize| {
+        let still = &stills[index];
+        let (bodies, obstacles) = at(still);
+        let title = title.map_or_else(|| format!("{} at t = {}", handle.0.name, brief(still.time)), String::from);
+        picture(&bodies, &obstacles, &PictureOptions { title, ..shown.clone() })
+    };
+    let bytes = movie(stills.len(), &draw, seconds, format);
+    bytes.ok_or_else(|| call.fail("there is no memory for pictures of this size").hint("choose a smaller `width`"))
+}
