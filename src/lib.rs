@@ -55,4 +55,6 @@ pub mod output;
 
 pub mod script;
 
+pub mod studies;
+
 pub mod cli;

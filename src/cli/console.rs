@@ -59,6 +59,11 @@ impl Console {
         }
     }
 
+    /// Whether it shows no progress.
+    pub fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
     /// Where the linear solver tells how far a long factorization is; the bar shows it.
     pub fn factorization(&self) -> Arc<AtomicU32> {
         self.factorization.clone()

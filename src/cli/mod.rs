@@ -1,4 +1,4 @@
-//! Floor 8: the command line. Terminal, signals and exit codes live here; everything about scripts in the floor above.
+//! Floor 9: the command line. Terminal, signals and exit codes live here; everything about scripts two floors below.
 
 mod check;
 mod columns;
@@ -17,6 +17,7 @@ mod repl;
 mod resume;
 mod run;
 mod script_arguments;
+mod sweep;
 mod test;
 
 use std::io::Write;
@@ -41,6 +42,8 @@ enum Command {
     Run(run::Arguments),
     /// Go on with a run that was interrupted, to the same results
     Resume(resume::Arguments),
+    /// Run a script for many values of its parameters, and make a table of what it yields
+    Sweep(sweep::Arguments),
     /// Build a script's models and report what it would do and what is wrong; takes no step
     Check(check::Arguments),
     /// Run every function `test_…` of scripts, and scenarios as tests of their own checks
@@ -83,6 +86,7 @@ pub fn main() -> ExitCode {
     let work = move || match arguments.command {
         Command::Run(arguments) => run::run(arguments),
         Command::Resume(arguments) => resume::resume(arguments),
+        Command::Sweep(arguments) => sweep::sweep(arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Test(arguments) => test::test(arguments),
         Command::Doc(arguments) => doc::doc(arguments),

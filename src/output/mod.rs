@@ -23,6 +23,7 @@ mod pvd;
 mod reading;
 mod recording;
 mod report;
+mod response;
 mod summary;
 mod table;
 mod vtu;
@@ -42,7 +43,7 @@ pub use files::{OutputError, RunFiles, Stream};
 pub use history_csv::HistoryCsv;
 pub use movie::{MovieFormat, movie};
 pub use obstacles::Surroundings;
-pub use parquet::parquet;
+pub use parquet::{Field as TableField, parquet, parquet_of};
 pub use picture::{Component, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, sight};
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use pvd::{FieldSeries, pvd};
@@ -54,9 +55,10 @@ pub use reading::parquet_table::read_parquet;
 pub use reading::table::{TableRead, read_table};
 pub use recording::{Recording, Skin, Still, shapes};
 pub use report::{Report, ReportTable, kept_rows, report};
+pub use response::Response;
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
 };
-pub use table::{Column, Table, is_count};
+pub use table::{Column, Table, TextColumn, is_count};
 pub use vtu::{Frame, Grid};
 pub use writer::FieldWriter;

@@ -111,17 +111,22 @@ impl Default for Plot {
 }
 
 /// The box of the axes and what they say, in a picture of that height.
-struct Frame {
+pub(super) struct Frame {
     height: f64,
-    low: Point,
-    high: Point,
+    pub low: Point,
+    pub high: Point,
     x: Axis,
     y: Axis,
 }
 
 impl Frame {
+    /// Begins a group of what is seen in the box; half of a line's width is seen outside.
+    pub fn clip_into(&self, out: &mut Drawing) {
+        out.begin_clipped([self.low[0] - 2.0, self.low[1] - 2.0], [self.high[0] + 2.0, self.high[1] + 2.0]);
+    }
+
     /// The place of a value; none of what an axis cannot show.
-    fn place(&self, x: f64, y: f64) -> Point {
+    pub fn place(&self, x: f64, y: f64) -> Point {
         let [right, up] = [self.x.share(x), self.y.share(y)];
         [self.low[0] + right * (self.high[0] - self.low[0]), self.high[1] - up * (self.high[1] - self.low[1])]
     }
@@ -130,6 +135,17 @@ impl Frame {
 impl Plot {
     /// The plot as a drawing.
     pub fn draw(&self) -> Drawing {
+        let (mut out, frame) = self.framed(0.0);
+        frame.clip_into(&mut out);
+        for (curve, color) in self.colored() {
+            curve_into(&mut out, curve, color, &frame);
+        }
+        out.end();
+        out
+    }
+
+    /// Title, legend and axes, with some pixels free at the right.
+    pub(super) fn framed(&self, free: f64) -> (Drawing, Frame) {
         let [width, height] = self.size;
         let mut out = Drawing::new(self.size);
         let (count_x, count_y) = ((width / 80.0) as usize, (height / 65.0) as usize);
@@ -140,7 +156,7 @@ impl Plot {
         let widest = |axis: &Axis| axis.ticks.iter().map(|&tick| text_width(&axis.label(tick), TEXT)).fold(0.0, f64::max);
         let label_height = |axis: &PlotAxis, size: f64| if axis.label.is_empty() { 0.0 } else { size };
         let left = MARGIN + label_height(&self.y, TEXT + 10.0) + widest(&y) + 8.0;
-        let right = width - MARGIN - (0.5 * widest(&x)).min(30.0);
+        let right = width - free - MARGIN - (0.5 * widest(&x)).min(30.0);
         let top = self.head_into(&mut out, left, right);
         // A legend of many rows makes the picture higher, not the axes smaller than anyone can read.
         let below = MARGIN + label_height(&self.x, TEXT + 8.0) + TEXT + 4.0;
@@ -148,13 +164,7 @@ impl Plot {
         out.set_height(height);
         let frame = Frame { low: [left, top], high: [right, height - below], height, x, y };
         self.axes_into(&mut out, &frame);
-        // Half of a line's width is seen outside.
-        out.begin_clipped([frame.low[0] - 2.0, frame.low[1] - 2.0], [frame.high[0] + 2.0, frame.high[1] + 2.0]);
-        for (curve, color) in self.colored() {
-            curve_into(&mut out, curve, color, &frame);
-        }
-        out.end();
-        out
+        (out, frame)
     }
 
     fn colored(&self) -> impl Iterator<Item = (&Curve, Color)> {

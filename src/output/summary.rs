@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::dynamics::{EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
 
@@ -22,6 +22,9 @@ pub struct Summary {
     pub script: String,
     /// Values of `param(...)` by name.
     pub parameters: BTreeMap<String, serde_json::Value>,
+    /// What the script yields with `result(...)`, in its order.
+    #[serde(serialize_with = "in_order")]
+    pub results: Vec<(String, serde_json::Value)>,
     /// Version of the program.
     pub version: String,
     /// Number of bodies.
@@ -62,6 +65,7 @@ pub struct Summary {
 pub const KEYS: &[(&str, &str)] = &[
     ("script", "the path of the script"),
     ("parameters", "the values of `param(...)` by name"),
+    ("results", "what the script yields with `result(...)` by name; numbers that are not finite are the texts `NaN`, `inf` and `-inf`"),
     ("version", "the version of the program"),
     ("bodies", "the number of bodies"),
     ("unknowns", "the number of free displacement components"),
@@ -130,6 +134,11 @@ impl From<&RunFinding> for FindingRecord {
         let (kind, contact, message) = (kind.name(), contact.clone(), format!("{finding}: {explanation}"));
         FindingRecord { kind, contact, value: *value, limit: *limit, time: *time, step: *step, message }
     }
+}
+
+/// Pairs as an object with their keys in this order.
+fn in_order<S: Serializer>(pairs: &[(String, serde_json::Value)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }
 
 impl Summary {

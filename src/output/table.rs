@@ -32,6 +32,15 @@ impl Column {
     }
 }
 
+/// A named column of words; `None` where there is none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextColumn {
+    /// Its name.
+    pub name: String,
+    /// Its words.
+    pub values: Vec<Option<String>>,
+}
+
 /// Columns of equal length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use rhai::{Dynamic, Engine, Position, Scope};
+use sha2::{Digest, Sha256};
 
 use super::compile::{compile, constants};
 use super::engine::engine;
@@ -19,6 +20,7 @@ use crate::script::api::simulations::artifacts::output_failure;
 use crate::script::api::simulations::ending;
 use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
 use crate::script::api::simulations::journal::Journal;
+use crate::script::api::studies::result::Results;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::explain::{explain, explain_failure};
 use crate::script::language::failure::Class;
@@ -59,6 +61,8 @@ pub struct Outline {
     pub functions: Vec<(String, usize, usize)>,
     /// Whether there are statements outside of functions.
     pub has_statements: bool,
+    /// Names of the parameters that it asks for; none where only a run tells, because names are computed or other files imported.
+    pub parameters: Option<Vec<String>>,
 }
 
 /// The text of a script file.
@@ -112,6 +116,21 @@ impl Session {
         all.split("\n\n").filter(|block| !block.contains(KEEP_CONTEXT)).collect::<Vec<_>>().join("\n\n")
     }
 
+    /// Sixteen digits that other texts of the scripts, or of the files that they have read so far, do not share.
+    pub fn digest(&self) -> String {
+        let texts = self.host.sources.all().into_iter().map(|(_, text)| Sha256::digest(text.as_bytes()));
+        let files = self.host.sandbox.files_read().into_iter().filter_map(|path| std::fs::read(path).ok()).map(Sha256::digest);
+        // Where files stand differs between machines; what is in them does not.
+        let mut all: Vec<_> = texts.chain(files).collect();
+        all.sort();
+        Sha256::digest(all.concat()).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// What the script has yielded with `result`, in its order.
+    pub fn results(&self) -> Vec<(String, serde_json::Value)> {
+        Results::of(&self.host)
+    }
+
     /// Takes what an earlier program has computed for what the script asks for first.
     pub fn resume(&mut self, checkpoint: Checkpoint) {
         self.host.slots.set(Rc::new(Journal::resumed(checkpoint)));
@@ -151,11 +170,14 @@ impl Session {
         self.host.sources.insert(name, text);
         let engine = self.engine.borrow();
         let tree = compile(&engine, &self.scope, name, text).map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))?;
-        let starts = scan::functions(&scan::lexemes(&engine, text));
+        let lexemes = scan::lexemes(&engine, text);
+        let starts = scan::functions(&lexemes);
+        let asked: Option<Vec<String>> = scan::asked_parameters(&lexemes).into_iter().map(|(_, name)| name).collect();
+        let asked = asked.filter(|_| scan::imports(&lexemes).is_empty());
         let parameters =
             |function: &str| tree.iter_functions().filter(|known| known.name == function).map(|known| known.params.len()).min();
         let functions = starts.into_iter().filter_map(|(function, start)| parameters(&function).map(|count| (function, count, start)));
-        Ok(Outline { functions: functions.collect(), has_statements: !tree.statements().is_empty() })
+        Ok(Outline { functions: functions.collect(), has_statements: !tree.statements().is_empty(), parameters: asked })
     }
 
     /// Evaluates, and turns a defect of the program into a message, so that the files of the run are still completed.

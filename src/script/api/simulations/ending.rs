@@ -9,6 +9,7 @@ use super::reports::{Ending, json, write_at_end};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
 use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
 use crate::script::api::parameters::Overrides;
+use crate::script::api::studies::result::Results;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
@@ -88,6 +89,7 @@ fn common(host: &Host, outcome: &str) -> Summary {
     Summary {
         script: host.main.borrow().clone(),
         parameters: host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value))).collect(),
+        results: Results::of(host),
         version: env!("CARGO_PKG_VERSION").into(),
         outcome: outcome.into(),
         ..Summary::default()

@@ -6,8 +6,9 @@ use crate::script::language::function::Function;
 
 pub mod invariance;
 pub mod order;
+pub mod result;
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
-    vec![order::expect_order(), invariance::expect_invariant()]
+    vec![order::expect_order(), invariance::expect_invariant(), result::result()]
 }

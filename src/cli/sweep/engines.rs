@@ -1,0 +1,102 @@
+//! Who computes the points of a study: processes on this machine, or Slurm.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use super::arguments::{ComputeArguments, Engine};
+use super::planning::Planned;
+use super::progress::StudyProgress;
+use crate::cli::console::Console;
+use crate::script::{Class, Diagnostic};
+use crate::studies::{PointState, here, slurm};
+
+/// How often Slurm is asked, and the folder looked at.
+const PERIOD: Duration = Duration::from_secs(1);
+/// How often an interrupt is looked for meanwhile.
+const BLINK: Duration = Duration::from_millis(100);
+
+/// Computes what is not done; numbers of the points of which was told that they did not come to their end.
+///
+/// # Errors
+/// An engine that cannot be had; files that cannot be written.
+pub fn compute(
+    planned: &Planned,
+    arguments: &ComputeArguments,
+    interrupt: &AtomicBool,
+    console: &Console,
+) -> Result<Vec<usize>, Box<Diagnostic>> {
+    let program = std::env::current_exe()
+        .map_err(|error| Box::new(Diagnostic::error(Class::Internal, "the program cannot be found").cause(error.to_string())))?;
+    let open = here::open_points(&planned.study, &planned.plan);
+    let kept = planned.plan.points.len() - open.len();
+    if kept > 0 {
+        console.note(&format!("{kept} of {} points are done already", planned.plan.points.len()));
+    }
+    if open.is_empty() {
+        return Ok(Vec::new());
+    }
+    if arguments.engine == Engine::Slurm {
+        let words = [("--time", &arguments.time), ("--mem", &arguments.mem), ("--partition", &arguments.partition)];
+        let words = words.into_iter().filter_map(|(name, value)| value.as_ref().map(|value| format!("{name}={value}")));
+        let job = slurm::Job {
+            per_task: arguments.per_task as usize,
+            at_once: arguments.at_once.map(|count| count as usize),
+            options: words.chain(arguments.sbatch.iter().cloned()).collect(),
+            program,
+        };
+        return by_slurm(planned, open, &job, interrupt, console);
+    }
+    let processors = std::thread::available_parallelism().map_or(1, usize::from) / usize::from(planned.plan.limits.threads.max(1));
+    let jobs = arguments.jobs.map_or(processors.max(1), usize::from);
+    let progress = StudyProgress::new(open.len(), arguments.quiet);
+    let computed = here::compute_all((&planned.study, &planned.plan), open, (&program, jobs), interrupt, &mut |done| {
+        progress.done(&planned.plan, done.index, &done.record);
+    });
+    progress.finish();
+    computed.map(|()| progress.told())
+}
+
+/// Submits what is not done, and follows until no task is left.
+fn by_slurm(
+    planned: &Planned,
+    open: Vec<usize>,
+    job: &slurm::Job,
+    interrupt: &AtomicBool,
+    console: &Console,
+) -> Result<Vec<usize>, Box<Diagnostic>> {
+    let (study, plan) = (&planned.study, &planned.plan);
+    let mut jobs = slurm::submitted(study);
+    if slurm::tasks_left(&jobs)? > 0 {
+        console.note("tasks of this study are with Slurm already: these are followed, and none are submitted");
+    } else {
+        jobs = slurm::submit(study, plan, &open, job)?;
+        console.note(&format!("submitted to Slurm: job {}", jobs.join(", ")));
+    }
+    let progress = StudyProgress::new(open.len(), console.is_quiet());
+    let mut left = open;
+    loop {
+        let is_over = slurm::tasks_left(&jobs)? == 0;
+        left.retain(|&index| match study.state(&plan.points[index]) {
+            PointState::Done(record) => {
+                progress.done(plan, index, &record);
+                false
+            }
+            _ => true,
+        });
+        if is_over || left.is_empty() {
+            break;
+        }
+        for _ in 0..PERIOD.as_millis() / BLINK.as_millis() {
+            std::thread::sleep(BLINK);
+            if interrupt.load(Ordering::Relaxed) {
+                progress.finish();
+                let (all, shown) = (jobs.join(" "), planned.shown.display());
+                console.note("the tasks go on without this program");
+                console.note(&format!("follow them with `conserva sweep {shown} --engine slurm`, or end them with `scancel {all}`"));
+                return Ok(progress.told());
+            }
+        }
+    }
+    progress.finish();
+    Ok(progress.told())
+}

@@ -1,0 +1,105 @@
+//! `result(name, value)`: what a script yields, for the summary of the run and the table of a study.
+
+use std::cell::RefCell;
+
+use rhai::{Array, Dynamic};
+use serde_json::Value;
+
+use crate::script::language::arguments::Arguments;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::host::Host;
+use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::values::{as_number, describe};
+
+/// What the script has yielded, in the order in which it named it first.
+#[derive(Default)]
+pub struct Results(RefCell<Vec<(String, Value)>>);
+
+impl Results {
+    /// Those of a session.
+    pub fn of(host: &Host) -> Vec<(String, Value)> {
+        host.slots.get::<Results>().0.borrow().clone()
+    }
+
+    fn note(&self, name: &str, value: Value) {
+        let mut all = self.0.borrow_mut();
+        match all.iter_mut().find(|(known, _)| known == name) {
+            Some((_, known)) => *known = value,
+            None => all.push((name.to_string(), value)),
+        }
+    }
+}
+
+/// The function `result`.
+pub fn result() -> Function {
+    Function {
+        name: "result",
+        form: Form::Function,
+        topic: Topic::Parameters,
+        summary: "notes what the script yields under a name: it stands in `summary.json`, and `conserva sweep` makes a column of its table of it",
+        parameters: vec![
+            Parameter::new(
+                "name",
+                Kind::Text,
+                "the result's name, with its unit if that helps; a further value of the same name replaces it",
+            ),
+            Parameter::new("value", Kind::Any, "a number, a text, `true` or `false`, or an array of these"),
+        ],
+        returns: "",
+        example: "let peak = max([0.2, 0.7, 0.4]);\nresult(\"peak pressure\", peak);".into(),
+        see_also: &["param"],
+        body: body(|call| {
+            let (name, value) = (call.text("name")?, call.argument("value"));
+            if name.trim().is_empty() || name.chars().any(char::is_control) {
+                let failure = call.argument("name").fail("`name` of `result` must be a word or a few on one line");
+                return Err(failure.hint("write `result(\"peak pressure\", p)`, for example").into());
+            }
+            let Some(plain) = plain(&value.value()) else { return Err(refused(call, &value.value()).into()) };
+            call.host.slots.get::<Results>().note(&name, plain);
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+fn refused(call: &Call, value: &Dynamic) -> Failure {
+    let failure = call.argument("value").fail("`value` of `result` must be a number, a text, `true` or `false`, or an array of these");
+    failure
+        .label(format!("this is {}", describe(call.engine(), value)))
+        .hint("give one number that tells it, such as the last of a column: `sim.history.total[-1]`")
+}
+
+/// A value for a file; none for what no file can hold. JSON has no numbers that are not finite: these are written as words.
+fn plain(value: &Dynamic) -> Option<Value> {
+    if let Some(array) = value.read_lock::<Array>() {
+        return array.iter().map(plain).collect::<Option<Vec<_>>>().map(Value::Array);
+    }
+    if let Ok(whole) = value.as_int() {
+        return Some(whole.into());
+    }
+    if let Some(number) = as_number(value) {
+        return Some(serde_json::Number::from_f64(number).map_or_else(|| format!("{number:?}").into(), Value::Number));
+    }
+    match (value.as_bool(), value.clone().into_string()) {
+        (Ok(flag), _) => Some(flag.into()),
+        (_, Ok(text)) => Some(text.into()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_keep_their_kinds_and_first_places() {
+        let results = Results::default();
+        for (name, value) in [("b", Dynamic::from(1_i64)), ("a", 0.5.into()), ("b", f64::NAN.into())] {
+            results.note(name, plain(&value).unwrap());
+        }
+        assert_eq!(*results.0.borrow(), [("b".into(), Value::from("NaN")), ("a".into(), Value::from(0.5))]);
+        let array: Array = vec![true.into(), "word".into(), Dynamic::from(2_i64)];
+        assert_eq!(plain(&array.into()).unwrap().to_string(), "[true,\"word\",2]");
+        assert!(plain(&Dynamic::UNIT).is_none());
+    }
+}

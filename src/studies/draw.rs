@@ -1,0 +1,151 @@
+//! Pictures of a study: each result over what varies.
+//!
+//! With one parameter a curve, with more a family of curves where there are few, markers over each parameter where there are many, and
+//! for exactly two numbers the response as colors over both.
+
+use crate::output::{Curve, CurveStyle, Drawing, Plot, PlotAxis, Response};
+
+use super::table::{StudyColumn, StudyTable};
+
+/// A picture.
+pub struct StudyPicture {
+    /// Name of its file without an ending.
+    pub name: String,
+    /// What it shows.
+    pub title: String,
+    /// The picture.
+    pub drawing: Drawing,
+}
+
+/// Curves of a family at most: as many as have colors of their own.
+const FAMILY: usize = 7;
+/// Pictures at most: a study of many results is looked at in its table.
+const MOST: usize = 60;
+/// From this ratio of the largest to the smallest value on, an axis is logarithmic.
+const WIDE: f64 = 90.0;
+
+/// A column of numbers by its name.
+struct Named<'a> {
+    name: &'a str,
+    values: &'a [Option<f64>],
+}
+
+/// Pictures of all results that are numbers.
+pub fn pictures(table: &StudyTable) -> Vec<StudyPicture> {
+    let numbers = |column: &'_ StudyColumn| column.numbers().is_some();
+    let parameters: Vec<&StudyColumn> = table.columns[table.parameters.clone()].iter().collect();
+    let axes: Vec<usize> =
+        (0..parameters.len()).filter(|&place| numbers(parameters[place]) && count_different(parameters[place]) > 1).collect();
+    let mut all = Vec::new();
+    for result in table.columns[table.results.clone()].iter() {
+        let Some(values) = result.numbers().filter(|values| values.iter().flatten().any(|value| value.is_finite())) else { continue };
+        let result = Named { name: result.name(), values };
+        if let Some(&first) = axes.iter().max_by_key(|&&axis| (count_different(parameters[axis]), std::cmp::Reverse(axis))) {
+            match family(&parameters, first, &result) {
+                Some(curves) => all.push(curve_picture(parameters[first], &result, curves)),
+                None => all.extend(axes.iter().map(|&axis| scatter(parameters[axis], &result))),
+            }
+        }
+        if let ([a, b], 2) = (&axes[..], parameters.len()) {
+            all.extend(response(parameters[*a], parameters[*b], &result));
+        }
+    }
+    all.truncate(MOST);
+    all
+}
+
+fn count_different(column: &StudyColumn) -> usize {
+    let mut words: Vec<String> = (0..column.numbers().map_or(0, <[_]>::len)).map(|row| column.cell(row)).collect();
+    words.sort();
+    words.dedup();
+    words.len()
+}
+
+/// A curve over one parameter for each combination of the others; none where these are too many to be told apart.
+fn family(parameters: &[&StudyColumn], axis: usize, result: &Named) -> Option<Vec<Curve>> {
+    let xs = parameters[axis].numbers()?;
+    let mut curves: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
+    for (row, (x, y)) in xs.iter().zip(result.values).enumerate() {
+        let others = parameters.iter().enumerate().filter(|(place, _)| *place != axis);
+        let label = others.map(|(_, column)| format!("{} = {}", column.name(), column.cell(row))).collect::<Vec<_>>().join(", ");
+        let (Some(x), Some(y)) = (*x, *y) else { continue };
+        match curves.iter().position(|(known, _)| *known == label) {
+            Some(place) => curves[place].1.push([x, y]),
+            None if curves.len() == FAMILY => return None,
+            None => curves.push((label, vec![[x, y]])),
+        }
+    }
+    let is_family = curves.iter().any(|(_, points)| points.len() > 1);
+    let curve = |(label, mut points): (String, Vec<[f64; 2]>)| {
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let label = if label.is_empty() { result.name.to_string() } else { label };
+        Curve {
+            label,
+            x: points.iter().map(|point| point[0]).collect(),
+            y: points.iter().map(|point| point[1]).collect(),
+            ..Curve::default()
+        }
+    };
+    is_family.then(|| curves.into_iter().map(curve).collect())
+}
+
+fn curve_picture(parameter: &StudyColumn, result: &Named, curves: Vec<Curve>) -> StudyPicture {
+    let title = format!("{} over {}", result.name, parameter.name());
+    // Lines with markers, so that one sees what was computed.
+    let markers = curves.iter().map(|curve| Curve { style: CurveStyle::Points, label: String::new(), ..curve.clone() }).collect::<Vec<_>>();
+    let plot =
+        Plot { x: axis(parameter.name(), parameter.numbers().unwrap_or_default()), y: axis(result.name, result.values), ..Plot::default() };
+    let is_few = curves.len() == 1;
+    let plot = Plot { title: title.clone(), curves: if is_few { [curves, markers].concat() } else { curves }, ..plot };
+    StudyPicture { name: file_name(&title), title, drawing: plot.draw() }
+}
+
+fn scatter(parameter: &StudyColumn, result: &Named) -> StudyPicture {
+    let xs = parameter.numbers().unwrap_or_default();
+    let known: Vec<[f64; 2]> = xs.iter().zip(result.values).filter_map(|(x, y)| Some([(*x)?, (*y)?])).collect();
+    let title = format!("{} over {}", result.name, parameter.name());
+    let curve = Curve {
+        label: result.name.into(),
+        x: known.iter().map(|point| point[0]).collect(),
+        y: known.iter().map(|point| point[1]).collect(),
+        style: CurveStyle::Points,
+        ..Curve::default()
+    };
+    let plot = Plot {
+        title: title.clone(),
+        x: axis(parameter.name(), xs),
+        y: axis(result.name, result.values),
+        curves: vec![curve],
+        ..Plot::default()
+    };
+    StudyPicture { name: file_name(&title), title, drawing: plot.draw() }
+}
+
+fn response(a: &StudyColumn, b: &StudyColumn, result: &Named) -> Option<StudyPicture> {
+    let (xs, ys) = (a.numbers()?, b.numbers()?);
+    let points = xs
+        .iter()
+        .zip(ys)
+        .zip(result.values)
+        .filter_map(|((x, y), value)| Some([(*x)?, (*y)?, (*value).filter(|value| value.is_finite())?]));
+    let points: Vec<[f64; 3]> = points.collect();
+    if points.len() < 3 {
+        return None;
+    }
+    let title = format!("{} over {} and {}", result.name, a.name(), b.name());
+    let drawing = Response { title: title.clone(), x: axis(a.name(), xs), y: axis(b.name(), ys), label: result.name.into(), points }.draw();
+    Some(StudyPicture { name: file_name(&title), title, drawing })
+}
+
+/// An axis that is logarithmic where values are of different orders.
+fn axis(name: &str, values: &[Option<f64>]) -> PlotAxis {
+    let finite = || values.iter().flatten().copied().filter(|value| value.is_finite());
+    let (low, high) = finite().fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
+    PlotAxis { is_logarithmic: low > 0.0 && high >= WIDE * low, ..PlotAxis::new(name) }
+}
+
+/// A title as the name of a file.
+fn file_name(title: &str) -> String {
+    let plain = |sign: char| if sign.is_alphanumeric() || "-+.".contains(sign) { sign } else { '_' };
+    title.chars().take(100).map(plain).collect::<String>().trim_matches(['_', '.']).into()
+}

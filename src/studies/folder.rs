@@ -1,0 +1,232 @@
+//! The folder of a study: what it holds, and who may compute a point.
+//!
+//! | file | what |
+//! |---|---|
+//! | `study.json` | the [`Plan`] |
+//! | `points.csv` | the same for people and engines |
+//! | `points/ID/` | the run of a point |
+//! | `points/ID/point.json` | its [`Record`]: the point is done |
+//! | `points/ID/.claim` | locked while somebody computes it, with who that is |
+//! | `table.csv`, `table.parquet`, `pictures/`, `study.html` | what [`collect`](super::collect()) makes |
+//!
+//! Locks are those of the operating system (`flock`), which end with the process that holds them, also across machines on a shared file
+//! system. Nothing else says that a point is under way, so nothing has to be cleaned up after a crash.
+
+use std::fs::{File, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use super::plan::{FORMAT, Plan, Point};
+use super::record::{Record, RecordOutcome};
+use super::values::refusal;
+use crate::output::{OutputError, RunFiles};
+use crate::script::{Class, Diagnostic};
+
+const STUDY: &str = "study.json";
+const RECORD: &str = "point.json";
+const CLAIM: &str = ".claim";
+const LOCK: &str = ".lock";
+
+/// The folder of a study.
+#[derive(Clone, Debug)]
+pub struct StudyFolder {
+    files: RunFiles,
+}
+
+/// Where a point stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PointState {
+    /// It is done.
+    Done(Record),
+    /// Somebody computes it.
+    UnderWay,
+    /// Somebody began it and was ended; who that was.
+    Stopped(String),
+    /// Nobody has begun it.
+    Missing,
+}
+
+impl PointState {
+    /// Whether it is to be computed.
+    pub fn is_open(&self) -> bool {
+        match self {
+            PointState::Done(record) => record.outcome == RecordOutcome::Killed,
+            PointState::UnderWay => false,
+            PointState::Stopped(_) | PointState::Missing => true,
+        }
+    }
+}
+
+/// The right to compute a point, until it goes out of scope.
+#[derive(Debug)]
+pub struct Claim(#[allow(dead_code, reason = "the lock lasts as long as the file is open")] File);
+
+/// The message of a file that could not be written.
+pub(super) fn unwritten(error: &OutputError) -> Box<Diagnostic> {
+    Box::new(Diagnostic::error(Class::Output, error.to_string()).hint(error.cure()))
+}
+
+fn unlocked(path: &Path, error: &std::io::Error) -> Box<Diagnostic> {
+    let refused = Diagnostic::error(Class::Output, format!("\"{}\" could not be locked: {error}", path.display()));
+    Box::new(refused.hint("keep the study on a file system that you may write to and that has locks (`flock`)"))
+}
+
+impl StudyFolder {
+    /// The folder of a new study, or of one that grows.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn create(path: &Path) -> Result<Self, Box<Diagnostic>> {
+        RunFiles::create(path).map(|files| StudyFolder { files }).map_err(|error| unwritten(&error))
+    }
+
+    /// The folder of a study that is planned.
+    ///
+    /// # Errors
+    /// It holds no study.
+    pub fn open(path: &Path) -> Result<Self, Box<Diagnostic>> {
+        if !Self::is_study(path) {
+            let error = refusal(format!("{} holds no study", path.display())).cause(format!("there is no {STUDY} in it"));
+            return Err(Box::new(error.hint("name the folder that `conserva sweep` or `conserva sweep plan` has written")));
+        }
+        Self::create(path)
+    }
+
+    /// Whether a folder holds a study.
+    pub fn is_study(path: &Path) -> bool {
+        path.join(STUDY).is_file()
+    }
+
+    /// The folder as it was named.
+    pub fn path(&self) -> &Path {
+        self.files.directory()
+    }
+
+    /// Writes a file of the study in one piece.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf, Box<Diagnostic>> {
+        self.files.write(name, bytes).map_err(|error| unwritten(&error))
+    }
+
+    /// The plan.
+    ///
+    /// # Errors
+    /// A damaged file, or one of a later version.
+    pub fn plan(&self) -> Result<Plan, Box<Diagnostic>> {
+        let path = self.path().join(STUDY);
+        let damaged = |reason: String| {
+            let error = refusal(format!("{} cannot be read", path.display())).cause(reason);
+            Box::new(error.hint("plan the study again with the same command; points that are computed stay"))
+        };
+        let text = std::fs::read(&path).map_err(|error| damaged(error.to_string()))?;
+        let value: serde_json::Value = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
+        match value.get("format").and_then(serde_json::Value::as_u64) {
+            Some(format) if format > u64::from(FORMAT) => {
+                let error = refusal(format!("{} is of a later version of the program", path.display()));
+                Err(Box::new(error.cause(format!("format {format}, not {FORMAT}")).hint("go on with the program that planned the study")))
+            }
+            _ => serde_json::from_value(value).map_err(|error| damaged(error.to_string())),
+        }
+    }
+
+    /// Writes the plan in place of an older one.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_plan(&self, plan: &Plan) -> Result<(), Box<Diagnostic>> {
+        // A plan of strings and numbers always has a JSON form.
+        let text = serde_json::to_string_pretty(plan).unwrap_or_default() + "\n";
+        self.write(STUDY, text.as_bytes())?;
+        self.write("points.csv", &plan.to_csv()).map(drop)
+    }
+
+    /// Waits until nobody else plans or collects; what is returned keeps others waiting.
+    ///
+    /// # Errors
+    /// There are no locks here.
+    pub fn lock(&self) -> Result<Claim, Box<Diagnostic>> {
+        let path = self.path().join(LOCK);
+        let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(|error| unlocked(&path, &error))?;
+        file.lock().map_err(|error| unlocked(&path, &error))?;
+        Ok(Claim(file))
+    }
+
+    /// The folder of a point.
+    pub fn point(&self, point: &Point) -> PathBuf {
+        self.path().join("points").join(&point.id)
+    }
+
+    /// The record of a point, if it is done.
+    pub fn record(&self, point: &Point) -> Option<Record> {
+        Record::read(&self.point(point).join(RECORD), &point.id)
+    }
+
+    /// Writes the record of a point, which is then done.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_record(&self, record: &Record) -> Result<(), Box<Diagnostic>> {
+        self.write(&format!("points/{}/{RECORD}", record.id), record.to_json().as_bytes()).map(drop)
+    }
+
+    /// Forgets what became of a point.
+    ///
+    /// # Errors
+    /// The record cannot be removed.
+    pub fn forget(&self, point: &Point) -> Result<(), Box<Diagnostic>> {
+        let path = self.point(point).join(RECORD);
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(unwritten(&OutputError::Write { path, source: error })),
+            _ => Ok(()),
+        }
+    }
+
+    /// The right to compute a point; none while somebody else has it.
+    ///
+    /// # Errors
+    /// The folder cannot be made, or has no locks.
+    pub fn claim(&self, point: &Point) -> Result<Option<Claim>, Box<Diagnostic>> {
+        let path = self.files.place(&format!("points/{}/{CLAIM}", point.id)).map_err(|error| unwritten(&error))?;
+        let open = File::options().create(true).truncate(false).read(true).write(true).open(&path);
+        let mut file = open.map_err(|error| unlocked(&path, &error))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Ok(None),
+            Err(TryLockError::Error(error)) => return Err(unlocked(&path, &error)),
+        }
+        // Who it is helps people only, so that a full disk may refuse it.
+        let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder().as_bytes()));
+        Ok(Some(Claim(file)))
+    }
+
+    /// Where a point stands.
+    pub fn state(&self, point: &Point) -> PointState {
+        if let Some(record) = self.record(point) {
+            return PointState::Done(record);
+        }
+        let Ok(mut file) = File::open(self.point(point).join(CLAIM)) else { return PointState::Missing };
+        if matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)) {
+            return PointState::UnderWay;
+        }
+        // It may have been done a moment ago.
+        if let Some(record) = self.record(point) {
+            return PointState::Done(record);
+        }
+        let mut text = String::new();
+        let _ = file.read_to_string(&mut text);
+        PointState::Stopped(text.trim().into())
+    }
+}
+
+/// Who computes: the process, and the task of a scheduler that it is.
+fn holder() -> String {
+    let value = |name: &str| std::env::var(name).ok();
+    let task = value("SLURM_ARRAY_JOB_ID").or(value("SLURM_JOB_ID")).map(|job| match value("SLURM_ARRAY_TASK_ID") {
+        Some(task) => format!(", Slurm task {job}_{task}"),
+        None => format!(", Slurm job {job}"),
+    });
+    let node = value("SLURMD_NODENAME").map(|node| format!(" on {node}")).unwrap_or_default();
+    format!("process {}{node}{}\n", std::process::id(), task.unwrap_or_default())
+}

@@ -1,0 +1,86 @@
+//! Ends a point when the process is interrupted or the point's time is over.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// How often the watchdog looks.
+const PERIOD: Duration = Duration::from_millis(20);
+
+/// What is watched now.
+struct Watched {
+    stop: Arc<AtomicBool>,
+    deadline: Option<Instant>,
+    /// Writes off a point that does not stop.
+    give_up: Box<dyn Fn() + Send>,
+}
+
+/// A thread that watches the points of a process, one after the other.
+#[derive(Clone)]
+pub struct Watchdog {
+    interrupt: Arc<AtomicBool>,
+    watched: Arc<Mutex<Option<Watched>>>,
+}
+
+/// Time that a point has to stop by itself after it was told to.
+const GRACE: Duration = Duration::from_secs(10);
+
+impl Watchdog {
+    /// A watchdog that passes an interrupt on, and calls `end` when a point does not stop after its time: its thread cannot be ended, so
+    /// the process must.
+    ///
+    /// # Errors
+    /// There is no thread to be had.
+    pub fn new(interrupt: Arc<AtomicBool>, end: fn()) -> std::io::Result<Self> {
+        let watchdog = Watchdog { interrupt, watched: Arc::default() };
+        let (interrupt, watched) = (watchdog.interrupt.clone(), Arc::downgrade(&watchdog.watched));
+        std::thread::Builder::new().name("watchdog".into()).spawn(move || {
+            while let Some(watched) = watched.upgrade() {
+                if look(&interrupt, &watched) {
+                    end();
+                }
+                drop(watched);
+                std::thread::sleep(PERIOD);
+            }
+        })?;
+        Ok(watchdog)
+    }
+
+    /// Whether the process was interrupted.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupt.load(Ordering::Relaxed)
+    }
+
+    /// Watches a point: gives the flag that tells it to stop. `give_up` is called when it does not do so in time.
+    pub fn begin(&self, seconds: Option<f64>, give_up: impl Fn() + Send + 'static) -> Arc<AtomicBool> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let deadline = seconds.and_then(|seconds| Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?));
+        if let Ok(mut watched) = self.watched.lock() {
+            *watched = Some(Watched { stop: stop.clone(), deadline, give_up: Box::new(give_up) });
+        }
+        stop
+    }
+
+    /// Ends watching; whether the point's time was over.
+    pub fn end(&self) -> bool {
+        let watched = self.watched.lock().ok().and_then(|mut watched| watched.take());
+        let is_late =
+            |watched: Watched| watched.deadline.is_some_and(|deadline| Instant::now() >= deadline) && watched.stop.load(Ordering::Relaxed);
+        watched.is_some_and(is_late)
+    }
+}
+
+/// Tells the point that is watched to stop where it must; whether it was given up because it did not.
+fn look(interrupt: &AtomicBool, watched: &Mutex<Option<Watched>>) -> bool {
+    let Ok(watched) = watched.lock() else { return false };
+    let Some(watched) = watched.as_ref() else { return false };
+    let is_late = |grace: Duration| watched.deadline.is_some_and(|deadline| Instant::now() >= deadline + grace);
+    if interrupt.load(Ordering::Relaxed) || is_late(Duration::ZERO) {
+        watched.stop.store(true, Ordering::Relaxed);
+    }
+    let is_given_up = is_late(GRACE);
+    if is_given_up {
+        (watched.give_up)();
+    }
+    is_given_up
+}

@@ -1,0 +1,110 @@
+//! The engine for Slurm, with a real Slurm of two nodes on this machine. Said loudly where it cannot be started.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use super::program::{conserva, folder, stderr};
+use super::{BLOCK, column, records, table};
+
+/// A Slurm that ends with the test.
+struct Slurm {
+    folder: PathBuf,
+}
+
+impl Slurm {
+    /// None where the programs are missing, or may not be started.
+    fn start(folder: &Path) -> Option<Slurm> {
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/slurm/start.sh");
+        let port = 20_000 + std::process::id() % 20_000;
+        let output = Command::new("sh").arg(script).arg(folder).arg(port.to_string()).stdin(Stdio::null()).output().ok()?;
+        let slurm = Slurm { folder: folder.into() };
+        if output.status.success() {
+            return Some(slurm);
+        }
+        eprintln!("SKIPPED: Slurm cannot be started here, so its engine is not tested: {}", stderr(&output).trim());
+        None
+    }
+
+    fn command(&self, program: &str, arguments: &[&str]) -> Output {
+        Command::new(program).args(arguments).env("SLURM_CONF", self.folder.join("slurm.conf")).output().unwrap()
+    }
+
+    fn conserva(&self, folder: &Path, arguments: &[&str]) -> Command {
+        let mut command = conserva(folder, arguments);
+        command.env("SLURM_CONF", self.folder.join("slurm.conf"));
+        command
+    }
+
+    /// Waits until something holds.
+    fn wait(&self, what: &str, mut holds: impl FnMut(&str) -> bool) {
+        let begun = Instant::now();
+        while begun.elapsed() < Duration::from_secs(60) {
+            let queue = self.command("squeue", &["--noheader", "--array", "--format=%F_%K %T %N"]);
+            if holds(&String::from_utf8_lossy(&queue.stdout)) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        panic!("{what} did not come");
+    }
+}
+
+impl Drop for Slurm {
+    fn drop(&mut self) {
+        let processes = std::fs::read_to_string(self.folder.join("pids")).unwrap_or_default();
+        for process in processes.lines() {
+            let _ = Command::new("kill").args(["-9", process]).status();
+        }
+    }
+}
+
+#[test]
+fn slurm_computes_the_same_table_and_lost_tasks_are_made_up_for() {
+    let folder = folder("slurm", &BLOCK.replace("10.0 * dt", "param(\"steps\", 10.0) * dt"));
+    let Some(slurm) = Slurm::start(&folder.join("slurm")) else { return };
+    let vary = ["--vary", "dt=0.005,0.01", "--vary", "spin=1..3:100"];
+    let run = |arguments: &[&str]| slurm.conserva(&folder, arguments).output().unwrap();
+    // 200 points in more tasks than an array of this Slurm may have, hence in two arrays.
+    let output =
+        run(&[&["sweep", "main.rhai", "--engine", "slurm", "--time", "5", "--out", "array", "--per-task", "2"][..], &vary].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(std::fs::read_to_string(folder.join("array/slurm/jobs.txt")).unwrap().lines().count(), 2);
+    let output = run(&[&["sweep", "main.rhai", "--out", "here"][..], &vary].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(table(&folder.join("array")), table(&folder.join("here")));
+    let nodes: Vec<bool> = ["on one", "on two"].map(|node| claims(&folder.join("array")).iter().any(|claim| claim.contains(node))).to_vec();
+    assert_eq!(nodes, [true, true], "both nodes compute");
+
+    // Long points: one task is cancelled, one requeued while it runs, and the program that follows is ended.
+    let long = ["sweep", "main.rhai", "--vary", "spin=1..4:4", "--set", "steps=6000", "--out", "long", "--engine", "slurm"];
+    let mut follower = slurm.conserva(&folder, &long).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    slurm.wait("two running tasks", |queue| queue.matches("RUNNING").count() == 2);
+    let job = std::fs::read_to_string(folder.join("long/slurm/jobs.txt")).unwrap().trim().to_string();
+    follower.kill().unwrap();
+    follower.wait().unwrap();
+    assert!(slurm.command("scontrol", &["requeue", &format!("{job}_0")]).status.success());
+    assert!(slurm.command("scancel", &[&format!("{job}_1"), &format!("{job}_3")]).status.success());
+    // A requeued task waits for two minutes; it may as well start now.
+    slurm.wait("the requeued task", |queue| {
+        let _ = slurm.command("scontrol", &["update", &format!("JobId={job}_0"), "StartTime=now"]);
+        queue.lines().all(|line| !line.contains("PENDING"))
+    });
+    let output = run(&["sweep", "long", "--engine", "slurm"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("none are submitted"), "{}", stderr(&output));
+    let rows = table(&folder.join("long"));
+    assert_eq!(column(&rows, "outcome"), ["completed", "stopped", "completed", "missing"]);
+    assert!(rows[1]["cause"].contains(&format!("Slurm task {job}_1")), "{}", rows[1]["cause"]);
+    let before = records(&folder.join("long"));
+    let output = run(&["sweep", "long", "--engine", "slurm"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let after = records(&folder.join("long"));
+    assert!(before.len() == 2 && after.len() == 4 && before.iter().all(|(point, record)| after[point] == *record));
+}
+
+/// Who computed the points of a study.
+fn claims(study: &Path) -> Vec<String> {
+    let points = std::fs::read_dir(study.join("points")).unwrap().flatten();
+    points.map(|point| std::fs::read_to_string(point.path().join(".claim")).unwrap()).collect()
+}
