@@ -1,8 +1,8 @@
 //! Parquet: a table as pandas, Polars, DuckDB, Arrow and R read it, types and missing values included.
 //!
-//! One row group for each [`GROUP`] rows, `INT64` for counts, `DOUBLE` for other numbers and UTF-8 strings, all optional; plain or dictionary pages without
-//! compression, since digits of a simulation hardly compress. Nothing depends on the clock, so equal tables give equal bytes.
-//! (Apache Parquet format 2, crate `parquet` without Arrow.)
+//! One row group for each [`GROUP`] rows, `INT64` for counts, `DOUBLE` for other numbers and UTF-8 strings, all optional; plain or
+//! dictionary pages without compression, since digits of a simulation hardly compress. Nothing depends on the clock, so equal tables give
+//! equal bytes. (Apache Parquet format 2, crate `parquet` without Arrow.)
 
 use std::io::Write;
 use std::sync::Arc;

@@ -1,5 +1,6 @@
 //! The table of a study with its pictures and its page, from what its points have left.
 
+use super::collected::Collected;
 use super::draw::{StudyPicture, pictures};
 use super::folder::{PointState, StudyFolder, unwritten};
 use super::page::page;
@@ -8,32 +9,6 @@ use super::record::RecordOutcome;
 use super::table::StudyTable;
 use crate::output::{OutputError, svg};
 use crate::script::Diagnostic;
-
-/// A study as it stands.
-pub struct Collected {
-    /// Its table.
-    pub table: StudyTable,
-    /// Where each point stands.
-    pub states: Vec<PointState>,
-    /// What is remarkable about it.
-    pub remarks: Vec<String>,
-}
-
-impl Collected {
-    /// Number of points that came to their end.
-    pub fn completed(&self) -> usize {
-        self.count(|state| matches!(state, PointState::Done(record) if record.outcome.is_completed()))
-    }
-
-    /// Number of points that failed.
-    pub fn failed(&self) -> usize {
-        self.count(|state| matches!(state, PointState::Done(record) if !record.outcome.is_completed()))
-    }
-
-    fn count(&self, is: impl Fn(&PointState) -> bool) -> usize {
-        self.states.iter().filter(|state| is(state)).count()
-    }
-}
 
 /// Writes `table.csv`, `table.parquet`, `pictures/` and `study.html` of the points as they stand now.
 ///
@@ -86,7 +61,7 @@ fn remarks(plan: &Plan, states: &[PointState]) -> Vec<String> {
     let reads_others = scripts.len() > 1;
     if reads_others {
         remarks.push(format!(
-            "points were computed from {} different texts of {} and the files that it reads, or read different files; `--retry all` computes all anew",
+            "points were computed from {} different texts of {} and of the files that it reads; `--retry all` computes all anew",
             scripts.len(),
             plan.scenario.script.display()
         ));

@@ -1,7 +1,7 @@
 //! The points of a study on this machine: as many processes as there are processors, each given a point after the other.
 //!
-//! A process is [`serve`] behind `conserva sweep point DIR --index -`: it reads numbers of points, one a line, and answers each with a word.
-//! A point that takes its process with it therefore harms no other one.
+//! A process is [`serve`] behind `conserva sweep point DIR --index -`: it reads numbers of points, one a line, and answers each with a
+//! word. A point that takes its process with it therefore harms no other one.
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read, Write};

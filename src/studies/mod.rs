@@ -6,6 +6,7 @@
 //! while somebody holds the lock on its claim.
 
 mod collect;
+mod collected;
 mod design;
 mod draw;
 mod folder;
@@ -23,7 +24,8 @@ mod transcript;
 mod values;
 mod watchdog;
 
-pub use collect::{Collected, collect};
+pub use collect::collect;
+pub use collected::Collected;
 pub use design::{Design, Pairing, Rows};
 pub use folder::{PointState, StudyFolder};
 pub use plan::{Limits, Plan, Point, Scenario};

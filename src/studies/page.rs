@@ -3,7 +3,7 @@
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 
-use super::collect::Collected;
+use super::collected::Collected;
 use super::draw::StudyPicture;
 use super::folder::{PointState, StudyFolder};
 use super::plan::Plan;
@@ -116,7 +116,7 @@ fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
 /// A number in as many digits as a reader takes in; `table.csv` has all.
 fn short(value: f64) -> String {
     let value: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    if value == 0.0 || (1e-3..1e9).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+    if value == 0.0 || (0.001..1e9).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// A text as HTML has it.

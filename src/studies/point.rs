@@ -125,7 +125,8 @@ fn run(
         error => {
             let outcome = if error.is_some() { RecordOutcome::Failed } else { RecordOutcome::Completed };
             let cause = error.as_ref().map(told);
-            let record = Record { cause, scripts, results, wall_seconds: seconds, ..Record::of(&point.id, outcome, "") };
+            let warnings = transcript.warnings();
+            let record = Record { cause, scripts, results, warnings, wall_seconds: seconds, ..Record::of(&point.id, outcome, "") };
             Ok(Some(filled(record, &folder)))
         }
     }

@@ -63,6 +63,8 @@ pub struct Record {
     pub cause: Option<String>,
     /// What the script yielded.
     pub results: Vec<Yield>,
+    /// Number of warnings.
+    pub warnings: u64,
     /// Accepted steps.
     pub steps: Option<u64>,
     /// Drifts and the worst defect, by their names in `summary.json`.
@@ -86,6 +88,7 @@ impl Record {
             outcome,
             cause: Some(cause.into()),
             results: Vec::new(),
+            warnings: 0,
             steps: None,
             balance: vec![None; BALANCE.len()],
             version: env!("CARGO_PKG_VERSION").into(),

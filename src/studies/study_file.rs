@@ -49,8 +49,8 @@ pub fn read_study_file(path: &Path) -> Result<StudyFile, Box<Diagnostic>> {
     Ok(file)
 }
 
-const EXAMPLE: &str = "a study file is TOML such as: script = \"bearing.rhai\", and below [vary] lines such as dt = [0.01, 0.005] or torque = \
-                       \"0.05..0.2:7\"";
+const EXAMPLE: &str =
+    "a study file is TOML: script = 'bearing.rhai', and below [vary] lines such as dt = [0.01, 0.005] or torque = '0.05..0.2:7'";
 
 impl StudyFile {
     /// Parameters that vary, in the order of the file.
@@ -107,7 +107,8 @@ mod tests {
 
     #[test]
     fn what_a_file_says() {
-        let text = "script = \"bearing.rhai\"\nsample = \"sobol:8\"\n[vary]\ntorque = \"0..1:3\"\ndt = [0.01, 1, true, \"x\"]\n[set]\nheld = false\n";
+        let text =
+            "script = 'bearing.rhai'\nsample = 'sobol:8'\n[vary]\ntorque = '0..1:3'\ndt = [0.01, 1, true, 'x']\n[set]\nheld = false\n";
         let file: StudyFile = toml::from_str(text).unwrap();
         let varied = file.varied().unwrap();
         assert_eq!(varied[0].name, "torque");

@@ -49,8 +49,8 @@ impl StudyColumn {
 /// The table of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyTable {
-    /// Its columns: `index`, `id`, parameters, results, `outcome`, `cause`, `steps`, the balance of energy and momenta, `version`, `scripts`,
-    /// `command`, `wall_seconds`.
+    /// Its columns: `index`, `id`, parameters, results, `outcome`, `cause`, `warnings`, `steps`, the balance of energy and momenta, `version`,
+    /// `scripts`, `command`, `wall_seconds`.
     pub columns: Vec<StudyColumn>,
     /// Which of them are parameters.
     pub parameters: std::ops::Range<usize>,
@@ -59,7 +59,7 @@ pub struct StudyTable {
 }
 
 /// Columns besides parameters and results.
-const OWN: [&str; 9] = ["index", "id", "outcome", "cause", "steps", "version", "scripts", "command", "wall_seconds"];
+const OWN: [&str; 10] = ["index", "id", "outcome", "cause", "warnings", "steps", "version", "scripts", "command", "wall_seconds"];
 
 impl StudyTable {
     /// The table of all points as they stand.
@@ -98,6 +98,7 @@ impl StudyTable {
         columns.push(texts("outcome", outcomes));
         columns.push(texts("cause", causes));
         let of = |value: &dyn Fn(&Record) -> Option<f64>| records.iter().map(|record| record.as_ref().and_then(value)).collect();
+        columns.push(numbers("warnings", true, of(&|record| Some(record.warnings as f64))));
         columns.push(numbers("steps", true, of(&|record| record.steps.map(|steps| steps as f64))));
         for (place, name) in BALANCE.iter().enumerate() {
             columns.push(numbers(name, false, of(&|record| record.balance[place])));
@@ -232,10 +233,13 @@ mod tests {
         let table = StudyTable::from_states(&plan, &states);
         let text = String::from_utf8(table.to_csv()).unwrap();
         let lines: Vec<&str> = text.lines().collect();
-        assert!(lines[0].starts_with("index,id,dt,peak,dt (result),steps (result),law,outcome,cause,steps,energy_drift"), "{text}");
-        assert!(lines[1].starts_with("0,dt=0.5,0.5,1,NaN,\"[1,2.5]\",,completed,,,"), "{text}");
-        assert!(lines[2].starts_with("1,dt=1,1.0,2,0.25,,\"soft, old\",completed,,,"), "{text}");
-        assert!(lines[3].starts_with("2,dt=2,2.0,,,,,failed,x.rhai:3:1: no equilibrium,,"), "{text}");
+        assert!(
+            lines[0].starts_with("index,id,dt,peak,dt (result),steps (result),law,outcome,cause,warnings,steps,energy_drift"),
+            "{text}"
+        );
+        assert!(lines[1].starts_with("0,dt=0.5,0.5,1,NaN,\"[1,2.5]\",,completed,,0,,"), "{text}");
+        assert!(lines[2].starts_with("1,dt=1,1.0,2,0.25,,\"soft, old\",completed,,0,,"), "{text}");
+        assert!(lines[3].starts_with("2,dt=2,2.0,,,,,failed,x.rhai:3:1: no equilibrium,0,,"), "{text}");
         assert!(lines[4].starts_with("3,dt=3,3.0,,,,,missing,not begun,,"), "{text}");
         let bytes = table.to_parquet().unwrap();
         assert_eq!((&bytes[..4], &bytes[bytes.len() - 4..]), (&b"PAR1"[..], &b"PAR1"[..]));

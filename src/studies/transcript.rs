@@ -1,6 +1,6 @@
 //! What a point says, kept in `output.txt` of its folder.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use crate::output::{OutputError, RunFiles, Stream};
 use crate::script::{Diagnostic, Ink, Observer, Progress};
@@ -9,7 +9,10 @@ use crate::script::{Diagnostic, Ink, Observer, Progress};
 const MOST: u64 = 16 << 20;
 
 /// Keeps lines, warnings and the error of a point.
-pub struct Transcript(RefCell<Option<Stream>>);
+pub struct Transcript {
+    stream: RefCell<Option<Stream>>,
+    warnings: Cell<u64>,
+}
 
 impl Transcript {
     /// In the folder of a point.
@@ -17,12 +20,18 @@ impl Transcript {
     /// # Errors
     /// The file cannot be made.
     pub fn new(files: &RunFiles) -> Result<Self, OutputError> {
-        files.stream("output.txt").map(|stream| Transcript(RefCell::new(Some(stream))))
+        let stream = files.stream("output.txt")?;
+        Ok(Transcript { stream: RefCell::new(Some(stream)), warnings: Cell::new(0) })
+    }
+
+    /// Number of warnings so far.
+    pub fn warnings(&self) -> u64 {
+        self.warnings.get()
     }
 
     /// Adds a text.
     pub fn say(&self, text: &str) {
-        let mut stream = self.0.borrow_mut();
+        let mut stream = self.stream.borrow_mut();
         // What cannot be kept is left unsaid; files that matter fail with an error.
         let kept = stream.as_mut().is_some_and(|stream| stream.length() < MOST && stream.append(text.as_bytes()).is_ok());
         if !kept {
@@ -41,6 +50,7 @@ impl Observer for Transcript {
     }
 
     fn warn(&self, warning: &Diagnostic) {
+        self.warnings.set(self.warnings.get() + 1);
         self.say(&warning.render(Ink::Plain));
     }
 

@@ -110,7 +110,7 @@ impl Values {
 /// A number in [`DIGITS`] digits at most, a whole one without a fraction.
 fn number(value: f64) -> String {
     let value: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
-    let plain = value == 0.0 || (1e-5..1e15).contains(&value.abs());
+    let plain = value == 0.0 || (0.000_01..1e15).contains(&value.abs());
     if plain { format!("{}", value + 0.0) } else { format!("{value:e}") }
 }
 

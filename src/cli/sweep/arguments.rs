@@ -24,8 +24,8 @@ Examples:
   conserva sweep seal.rhai --vary gap=0..0.1 --vary stiffness=1e3..1e6:log --sample sobol:256
   conserva sweep out/seal-sweep --retry failed
 
-A script yields what the table shows with `result(\"peak pressure\", p)`. Each point is a run in a folder of its own; a point that fails is a
-row with its cause. `conserva sweep` again computes what is missing. Exit code: 0 all points completed, 1 some did not, 3 files could not be
+A script yields what the table shows with `result(\"peak pressure\", p)`. Each point is a run in a folder of its own; one that fails
+is a row with its cause. `conserva sweep` again computes what is missing. Exit code: 0 all points completed, 1 some did not, 3 files could not be
 written, 130 interrupted.
 
 On a cluster: `--engine slurm`, or any engine around `conserva sweep plan`, `sweep point` and `sweep collect`, such as
@@ -193,6 +193,6 @@ pub fn seconds(text: &str) -> Result<f64, String> {
         "h" => 3600.0,
         _ => f64::NAN,
     };
-    let time = digits.parse::<f64>().ok().map(|count| count * unit).filter(|time| (1e-3..1e9).contains(time));
+    let time = digits.parse::<f64>().ok().map(|count| count * unit).filter(|time| (0.001..1e9).contains(time));
     time.ok_or_else(|| "write a time: 30s, 10min, 2h".into())
 }

@@ -2,22 +2,22 @@
 
 mod arguments;
 mod engines;
+mod opening;
 mod planning;
 mod points;
 mod progress;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use super::columns::{aligned, short};
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use super::run::interrupt;
 use crate::script::{Class, Diagnostic};
-use crate::studies::{Collected, Plan, PointState, StudyColumn, StudyFolder, collect};
+use crate::studies::{Collected, Plan, PointState, StudyColumn, collect};
 pub use arguments::Arguments;
 use arguments::{CollectArguments, Part, PlanArguments, WholeArguments};
+use opening::{enter, interrupted, opened};
 
 /// Rows of a table that the terminal shows.
 const SHOWN: usize = 40;
@@ -38,41 +38,13 @@ pub fn sweep(arguments: Arguments) -> u8 {
     })
 }
 
-/// The flag of the interrupt key.
-fn interrupted() -> Result<Arc<AtomicBool>, Box<Diagnostic>> {
-    interrupt().map_err(|error| {
-        let refused = Diagnostic::error(Class::Internal, "the interrupt key cannot be watched");
-        Box::new(refused.cause(error.to_string()))
-    })
-}
-
-/// Goes to the folder in which a study was planned: its paths are relative to that.
-fn enter(plan: &Plan) -> Result<(), Box<Diagnostic>> {
-    let folder = &plan.scenario.folder;
-    std::env::set_current_dir(folder).map_err(|error| {
-        let refused =
-            Diagnostic::error(Class::Script, format!("the folder {} cannot be entered", folder.display())).cause(error.to_string());
-        Box::new(refused.hint("the study was planned there, and the paths of its script and files are relative to it"))
-    })
-}
-
-/// A study's folder, whatever the current folder will be, and its plan.
-fn opened(path: &Path) -> Result<(StudyFolder, Plan), Box<Diagnostic>> {
-    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    let study = StudyFolder::open(&path)?;
-    let plan = study.plan()?;
-    Ok((study, plan))
-}
-
 fn plan(arguments: &PlanArguments) -> Result<u8, Box<Diagnostic>> {
     let planned = planning::planned(&arguments.design)?;
     let console = Console::new(false);
-    console.note(&format!(
-        "{} planned in {dir}; compute them with `conserva sweep point {dir} --index K` (K from 0 to {last}), then `conserva sweep collect {dir}`",
-        counted(planned.plan.points.len(), "point"),
-        dir = planned.shown.display(),
-        last = planned.plan.points.len() - 1
-    ));
+    let (count, last) = (counted(planned.plan.points.len(), "point"), planned.plan.points.len() - 1);
+    let folder = planned.shown.display();
+    console.note(&format!("{count} planned in {folder}, with the numbers 0 to {last} (points.csv)"));
+    console.note(&format!("compute them with `conserva sweep point {folder} --index K`, then `conserva sweep collect {folder}`"));
     Ok(0)
 }
 
@@ -120,6 +92,11 @@ fn tell(plan: &Plan, collected: &Collected, shown: &Path, console: &Console, tol
     }
     if troubles.len() > TOLD {
         complain(&format!("and {} more that did not come to their end\n", troubles.len() - TOLD));
+    }
+    let warned = collected.states.iter().filter(|state| matches!(state, PointState::Done(record) if record.warnings > 0)).count();
+    if warned > 0 {
+        let who = if warned == 1 { "a point was".into() } else { format!("{warned} points were") };
+        console.note(&format!("{who} warned of something: see `warnings` in the table and `output.txt` in the folder of a point"));
     }
     collected.remarks.iter().for_each(|remark| complain(&format!("warning: {remark}\n")));
     let rest = if open > 0 { format!(", {open} not done") } else { String::new() };

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::arguments::{DesignArguments, Retry, seconds};
+use super::opening::opened;
 use crate::script::{Class, Diagnostic, Session, Settings, Silent, home, read_script};
 use crate::studies::{Design, Limits, Pairing, Plan, PointState, Rows, Scenario, StudyFile, StudyFolder, read_study_file};
 
@@ -62,7 +63,7 @@ fn taken_up(arguments: &DesignArguments, what: &Path) -> Result<Planned, Box<Dia
         let error = refusal(format!("{} is a study that is planned already", what.display()));
         return Err(Box::new(error.hint("to change it, name its script with all that varies and this folder with `--out`")));
     }
-    let (study, mut plan) = super::opened(what)?;
+    let (study, mut plan) = opened(what)?;
     let now = Scenario { digest: Scenario::digest_now(&plan.scenario.folder, &plan.scenario.script)?, ..plan.scenario.clone() };
     compare(&plan, &Plan { scenario: now.clone(), ..plan.clone() }, arguments.retry, what)?;
     plan.scenario = now;

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::arguments::PointArguments;
-use super::{enter, interrupted, opened};
+use super::opening::{enter, interrupted, opened};
 use crate::cli::console::{Console, complain};
 use crate::cli::process::exit_code;
 use crate::script::{Class, Diagnostic};

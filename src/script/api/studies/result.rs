@@ -37,7 +37,8 @@ pub fn result() -> Function {
         name: "result",
         form: Form::Function,
         topic: Topic::Parameters,
-        summary: "notes what the script yields under a name: it stands in `summary.json`, and `conserva sweep` makes a column of its table of it",
+        summary: "notes what the script yields under a name: it stands in `summary.json`, and `conserva sweep` makes a column of its table \
+                  of it",
         parameters: vec![
             Parameter::new(
                 "name",
