@@ -42,7 +42,8 @@ pub struct Host {
     loading: RefCell<Vec<Vec<String>>>,
     /// Keys and texts of the warnings.
     warned: RefCell<Vec<(String, String)>>,
-    passed: RefCell<Vec<String>>,
+    /// Keys of the checks that held, and what was said of them.
+    passed: RefCell<Vec<(String, String)>>,
     effects: Cell<u64>,
     /// Changes after which the script is stopped.
     limit: Cell<Option<u64>>,
@@ -168,12 +169,23 @@ impl Host {
     /// Reports a check that holds, the first time that it does: in a loop or after every step it is asked often.
     pub fn passed(&self, line: &str, place: Option<&Place>) {
         let key = place.map_or_else(|| line.to_string(), ToString::to_string);
-        if !self.passed.borrow().contains(&key) {
-            self.passed.borrow_mut().push(key);
-            let place = place.map(|place| self.sources.relocate(place.clone()));
-            let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
-            self.observer.passed(&format!("{line}{place}"));
+        let place = place.map(|place| self.sources.relocate(place.clone()));
+        let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
+        self.passed_as(&key, &format!("{line}{place}"));
+    }
+
+    /// The same of a check that `key` tells from others, with all that is said of it.
+    pub fn passed_as(&self, key: &str, line: &str) {
+        if !self.passed.borrow().iter().any(|(known, _)| known == key) {
+            self.passed.borrow_mut().push((key.into(), line.into()));
+            self.observer.passed(line);
         }
+    }
+
+    /// The checks that held, by their keys, and the warnings; from now on, all are new.
+    pub fn forget_told(&self) -> Vec<(String, String)> {
+        self.warned.take();
+        self.passed.take()
     }
 
     /// Number of checks that held.
