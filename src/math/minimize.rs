@@ -176,7 +176,7 @@ mod tests {
         for n in 1..5 {
             let begin = search(&vec![0.3; n], &vec![0.0; n], &vec![2.0; n]);
             let mut asked = Vec::new();
-            let mut f = |x: &[f64]| x.iter().enumerate().map(|(k, x)| (x - 1.0 - 0.1 * k as f64).powi(4)).sum::<f64>().sin();
+            let f = |x: &[f64]| x.iter().enumerate().map(|(k, x)| (x - 1.0 - 0.1 * k as f64).powi(4)).sum::<f64>().sin();
             begin.minimize(|x| {
                 asked.push(x.to_vec());
                 Some(f(x))

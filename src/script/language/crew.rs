@@ -133,7 +133,7 @@ pub struct Hiring(pub Option<Hire>);
 pub fn outcome_of(host: &Host, engine: &Engine, value: Result<Result<Dynamic, Failure>, Box<EvalAltResult>>, reading: Reading) -> Outcome {
     match value.map(|value| value.and_then(|value| reading(engine, &value))) {
         Ok(Ok(plain)) => Outcome::Done(plain),
-        Ok(Err(failure)) => Outcome::Refused(Message::of(&explain_failure(&failure))),
+        Ok(Err(failure)) => Outcome::Refused(Message::of(&explain_failure(&failure).label(failure.label.clone()))),
         Err(error) => Outcome::Failed(Message::of(&explain(host, engine, &error, &host.main.borrow()))),
     }
 }

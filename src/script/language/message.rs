@@ -38,7 +38,7 @@ impl Message {
 
     fn place(&self, sources: &Sources) -> Option<Place> {
         let (source, range) = self.place.clone()?;
-        let text = sources.text(&source)?;
+        let text = sources.text(&source).or_else(|| sources.appended(&source))?;
         (range.end <= text.len()).then_some(Place { source, text, range })
     }
 

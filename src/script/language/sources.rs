@@ -51,6 +51,11 @@ impl Sources {
         Place { source: segment.name.clone(), text: segment.text.clone(), range }
     }
 
+    /// The text that was appended under that name last.
+    pub fn appended(&self, name: &str) -> Option<Arc<str>> {
+        self.segments.borrow().iter().rev().find(|segment| segment.name == name).map(|segment| segment.text.clone())
+    }
+
     /// Takes over all texts of another session.
     pub fn take(&self, other: &Sources) {
         self.texts.borrow_mut().extend(other.all());

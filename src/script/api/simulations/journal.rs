@@ -108,7 +108,11 @@ impl Journal {
     /// # Errors
     /// A file that cannot be written.
     pub fn secure(&self, host: &Host) -> Result<(), Failure> {
-        if self.is_recalling() { Ok(()) } else { self.write(host) }
+        if self.is_recalling() {
+            return Ok(());
+        }
+        go_on(host)?;
+        self.write(host)
     }
 
     /// The next record, which must be of this computation.

@@ -360,3 +360,85 @@ impl Work {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::script::language::observer::Silent;
+    use crate::script::language::sandbox::Sandbox;
+    use std::rc::Rc;
+
+    /// Doubles numbers; 3 is a defect, which it remembers.
+    struct Doubler(bool);
+
+    impl Hand for Doubler {
+        fn knows(&self, closure: &Carried) -> bool {
+            closure.name == "double"
+        }
+
+        fn compute(&mut self, _: &Carried, point: &[Plain]) -> Computed {
+            let number = point[0].number().unwrap();
+            assert!(!self.0, "it was hired anew");
+            self.0 = number == 3.0;
+            assert!(number != 3.0, "three is too many");
+            Computed::only(Outcome::Done(Plain::Number(2.0 * number)))
+        }
+    }
+
+    #[derive(Default)]
+    struct Taken(Vec<String>);
+
+    impl Results for Taken {
+        fn known(&self, point: &[Plain]) -> Option<Computed> {
+            (point[0] == Plain::Number(1.0)).then(|| Computed::only(Outcome::Done(Plain::Text("known".into()))))
+        }
+
+        fn computed(&mut self, point: &[Plain], _: &Computed) -> Result<(), Failure> {
+            assert_ne!(point[0], Plain::Number(1.0));
+            assert_ne!(point[0], Plain::Number(3.0), "a defect is not kept");
+            Ok(())
+        }
+
+        fn take(&mut self, index: usize, outcome: Outcome) -> Result<(), Failure> {
+            assert_eq!(index, self.0.len());
+            match outcome {
+                Outcome::Done(plain) => self.0.push(plain.field()),
+                Outcome::Failed(message) => self.0.push(message.line(&Default::default())),
+                Outcome::Refused(_) => return Err(Failure::script("refused")),
+            }
+            if index == 5 { Err(Failure::script("enough")) } else { Ok(()) }
+        }
+    }
+
+    fn begin(name: &str, count: usize) -> Option<Threads> {
+        let blueprint = Blueprint {
+            settings: Settings::default(),
+            home: ".".into(),
+            main: String::new(),
+            sources: Default::default(),
+            program: Vec::new(),
+            imports: Vec::new(),
+            constants: Vec::new(),
+        };
+        let closure = Carried { name: name.into(), captured: Vec::new(), reading: |_, _| Ok(Plain::Nothing) };
+        Threads::begin(|_| Ok(Box::new(Doubler(false))), &blueprint, &closure, count)
+    }
+
+    #[test]
+    fn a_defect_is_the_failure_of_its_point() {
+        let host = Host::new(Settings::default(), Sandbox::new(".".as_ref(), &[]).unwrap(), Rc::new(Silent));
+        assert!(begin("triple", 2).is_none());
+        for count in [1, 2, 7] {
+            let points: Vec<Vec<Plain>> = (0..5).map(|number| vec![Plain::Number(f64::from(number))]).collect();
+            let (mut threads, mut taken) = (begin("double", count).unwrap(), Taken::default());
+            threads.compute(&host, "test", &points, &mut taken).unwrap();
+            let defect = "the program has a defect and had to stop; three is too many";
+            assert_eq!(taken.0, ["0.0", "known", "4.0", defect, "8.0"], "{count} threads");
+            // What ends a study ends it.
+            let points: Vec<Vec<Plain>> = (4..1000).map(|number| vec![Plain::Number(f64::from(number))]).collect();
+            let mut taken = Taken::default();
+            let failure = threads.compute(&host, "test", &points, &mut taken).unwrap_err();
+            assert_eq!((failure.title.as_str(), taken.0.len()), ("enough", 6));
+        }
+    }
+}

@@ -213,7 +213,7 @@ impl Results for Evaluations<'_> {
     }
 
     fn computed(&mut self, point: &[Plain], computed: &Computed) -> Result<(), Failure> {
-        if self.is_apart { self.record.keep(point, computed) } else { Ok(()) }
+        if self.is_apart { self.record.keep(self.call.host, point, computed) } else { Ok(()) }
     }
 
     fn take(&mut self, index: usize, outcome: Outcome) -> Result<(), Failure> {

@@ -78,7 +78,7 @@ fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         return Ok(Dynamic::UNIT);
     }
     let sizes: Vec<f64> = (0..runs).map(|run| largest / f64::powi(2.0, run as i32)).collect();
-    let mut results = side_by_side(call, &sizes)?;
+    let mut results = side_by_side(call, &sizes, exact.as_ref().map(Vec::len))?;
     for &dt in &sizes[results.len()..] {
         results.push(result_of(call, dt, exact.as_deref().or(results.first().map(Vec::as_slice)))?);
     }
@@ -164,9 +164,9 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The results for the first step sizes, computed side by side where that can be, up to the first one that is none.
-fn side_by_side(call: &Call, sizes: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
+fn side_by_side(call: &Call, sizes: &[f64], length: Option<usize>) -> Result<Vec<Vec<f64>>, Failure> {
     let mut crew = Crew::new(call, call.callback("action")?, read, call.host.settings.workers.min(sizes.len()));
-    let mut found = Found { results: Vec::new(), is_over: false };
+    let mut found = Found { results: Vec::new(), length, is_over: false };
     if crew.is_apart() {
         let points: Vec<Vec<Plain>> = sizes.iter().map(|&dt| vec![Plain::Number(dt)]).collect();
         match crew.compute("expect_order", &points, &mut found) {
@@ -180,6 +180,8 @@ fn side_by_side(call: &Call, sizes: &[f64]) -> Result<Vec<Vec<f64>>, Failure> {
 /// The results that came side by side.
 struct Found {
     results: Vec<Vec<f64>>,
+    /// Numbers that there must be, if that is known.
+    length: Option<usize>,
     /// Whether one was none, so that it is asked for again in the session itself, where the error has its chain of calls.
     is_over: bool,
 }
@@ -188,7 +190,8 @@ impl Found {
     fn numbers(&self, outcome: &Outcome) -> Option<Vec<f64>> {
         let Outcome::Done(Plain::Array(numbers)) = outcome else { return None };
         let numbers = numbers.iter().map(|number| number.number().filter(|number| number.is_finite())).collect::<Option<Vec<f64>>>()?;
-        self.results.first().is_none_or(|first| first.len() == numbers.len()).then_some(numbers)
+        let length = self.length.or(self.results.first().map(Vec::len));
+        length.is_none_or(|length| length == numbers.len()).then_some(numbers)
     }
 }
 

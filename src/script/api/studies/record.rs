@@ -13,6 +13,7 @@ use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::crew::Computed;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
+use crate::script::language::host::Host;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::plain::Plain;
 
@@ -81,8 +82,19 @@ impl Record {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn keep(&mut self, point: &[Plain], computed: &Computed) -> Result<(), Failure> {
+    pub fn keep(&mut self, host: &Host, point: &[Plain], computed: &Computed) -> Result<(), Failure> {
         let Some(log) = &mut self.log else { return Ok(()) };
+        let known = host.sandbox.files_read();
+        let (files, modules) = (
+            computed.read.iter().filter(|file| !known.contains(file)).collect::<Vec<_>>(),
+            computed.modules.iter().filter(|(name, _)| host.sources.text(name).is_none()).collect::<Vec<_>>(),
+        );
+        if !files.is_empty() || !modules.is_empty() {
+            // What a resumed run depends on stands in the checkpoint.
+            files.into_iter().for_each(|file| host.sandbox.note(file.clone()));
+            modules.into_iter().for_each(|(name, text)| host.sources.insert(name, text));
+            Journal::of(host).secure(host)?;
+        }
         // Memory takes everything, and all of these types can be encoded.
         let content = postcard::to_allocvec(&(key(point), computed)).unwrap_or_default();
         log.append(&content).map_err(|error| output_failure(&error))
