@@ -361,7 +361,7 @@ fn flight(speed) {
     sky.initial_velocity(plate, #{ angular: speed });
     sky.gravity([0.0, -1.0]);
     let sim = simulate(sky, #{ integrator: energy_momentum(), dt: 0.01 });
-    sim.on_step(|sim| if sim.step == 3 { print(`${sim}`); });
+    sim.on_step(|sim| if sim.history.step[-1] == 3 { print(`${sim}`); });
     sim.run_to(0.1);
     sim
 }
@@ -376,7 +376,11 @@ let rows = sweep(#{ vary: #{ x: 0..12 }, run: |p| {
 } });
 print(rows);
 expect_order(|dt| { let sim = flight(1.0 + dt); sim.energy.total }, 1.0, #{ dt: 0.1, tolerance: 1.0 });
-let found = minimize(|p| { let sim = flight(p.speed); if p.speed > 2.7 { throw "fast"; } (sim.energy.kinetic - 1.0) ** 2.0 }, #{ bounds: #{ speed: [0.5, 3.0] } });
+let found = minimize(|p| {
+    let sim = flight(p.speed);
+    if p.speed > 2.7 { throw "fast"; }
+    (sim.energy.kinetic - 1.0) ** 2.0
+}, #{ bounds: #{ speed: [0.5, 3.0] } });
 print(found);
 "#;
 
@@ -399,7 +403,7 @@ fn studies_give_the_same_bytes_on_any_number_of_threads() {
     };
     let one = study(1);
     assert_eq!(one.0.iter().filter(|line| line.starts_with("begin")).count(), 12);
-    assert_eq!(one.0[2], "begin 0 2.5", "{:?}", &one.0[..5]);
+    assert_eq!(one.0[1], "begin 0 2.5", "{:?}", &one.0[..5]);
     assert_eq!(one.1.iter().filter(|title| title.contains("points of `sweep` failed")).count(), 1, "{:?}", one.1);
     assert!(one.3.lines().nth(8).unwrap().contains("too many operations") || one.3.contains("operations"), "{}", one.3);
     assert_eq!(one.3.lines().count(), 13);
@@ -412,10 +416,7 @@ fn studies_give_the_same_bytes_on_any_number_of_threads() {
 fn an_interrupt_ends_a_study_at_once() {
     for (text, workers) in [
         ("sweep(#{ vary: #{ x: 0..100 }, run: |p| { loop { } } });", 4),
-        (
-            "let mesh = rectangle(#{ size: [1.0, 1.0], cells: [1, 1] }); sweep(#{ vary: #{ x: 0..9 }, run: |p| { loop { mesh.nodes; } } });",
-            1,
-        ),
+        ("let m = rectangle(#{ size: [1.0, 1.0], cells: [1, 1] }); sweep(#{ vary: #{ x: 0..9 }, run: |p| { loop { m.nodes; } } });", 1),
         ("minimize(|p| { loop { } }, #{ bounds: #{ x: [0.0, 1.0] } });", 2),
         ("expect_order(|dt| { loop { } }, 1.0, #{ dt: 0.1 });", 2),
     ] {

@@ -47,7 +47,7 @@ pub use obstacles::Surroundings;
 pub use parquet::parquet;
 pub use picture::{Component, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, sight};
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
-pub use point_log::PointLog;
+pub use point_log::{PointLog, encoded};
 pub use pvd::{FieldSeries, pvd};
 pub use reading::columns::{TextColumn, read_columns};
 pub use reading::error::ReadError;

@@ -3,6 +3,9 @@
 //! A file that grows by records: length and CRC-32 (little endian), then the content. A record that a killed program has left half
 //! written is cut off.
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 use super::checkpoint::{FOLDER, POINTS};
 use super::files::{OutputError, RunFiles, Stream};
 
@@ -26,12 +29,13 @@ impl PointLog {
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn reopen(files: &RunFiles, study: &str) -> Result<(Self, Vec<Vec<u8>>), OutputError> {
+    pub fn reopen<T: DeserializeOwned>(files: &RunFiles, study: &str) -> Result<(Self, Vec<T>), OutputError> {
         let place = files.place(&path(study))?;
         let Ok(bytes) = std::fs::read(&place) else { return Ok((PointLog::create(files, study)?, Vec::new())) };
         let (mut records, mut whole) = (Vec::new(), 0);
         while let Some(record) = record(&bytes[whole..]) {
-            records.push(record.to_vec());
+            // One of another version of the program is computed again.
+            records.extend(postcard::from_bytes(record).ok());
             whole += HEADER + record.len();
         }
         let mut stream = files.extend(&path(study))?;
@@ -43,11 +47,18 @@ impl PointLog {
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn append(&mut self, content: &[u8]) -> Result<(), OutputError> {
+    pub fn append(&mut self, record: &impl Serialize) -> Result<(), OutputError> {
+        let content = encoded(record);
         let length = u32::try_from(content.len()).unwrap_or(u32::MAX);
-        let header = length.to_le_bytes().into_iter().chain(crc32fast::hash(content).to_le_bytes());
-        self.0.append(&header.chain(content.iter().copied()).collect::<Vec<u8>>())
+        let header = length.to_le_bytes().into_iter().chain(crc32fast::hash(&content).to_le_bytes());
+        self.0.append(&header.chain(content).collect::<Vec<u8>>())
     }
+}
+
+/// The bytes of a value, the same for values that are the same to the last bit.
+pub fn encoded(value: &(impl Serialize + ?Sized)) -> Vec<u8> {
+    // Memory takes everything, and only values of known length are encoded.
+    postcard::to_allocvec(value).unwrap_or_default()
 }
 
 fn path(study: &str) -> String {
@@ -71,24 +82,26 @@ mod tests {
     fn whole_records_come_back_whatever_was_left_behind_them() {
         let (directory, files) = scratch("points");
         let mut log = PointLog::create(&files, "sweep").unwrap();
-        log.append(b"first").unwrap();
-        log.append(b"").unwrap();
-        log.append(b"third").unwrap();
+        for text in ["first", "", "third"] {
+            log.append(&text).unwrap();
+        }
         let place = directory.join("checkpoints/sweep.points");
         let bytes = std::fs::read(&place).unwrap();
-        let last = bytes.len() - 13;
+        // A text is its length and its letters.
+        let ends = [14, 23, 37];
+        assert_eq!(bytes.len(), ends[2]);
         for cut in 0..=bytes.len() {
             std::fs::write(&place, &bytes[..cut]).unwrap();
-            let (mut log, records) = PointLog::reopen(&files, "sweep").unwrap();
-            let count = [13, 21, 34].iter().filter(|&&end| end <= cut).count();
-            assert_eq!(records, [&b"first"[..], b"", b"third"][..count], "cut at {cut}");
-            log.append(b"next").unwrap();
-            assert_eq!(PointLog::reopen(&files, "sweep").unwrap().1.len(), count + 1);
+            let (mut log, records) = PointLog::reopen::<String>(&files, "sweep").unwrap();
+            let count = ends.iter().filter(|&&end| end <= cut).count();
+            assert_eq!(records, ["first", "", "third"][..count], "cut at {cut}");
+            log.append(&"next").unwrap();
+            assert_eq!(PointLog::reopen::<String>(&files, "sweep").unwrap().1.len(), count + 1);
         }
         let mut damaged = bytes.clone();
-        damaged[last + 9] ^= 1;
+        damaged[ends[1] + HEADER + 2] ^= 1;
         std::fs::write(&place, damaged).unwrap();
-        assert_eq!(PointLog::reopen(&files, "sweep").unwrap().1.len(), 2);
-        assert!(PointLog::reopen(&files, "another").unwrap().1.is_empty());
+        assert_eq!(PointLog::reopen::<String>(&files, "sweep").unwrap().1.len(), 2);
+        assert!(PointLog::reopen::<String>(&files, "another").unwrap().1.is_empty());
     }
 }

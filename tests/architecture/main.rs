@@ -33,6 +33,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("crc32fast", &["output"]),
     ("base64", &["output"]),
+    ("bobyqa", &["math"]),
     ("csv", &["output"]),
     ("gif", &["output"]),
     ("png", &["output"]),

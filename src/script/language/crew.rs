@@ -119,11 +119,8 @@ pub trait Hand {
     fn compute(&mut self, closure: &Carried, arguments: &[Plain]) -> Computed;
 }
 
-/// Makes a session on the thread that calls it.
-///
-/// # Errors
-/// What is wrong with the texts.
-pub type Hire = fn(&Blueprint) -> Result<Box<dyn Hand>, Message>;
+/// Makes a session on the thread that calls it; `None` where the texts do not make one, such as a module that is gone by now.
+pub type Hire = fn(&Blueprint) -> Option<Box<dyn Hand>>;
 
 /// How a session hires, where it can.
 #[derive(Default)]

@@ -10,7 +10,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-use rhai::{AST, Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContextStore};
+use rhai::{AST, Dynamic, Engine, ImmutableString, NativeCallContextStore};
 
 use super::compile::constants;
 use super::engine::engine;
@@ -20,7 +20,6 @@ use crate::script::api::parameters::Overrides;
 use crate::script::language::callback::Callback;
 use crate::script::language::crew::{Blueprint, Carried, Computed, Hand, Hiring, Outcome, Program, Told, Unit, outcome_of};
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::explain::{explain, explain_failure};
 use crate::script::language::failure::Class;
 use crate::script::language::handle::Types;
 use crate::script::language::host::Host;
@@ -43,34 +42,28 @@ struct Worker {
     aside: Option<Aside>,
 }
 
-/// Makes a session on this thread that works for another one.
-///
-/// # Errors
-/// A folder that does not exist, an import that fails.
-pub fn hire(blueprint: &Blueprint) -> Result<Box<dyn Hand>, Message> {
+/// Makes a session on this thread that works for another one; `None` where its folder or an import cannot be read any more.
+pub fn hire(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
     let notes = Rc::new(Notes::default());
-    let refused = |failure| Message::of(&explain_failure(&failure));
-    let sandbox = Sandbox::new(&blueprint.home, &blueprint.settings.allow_read).map_err(refused)?;
+    let sandbox = Sandbox::new(&blueprint.home, &blueprint.settings.allow_read).ok()?;
     let host = Rc::new(Host::new(blueprint.settings.clone(), sandbox, notes.clone()));
     let engine = Rc::new(RefCell::new(engine(&host)));
     host.attach(&engine);
     host.sources.take(&blueprint.sources);
     host.main.borrow_mut().clone_from(&blueprint.main);
     let context = context(&host, &engine.borrow(), blueprint)?;
-    Ok(Box::new(Worker { engine, host, program: blueprint.program.clone(), notes, context, aside: None }))
+    Some(Box::new(Worker { engine, host, program: blueprint.program.clone(), notes, context, aside: None }))
 }
 
 /// Makes the functions of the texts known; what a call of one of them needs.
-fn context(host: &Rc<Host>, engine: &Engine, blueprint: &Blueprint) -> Result<Rc<NativeCallContextStore>, Message> {
-    let failed = |error: &EvalAltResult| Message::of(&explain(host, engine, error, &blueprint.main));
+fn context(host: &Rc<Host>, engine: &Engine, blueprint: &Blueprint) -> Option<Rc<NativeCallContextStore>> {
     let mut tree = AST::empty();
     for unit in &blueprint.program {
         let mut scope = constants();
         for name in &unit.names {
             scope.push(name.as_str(), ());
         }
-        let unit = engine.compile_with_scope(&scope, &unit.text).map_err(|error| failed(&error.into()))?;
-        tree = tree.merge(&unit);
+        tree = tree.merge(&engine.compile_with_scope(&scope, &unit.text).ok()?);
     }
     tree.clear_statements();
     let import = |(alias, path): &(String, String)| match alias.as_str() {
@@ -78,18 +71,16 @@ fn context(host: &Rc<Host>, engine: &Engine, blueprint: &Blueprint) -> Result<Rc
         alias => format!("import {path:?} as {alias};"),
     };
     let imports: String = blueprint.imports.iter().map(import).collect();
-    let last = engine.compile(format!("{imports}{KEEP_CONTEXT}();")).map_err(|error| failed(&error.into()))?;
-    let mut tree = tree.merge(&last);
+    let mut tree = tree.merge(&engine.compile(format!("{imports}{KEEP_CONTEXT}();")).ok()?);
     tree.set_source(&blueprint.main);
     host.begin_module(vec![PROGRAM.into()]);
     let outcome = engine.eval_ast_with_scope::<Dynamic>(&mut constants(), &tree);
     host.end_module();
-    drop(outcome.map_err(|error| failed(&error))?);
-    let stored = host.module_context(PROGRAM).map(|context| (*context).clone());
-    let mut context = stored.ok_or_else(|| Message::of(&Diagnostic::error(Class::Internal, "a session has no context")))?;
+    drop(outcome.ok()?);
+    let mut context = (*host.module_context(PROGRAM)?).clone();
     let values = blueprint.constants.iter().map(|(name, value)| (ImmutableString::from(name), value.value()));
     context.global.constants = Some(Rc::new(RefCell::new(values.collect())));
-    Ok(Rc::new(context))
+    Some(Rc::new(context))
 }
 
 impl Worker {

@@ -182,7 +182,7 @@ enum News {
     /// Whether it can compute points.
     Begun(bool),
     /// What it has computed.
-    Computed(usize, Computed),
+    Computed(usize, Box<Computed>),
 }
 
 /// A thread with what it is told.
@@ -266,7 +266,7 @@ impl Threads {
                     {
                         break Err(failure);
                     }
-                    waiting.insert(index, computed);
+                    waiting.insert(index, *computed);
                     count += 1;
                     say(count);
                 }
@@ -331,7 +331,7 @@ struct Work {
 impl Work {
     fn hand(&self) -> Option<Box<dyn Hand>> {
         let hand = catch_unwind(AssertUnwindSafe(|| (self.hire)(&self.blueprint)));
-        hand.ok()?.ok().filter(|hand| hand.knows(&self.closure))
+        hand.ok()?.filter(|hand| hand.knows(&self.closure))
     }
 
     fn run(self) {
@@ -354,7 +354,7 @@ impl Work {
                 hand = self.hand();
                 Computed::only(Outcome::Failed(Message::of(&defect(&*panic))))
             });
-            if self.news.send(News::Computed(index, computed)).is_err() {
+            if self.news.send(News::Computed(index, Box::new(computed))).is_err() {
                 break;
             }
         }
@@ -421,7 +421,7 @@ mod tests {
             constants: Vec::new(),
         };
         let closure = Carried { name: name.into(), captured: Vec::new(), reading: |_, _| Ok(Plain::Nothing) };
-        Threads::begin(|_| Ok(Box::new(Doubler(false))), &blueprint, &closure, count)
+        Threads::begin(|_| Some(Box::new(Doubler(false))), &blueprint, &closure, count)
     }
 
     #[test]

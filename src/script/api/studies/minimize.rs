@@ -56,8 +56,9 @@ pub fn minimize() -> Function {
 
 fn options() -> Vec<Parameter> {
     vec![
-        Parameter::new("bounds", Kind::Any, "the least and the largest value of each variable, `#{ E: [0.1, 10.0] }`"),
-        Parameter::new("start", Kind::Any, "values to begin with, `#{ E: 1.0 }`").or(Absent::Means("the middle of the bounds")),
+        Parameter::new("bounds", Kind::Either("a map of pairs `#{ E: [0.1, 10.0] }`"), "the least and the largest value of each variable"),
+        Parameter::new("start", Kind::Either("a map of numbers `#{ E: 1.0 }`"), "values to begin with")
+            .or(Absent::Means("the middle of the bounds")),
         Parameter::number("step", "1", Interval::Open(0.0, 0.5), "the first distance between points, as a share of each range")
             .or(Absent::Number(0.1)),
         Parameter::number("tolerance", "1", Interval::Open(0.0, 0.5), "the last distance between points, as a share of each range")

@@ -6,7 +6,7 @@
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 
-use crate::output::{PointLog, RowsCsv, RunFiles};
+use crate::output::{PointLog, RowsCsv, RunFiles, encoded};
 use crate::script::api::simulations::artifacts::{output_failure, output_folder};
 use crate::script::api::simulations::journal::{Journal, is_kept};
 use crate::script::language::arguments::{Arguments, Options};
@@ -63,8 +63,7 @@ impl Record {
                 (true, true) => PointLog::reopen(&files, &free).map(|(log, records)| (Some(log), records))?,
             };
             let table = RowsCsv::new(files, &format!("studies/{free}.csv"), FAILURE);
-            let known = records.iter().filter_map(|record| postcard::from_bytes(record).ok()).collect();
-            Ok(Record { table: Some(table), log, known })
+            Ok(Record { table: Some(table), log, known: records.into_iter().collect() })
         };
         let record = open().map_err(|error| output_failure(&error))?;
         if record.log.is_some() {
@@ -75,7 +74,7 @@ impl Record {
 
     /// What an earlier program knew of a point.
     pub fn known(&self, point: &[Plain]) -> Option<Computed> {
-        if self.known.is_empty() { None } else { self.known.get(&key(point)).cloned() }
+        if self.known.is_empty() { None } else { self.known.get(&encoded(point)).cloned() }
     }
 
     /// Keeps what a point gave, for a run that is resumed.
@@ -95,9 +94,7 @@ impl Record {
             modules.into_iter().for_each(|(name, text)| host.sources.insert(name, text));
             Journal::of(host).secure(host)?;
         }
-        // Memory takes everything, and all of these types can be encoded.
-        let content = postcard::to_allocvec(&(key(point), computed)).unwrap_or_default();
-        log.append(&content).map_err(|error| output_failure(&error))
+        log.append(&(encoded(point), computed)).map_err(|error| output_failure(&error))
     }
 
     /// Adds a row to the table.
@@ -109,9 +106,4 @@ impl Record {
         let fields: Vec<(String, String)> = fields.into_iter().map(|(name, value)| (name.clone(), value.field())).collect();
         table.add(&fields, failure).map_err(|error| output_failure(&error))
     }
-}
-
-/// What tells a point from others: its bits.
-fn key(point: &[Plain]) -> Vec<u8> {
-    postcard::to_allocvec(point).unwrap_or_default()
 }

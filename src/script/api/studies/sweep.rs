@@ -145,7 +145,8 @@ struct Rows<'a> {
     record: Record,
     is_apart: bool,
     stops: bool,
-    rows: Vec<(Vec<(String, Plain)>, String)>,
+    /// What the points gave, or why they failed.
+    rows: Vec<(Point, String)>,
     /// Points that failed, with the messages.
     failed: Vec<(usize, Message)>,
 }
@@ -210,7 +211,7 @@ impl Rows<'_> {
                 names.push(name);
             }
         }
-        let row = |(point, (results, failure)): (&Point, &(Vec<(String, Plain)>, String))| {
+        let row = |(point, (results, failure)): (&Point, &(Point, String))| {
             let mut row: Map = names.iter().map(|name| (name.as_str().into(), Dynamic::UNIT)).collect();
             row.extend(point.iter().chain(results).map(|(name, value)| (name.as_str().into(), value.value())));
             row.insert(FAILURE.into(), failure.into());
