@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::rc::{Rc, Weak};
 use std::sync::atomic::Ordering;
 
-use rhai::{Engine, NativeCallContextStore, Position};
+use rhai::{Engine, Module, NativeCallContextStore, Position, Shared};
 
 use super::diagnostics::{Diagnostic, Ink};
 use super::failure::{Failure, interrupted};
@@ -39,6 +39,8 @@ pub struct Host {
     pub findings: RefCell<Vec<String>>,
     engine: RefCell<Weak<RefCell<Engine>>>,
     module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
+    /// Paths of imported modules by where these are kept.
+    module_paths: RefCell<HashMap<usize, String>>,
     loading: RefCell<Vec<Vec<String>>>,
     /// Keys and texts of the warnings.
     warned: RefCell<Vec<(String, String)>>,
@@ -64,6 +66,7 @@ impl Host {
             findings: RefCell::default(),
             engine: RefCell::default(),
             module_contexts: RefCell::default(),
+            module_paths: RefCell::default(),
             loading: RefCell::default(),
             warned: RefCell::default(),
             passed: RefCell::default(),
@@ -191,6 +194,16 @@ impl Host {
     /// Number of checks that held.
     pub fn checks(&self) -> usize {
         self.passed.borrow().len()
+    }
+
+    /// Notes the path of a module that was imported and is kept as long as the session.
+    pub fn note_module(&self, module: &Shared<Module>, path: &str) {
+        self.module_paths.borrow_mut().insert(Shared::as_ptr(module) as usize, path.into());
+    }
+
+    /// The path of an imported module.
+    pub fn module_path(&self, module: &Shared<Module>) -> Option<String> {
+        self.module_paths.borrow().get(&(Shared::as_ptr(module) as usize)).cloned()
     }
 
     /// The context of the imported module that made a closure.

@@ -146,7 +146,7 @@ fn blueprint(call: &Call, threads: usize) -> Option<Blueprint> {
     // All modules are loaded, because closures may come from any; those with a name come last, so that it means what it means here.
     let sources = host.sources.all();
     let loaded = sources.iter().filter(|(name, _)| *name != main).filter_map(|(name, _)| Some((String::new(), path(name)?)));
-    let named = global.scan_imports_raw().map(|(alias, module)| Some((alias.to_string(), path(module.id()?)?)));
+    let named = global.scan_imports_raw().map(|(alias, module)| Some((alias.to_string(), host.module_path(module)?)));
     let imports = loaded.map(Some).chain(named).collect::<Option<Vec<_>>>()?;
     let mut constants = Vec::new();
     for (name, value) in global.constants.iter().flat_map(|constants| constants.borrow().clone()) {
