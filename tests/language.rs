@@ -435,6 +435,19 @@ fn an_interrupt_ends_a_study_at_once() {
 }
 
 #[test]
+fn a_module_may_study_while_it_loads() {
+    let home = folder("study-module");
+    let module = "const SQUARES = sweep(#{ vary: #{ x: 0..4 }, run: |p| square(p.x) }).map(|row| row.value);\n\
+                  fn square(x) { x * x }\nfn squares() { global::SQUARES }";
+    std::fs::write(home.join("squares.rhai"), module).unwrap();
+    let text =
+        "import \"squares\" as squares;\nprint(sweep(#{ vary: #{ x: [2, 3] }, run: |p| squares::squares()[p.x] }).map(|row| row.value));";
+    let (lines, _, report) = run_in(&home, text, Settings::default());
+    assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+    assert_eq!(lines, ["[4, 9]"]);
+}
+
+#[test]
 fn a_study_is_listed_by_check_and_computes_nothing() {
     let settings = Settings { mode: Mode::Check, ..Settings::default() };
     let (lines, _, report) =

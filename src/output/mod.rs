@@ -58,7 +58,7 @@ pub use reading::parquet_table::read_parquet;
 pub use reading::table::{TableRead, read_table};
 pub use recording::{Recording, Skin, Still, shapes};
 pub use report::{Report, ReportTable, kept_rows, report};
-pub use rows_csv::{RowsCsv, rows_csv};
+pub use rows_csv::{RowsCsv, read_rows, rows_csv};
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
 };

@@ -2,7 +2,11 @@
 //!
 //! A row is appended with one call to the operating system. One that brings a new column writes the file anew, in one piece.
 
+use std::path::Path;
+
 use super::files::{OutputError, RunFiles, Stream};
+use super::reading::error::{ReadError, bytes_of};
+use super::table::{Column, Table};
 
 /// A growing CSV file (RFC 4180 with line feeds).
 #[derive(Debug)]
@@ -65,6 +69,29 @@ pub fn rows_csv<S: AsRef<[u8]>>(header: &[S], rows: &[Vec<S>]) -> Vec<u8> {
     std::iter::once(line(header)).chain(rows.iter().map(|row| line(row))).flatten().collect()
 }
 
+/// The rows of a study, read back: the columns of numbers (what is none does not exist), and the fields of the last column.
+///
+/// # Errors
+/// A file that cannot be read, is not text, or has a line with another number of fields.
+pub fn read_rows(path: &Path) -> Result<(Table, Vec<String>), ReadError> {
+    let bytes = bytes_of(path)?;
+    let mut reader = csv::Reader::from_reader(&bytes[..]);
+    let damaged = |error: csv::Error| {
+        let line = error.position().map(|position| format!("line {} ", position.line())).unwrap_or_default();
+        ReadError::damaged(path, format!("{line}is no row of it"))
+    };
+    let mut names: Vec<String> = reader.headers().map_err(damaged)?.iter().map(String::from).collect();
+    names.pop();
+    let (mut columns, mut last) = (vec![Vec::new(); names.len()], Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(damaged)?;
+        columns.iter_mut().zip(&record).for_each(|(column, field)| column.push(field.parse::<f64>().ok()));
+        last.push(record.get(names.len()).unwrap_or_default().to_string());
+    }
+    let column = |(name, values)| Column { name, values, is_count: false };
+    Ok((Table { columns: names.into_iter().zip(columns).map(column).collect() }, last))
+}
+
 fn line<S: AsRef<[u8]>>(fields: &[S]) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
     // Memory takes everything, and there is one record.
@@ -88,5 +115,10 @@ mod tests {
         csv.add(&[field("dt", "0.2"), field("value", "3")], "").unwrap();
         csv.add(&[field("value", "4"), field("dt", "0.3")], "").unwrap();
         assert_eq!(read(), "dt,value,failure\n0.1,,\"it broke, \"\"badly\"\"\"\n0.2,3,\n0.3,4,\n");
+        let (table, last) = read_rows(&directory.join("studies/sweep.csv")).unwrap();
+        assert_eq!(table.column("value").unwrap().values, [None, Some(3.0), Some(4.0)]);
+        assert_eq!(last, ["it broke, \"badly\"", "", ""]);
+        std::fs::write(directory.join("cut.csv"), "dt,failure\n0.1\n").unwrap();
+        assert!(read_rows(&directory.join("cut.csv")).unwrap_err().to_string().contains("line 2"));
     }
 }
