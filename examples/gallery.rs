@@ -35,6 +35,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/patch_test", "patch.svg"),
     ("scenarios/two_bars", "bars.svg"),
     ("scenarios/bar_impact", "history.svg"),
+    ("scenarios/calibration", "calibration.svg"),
     ("scenarios/tumbling_block", "block.svg"),
     ("scenarios/tumbling_block_3d", "brick.svg"),
     ("tutorials/01_first_body", "plate.svg"),

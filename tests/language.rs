@@ -351,3 +351,108 @@ fn a_loop_of_pushes_takes_time_as_it_has_pushes_and_keeps_the_limits() {
         assert!(report.error.is_some_and(|error| error.title.contains("too large")), "{bomb}");
     }
 }
+
+/// Points that print, warn, check, fail and run simulations, aside and inside of one another.
+const STUDY: &str = r#"
+fn flight(speed) {
+    let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });
+    let sky = model("sky");
+    let plate = sky.add_body("plate", rectangle(#{ size: [2.0, 1.0], cells: [2, 1] }), rubber);
+    sky.initial_velocity(plate, #{ angular: speed });
+    sky.gravity([0.0, -1.0]);
+    let sim = simulate(sky, #{ integrator: energy_momentum(), dt: 0.01 });
+    sim.on_step(|sim| if sim.history.step[-1] == 3 { print(`${sim}`); });
+    sim.run_to(0.1);
+    sim
+}
+let one = flight(1.0);
+let rows = sweep(#{ vary: #{ x: 0..12 }, run: |p| {
+    print(`begin ${p.x} ${param("p", 1.5)}`);
+    let sim = flight(0.5 * p.x);
+    expect(p.x != 4);
+    while p.x == 7 { }
+    if p.x == 9 { let s = 1/2; throw s; }
+    #{ energy: sim.energy.total, time: sim.history.time, inner: sweep(#{ vary: #{ y: 0..2 }, run: |q| q.y * 0.1 }).len() }
+} });
+print(rows);
+expect_order(|dt| { let sim = flight(1.0 + dt); sim.energy.total }, 1.0, #{ dt: 0.1, tolerance: 1.0 });
+let found = minimize(|p| {
+    let sim = flight(p.speed);
+    if p.speed > 2.7 { throw "fast"; }
+    (sim.energy.kinetic - 1.0) ** 2.0
+}, #{ bounds: #{ speed: [0.5, 3.0] } });
+print(found);
+"#;
+
+#[test]
+fn studies_give_the_same_bytes_on_any_number_of_threads() {
+    let study = |workers: usize| {
+        let home = folder(&format!("workers-{workers}"));
+        let output = home.join("out");
+        let settings = Settings {
+            workers,
+            max_operations: 200_000,
+            output: Some(output.clone()),
+            overrides: vec![("p".into(), "2.5".into())],
+            ..Settings::default()
+        };
+        let (lines, warnings, report) = run_in(&home, STUDY, settings);
+        assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+        let table = |name: &str| std::fs::read_to_string(output.join("studies").join(name)).unwrap();
+        (lines, warnings, report.checks, table("sweep.csv"), table("minimize.csv"))
+    };
+    let one = study(1);
+    assert_eq!(one.0.iter().filter(|line| line.starts_with("begin")).count(), 12);
+    assert_eq!(one.0[1], "begin 0 2.5", "{:?}", &one.0[..5]);
+    assert_eq!(one.1.iter().filter(|title| title.contains("points of `sweep` failed")).count(), 1, "{:?}", one.1);
+    assert!(one.3.lines().nth(8).unwrap().contains("too many operations") || one.3.contains("operations"), "{}", one.3);
+    assert_eq!(one.3.lines().count(), 13);
+    for workers in [2, 5] {
+        assert_eq!(study(workers), one, "{workers} threads");
+    }
+}
+
+#[test]
+fn an_interrupt_ends_a_study_at_once() {
+    for (text, workers) in [
+        ("sweep(#{ vary: #{ x: 0..100 }, run: |p| { loop { } } });", 4),
+        ("let m = rectangle(#{ size: [1.0, 1.0], cells: [1, 1] }); sweep(#{ vary: #{ x: 0..9 }, run: |p| { loop { m.nodes; } } });", 1),
+        ("minimize(|p| { loop { } }, #{ bounds: #{ x: [0.0, 1.0] } });", 2),
+        ("expect_order(|dt| { loop { } }, 1.0, #{ dt: 0.1 });", 2),
+    ] {
+        let interrupt: std::sync::Arc<std::sync::atomic::AtomicBool> = std::sync::Arc::default();
+        let settings = Settings { workers, interrupt: interrupt.clone(), ..Settings::default() };
+        let later = std::thread::spawn(move || {
+            std::thread::sleep(std::time::Duration::from_millis(200));
+            interrupt.store(true, std::sync::atomic::Ordering::Relaxed);
+            std::time::Instant::now()
+        });
+        let (_, _, report) = run_in(&folder("study-interrupted"), text, settings);
+        let begun = later.join().unwrap();
+        assert!(begun.elapsed().as_millis() < 1000, "{text}: {:?}", begun.elapsed());
+        assert_eq!(report.error.unwrap().class, Class::Interrupted, "{text}");
+    }
+}
+
+#[test]
+fn a_module_may_study_while_it_loads() {
+    let home = folder("study-module");
+    let module = "const SQUARES = sweep(#{ vary: #{ x: 0..4 }, run: |p| square(p.x) }).map(|row| row.value);\n\
+                  fn square(x) { x * x }\nfn squares() { global::SQUARES }";
+    std::fs::write(home.join("squares.rhai"), module).unwrap();
+    let text =
+        "import \"squares\" as squares;\nprint(sweep(#{ vary: #{ x: [2, 3] }, run: |p| squares::squares()[p.x] }).map(|row| row.value));";
+    let (lines, _, report) = run_in(&home, text, Settings::default());
+    assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+    assert_eq!(lines, ["[4, 9]"]);
+}
+
+#[test]
+fn a_study_is_listed_by_check_and_computes_nothing() {
+    let settings = Settings { mode: Mode::Check, ..Settings::default() };
+    let (lines, _, report) =
+        run_in(&folder("study-check"), "let r = sweep(#{ vary: #{ x: 0..5 }, run: |p| { print(p.x); p.x } });", settings);
+    assert!(report.error.is_none() && lines.is_empty());
+    assert_eq!(report.findings[0], "would compute 5 points of `x`");
+    assert!(report.findings[1].contains("the script uses what `sweep` gives"), "{:?}", report.findings);
+}

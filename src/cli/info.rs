@@ -16,7 +16,8 @@ use super::process::exit_code;
 use crate::mesh;
 use crate::output::checkpoint::{Checkpoint, MAGIC};
 use crate::output::{
-    FieldsRead, ReadError, RunFolder, Section, Table, read_fields, read_frames, read_parquet, read_summary, read_table, runs_below,
+    FieldsRead, ReadError, RunFolder, Section, Table, read_fields, read_frames, read_parquet, read_rows, read_summary, read_table,
+    runs_below,
 };
 use crate::script::{Class, Diagnostic, Mode, Session, Settings, Silent, home};
 
@@ -43,6 +44,7 @@ struct Kind {
 
 /// What is known, the first that fits.
 const KINDS: &[Kind] = &[
+    Kind { name: "rows of a study", fits: |ending, head| ending == "csv" && is_study(head), describe: study_file },
     Kind { name: "table", fits: |ending, _| ending == "csv", describe: csv_file },
     Kind { name: "table (Parquet)", fits: |ending, head| ending == "parquet" || head.starts_with(b"PAR1"), describe: parquet_file },
     Kind { name: "summary of a run", fits: |ending, _| ending == "json", describe: summary_file },
@@ -63,7 +65,7 @@ const KINDS: &[Kind] = &[
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Bytes at the start of a file by which it is known.
-const HEAD: usize = 64;
+const HEAD: usize = 4096;
 
 /// Describes a file or a folder; the exit code.
 pub fn info(arguments: Arguments) -> u8 {
@@ -223,6 +225,20 @@ fn csv_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     if read.is_cut {
         facts.push(("note", "the last line is cut and was left out".into()));
     }
+    Ok(facts)
+}
+
+/// Whether the first line of a table ends with the column that says why a point failed.
+fn is_study(head: &[u8]) -> bool {
+    head.split(|&byte| byte == b'\n').next().is_some_and(|line| line.ends_with(b",failure"))
+}
+
+fn study_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let (table, failures) = read_rows(path).map_err(|error| refused(&error))?;
+    let failed = failures.iter().filter(|failure| !failure.is_empty()).count();
+    let mut facts = table_facts(&table);
+    facts.push(("failed", failed.into()));
+    facts.extend(failures.into_iter().find(|failure| !failure.is_empty()).map(|first| ("first failure", first.into())));
     Ok(facts)
 }
 

@@ -1,9 +1,7 @@
 //! What a process of this program has: the stack of the threads that run scripts, and its exit codes.
 
 use crate::script::Class;
-
-/// Stack of the thread that runs scripts: deep recursion must end with a message, not with a crash.
-pub const STACK: usize = 256 << 20;
+pub use crate::script::STACK;
 
 /// The exit code of an error.
 pub fn exit_code(class: Class) -> u8 {

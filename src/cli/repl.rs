@@ -26,7 +26,7 @@ use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use crate::script::{Checkpoints, Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home, indentation};
+use crate::script::{Checkpoints, Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home, indentation, processors};
 
 /// Arguments of `conserva repl`.
 #[derive(Args)]
@@ -215,6 +215,7 @@ pub fn repl(arguments: Arguments) -> u8 {
         allow_read: arguments.allow_read,
         output: Some(out),
         threads: usize::from(arguments.threads),
+        workers: processors(),
         max_operations: MAX_OPERATIONS,
         interrupt: interrupt.clone(),
         factorization: console.factorization(),

@@ -9,7 +9,7 @@ use super::console::{complain, ink};
 use super::process::exit_code;
 use super::run::{CourseArguments, Watch, interrupt};
 use crate::output::checkpoint::{self, Checkpoint, Origin};
-use crate::script::{Class, Diagnostic, Mode, Session, Settings, home};
+use crate::script::{Class, Diagnostic, Mode, Session, Settings, home, processors};
 
 /// Arguments of `conserva resume`.
 #[derive(Args)]
@@ -115,6 +115,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
         allow_read: origin.allow_read,
         output: Some(out),
         threads: usize::from(arguments.course.threads),
+        workers: processors(),
         max_operations: origin.max_operations,
         interrupt: interrupt.clone(),
         factorization: watch.console.factorization(),

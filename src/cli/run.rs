@@ -15,7 +15,7 @@ use super::log::{self, JsonLog, LogTarget};
 use super::process::exit_code;
 use super::script_arguments::ScriptArguments;
 use crate::output::checkpoint;
-use crate::script::{Checkpoints, Class, Diagnostic, Mode, Observer, Report, Session, Settings, home};
+use crate::script::{Checkpoints, Class, Diagnostic, Mode, Observer, Report, Session, Settings, home, processors};
 
 /// Arguments of `conserva run`.
 #[derive(Args)]
@@ -107,6 +107,7 @@ pub fn run(arguments: Arguments) -> u8 {
         allow_read,
         output: Some(out.clone()),
         threads: usize::from(arguments.course.threads),
+        workers: processors(),
         max_operations,
         interrupt,
         factorization: watch.console.factorization(),

@@ -14,7 +14,7 @@ use super::console::{Console, complain, ink};
 use super::junit::{Tested, junit};
 use super::process::{STACK, exit_code};
 use super::run::interrupt;
-use crate::script::{Class, Diagnostic, Ink, MAX_OPERATIONS, Settings, TestCase, TestOutcome, script_files, tests_of};
+use crate::script::{Class, Diagnostic, Ink, MAX_OPERATIONS, Settings, TestCase, TestOutcome, processors, script_files, tests_of};
 
 /// Arguments of `conserva test`.
 #[derive(Args)]
@@ -57,7 +57,10 @@ pub fn test(arguments: Arguments) -> u8 {
         }
     };
     let Arguments { paths, filter, list, junit: report, threads, allow_read, max_operations } = arguments;
-    let settings = Settings { allow_read, max_operations, interrupt: interrupt.clone(), ..Settings::default() };
+    let threads = threads.map_or_else(processors, usize::from);
+    // What is left beside the tests that run at a time.
+    let workers = (processors() / threads).max(1);
+    let settings = Settings { allow_read, max_operations, interrupt: interrupt.clone(), workers, ..Settings::default() };
     let console = Console::new(true);
     let (mut cases, broken) = collect(&paths, &settings);
     for (_, error) in &broken {
@@ -80,7 +83,6 @@ pub fn test(arguments: Arguments) -> u8 {
         cases.iter().for_each(|case| console.say(&case.title()));
         return if broken.is_empty() { 0 } else { exit_code(Class::Script) };
     }
-    let threads = threads.map(usize::from).or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
     let tested = run_all(cases, threads, &settings, &console);
     let failed: Vec<&Tested> = tested.iter().filter(|test| test.outcome.error.is_some()).collect();
     for test in &failed {

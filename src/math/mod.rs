@@ -1,7 +1,9 @@
 //! Floor 0: numbers that are computed together, sizes of vectors, symmetric tensors, parameter descriptions, threads, and every tolerance.
 
 pub mod catalogue;
+pub mod curves;
 pub mod lanes;
+pub mod minimize;
 pub mod norms;
 pub mod simd;
 pub mod tensor;

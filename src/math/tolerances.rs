@@ -259,3 +259,7 @@ pub const ON_CIRCLE: f64 = 1e-3;
 
 /// Round-off of a sum of a thousand lengths, relative to it.
 pub const SUM_OF_LENGTHS: f64 = 1e-12;
+
+/// Distance of the last points of a search for the least value, as a share of the range between bounds, by default: six digits of what is
+/// searched for, as many as a simulation that is not exact itself can tell.
+pub const MINIMIZED: f64 = 1e-6;

@@ -24,7 +24,9 @@ const FORMAT: u32 = 1;
 /// Bytes before the content.
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 /// Folder of the checkpoints of a run.
-const FOLDER: &str = "checkpoints";
+pub const FOLDER: &str = "checkpoints";
+/// Ending of the files beside them that keep what points of studies have given ([`PointLog`](super::PointLog)).
+pub const POINTS: &str = "points";
 /// Checkpoints that are kept.
 const KEPT: usize = 2;
 
@@ -278,12 +280,14 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Removes the checkpoints in a run's folder: the run is complete, or begins anew.
+/// Removes the checkpoints in a run's folder, and what points of studies have given: the run is complete, or begins anew.
 ///
 /// # Errors
 /// The operating system refused.
 pub fn remove_all(run: &Path) -> Result<(), OutputError> {
-    for path in places(run) {
+    let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
+    let logs = entries.filter(|path| path.extension().is_some_and(|ending| ending == POINTS));
+    for path in places(run).into_iter().chain(logs) {
         std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
     }
     // What else is in the folder stays, and the folder with it.

@@ -34,6 +34,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("crc32fast", &["output"]),
     ("base64", &["output", "studies"]),
+    ("bobyqa", &["math"]),
     ("csv", &["output", "studies"]),
     ("gif", &["output"]),
     ("png", &["output"]),

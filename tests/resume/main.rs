@@ -11,6 +11,8 @@ mod splitmix;
 #[path = "../common/program.rs"]
 mod program;
 
+mod studies;
+
 use program::{conserva, folder, stderr};
 use splitmix::SplitMix;
 

@@ -1,6 +1,7 @@
 //! Files of a run read back: tables, lists of frames, frames, the folder as a whole. Everything that a file claims is checked against
 //! its bytes, because a run may have been killed and files may have been edited.
 
+pub mod columns;
 pub mod error;
 pub mod fields;
 pub mod folder;

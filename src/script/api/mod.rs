@@ -31,6 +31,7 @@ pub fn functions() -> Vec<Function> {
         simulations::results::functions(),
         checks::functions(),
         studies::functions(),
+        studies::studies(),
         parameters::functions(),
         simulations::stop_after::functions(),
         numbers::functions(),

@@ -59,12 +59,19 @@ impl Overrides {
                 })?
             }
         };
+        drop(given);
+        self.note(name, value.clone());
+        Ok(value)
+    }
+
+    /// Notes that a parameter was asked for elsewhere, and what its value was.
+    pub fn note(&self, name: &str, value: Dynamic) {
+        self.given.borrow_mut().iter_mut().filter(|given| given.name == name).for_each(|given| given.used = true);
         let mut asked = self.asked.borrow_mut();
         match asked.iter_mut().find(|(known, _)| known == name) {
-            Some((_, known)) => *known = value.clone(),
-            None => asked.push((name.to_string(), value.clone())),
+            Some((_, known)) => *known = value,
+            None => asked.push((name.to_string(), value)),
         }
-        Ok(value)
     }
 
     /// Parameters that the script asked for, with their values.

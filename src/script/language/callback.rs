@@ -7,13 +7,14 @@
 
 use std::rc::Rc;
 
-use rhai::{Dynamic, EvalAltResult, FnPtr, NativeCallContextStore};
+use rhai::{Dynamic, EvalAltResult, FnPtr, ImmutableString, NativeCallContextStore, ScriptFuncDef, Shared};
 
 use super::arguments::{Argument, Arguments};
 use super::failure::{Failure, ScriptError};
 use super::function::Call;
 use super::host::Host;
 use super::parameter::Kind;
+use super::plain::Plain;
 
 /// A closure bound to its context.
 #[derive(Clone)]
@@ -42,6 +43,54 @@ impl Callback {
         let context = self.context.create_context(&engine);
         let arguments: Vec<Dynamic> = arguments.into_iter().collect();
         self.function.call_within_context::<Dynamic>(&context, arguments)
+    }
+
+    /// A closure of a program, by its name; `None` where the program of the context does not know it.
+    pub fn named(host: &Rc<Host>, context: Rc<NativeCallContextStore>, name: &str) -> Option<Self> {
+        let function = FnPtr::from(definition(&context, name)?.clone());
+        Some(Callback { function, context, host: host.clone() })
+    }
+
+    /// The name under which the engine finds it.
+    pub fn name(&self) -> &str {
+        self.function.fn_name()
+    }
+
+    /// The values that it captures.
+    pub fn captured(&self) -> impl Iterator<Item = &Dynamic> {
+        self.function.iter_curry()
+    }
+
+    /// Calls the closure as if nothing had happened before: it counts operations from zero, and captures copies of these values (of those
+    /// that it has where one is not given).
+    ///
+    /// # Errors
+    /// Whatever the closure fails with. Inside, that it has changed a value that it captures.
+    pub fn call_by_itself(
+        &self,
+        captured: &[Option<Plain>],
+        arguments: Vec<Dynamic>,
+    ) -> Result<Result<Dynamic, Failure>, Box<EvalAltResult>> {
+        let engine = self.host.engine().ok_or_else(|| Failure::script("the closure outlived its script"))?;
+        let engine = engine.borrow();
+        let mut context = (*self.context).clone();
+        context.global.num_operations = Default::default();
+        let own = self.captured().cloned().map(Some).chain(std::iter::repeat(None));
+        let copy = |(plain, own): (&Option<Plain>, Option<Dynamic>)| match plain {
+            Some(plain) => plain.value().into_shared(),
+            None => own.unwrap_or_default(),
+        };
+        let values: Vec<Dynamic> = captured.iter().zip(own).map(copy).collect();
+        let mut function = self.function.clone();
+        function.set_curry(values.iter().cloned());
+        let value = function.call_within_context::<Dynamic>(&context.create_context(&engine), arguments)?;
+        let is_changed = |(plain, value): (&Option<Plain>, &Dynamic)| {
+            plain.as_ref().is_some_and(|plain| Plain::of(value).is_none_or(|after| !after.is_same(plain)))
+        };
+        match captured.iter().zip(&values).position(is_changed) {
+            None => Ok(Ok(value.flatten())),
+            Some(index) => Ok(Err(changed(definition(&context, self.name()).and_then(|function| function.params.get(index))))),
+        }
     }
 
     /// Wraps an error of the closure for its way through the kernels.
@@ -105,6 +154,21 @@ fn parameters(count: usize) -> String {
         1 => "1 parameter".into(),
         count => format!("{count} parameters"),
     }
+}
+
+/// What a function of a program consists of.
+fn definition<'a>(context: &'a NativeCallContextStore, name: &str) -> Option<&'a Shared<ScriptFuncDef>> {
+    let of = |library: &'a Shared<rhai::Module>| (0..PARAMETERS).find_map(|count| library.get_script_fn(name, count));
+    context.global.lib.iter().rev().find_map(of)
+}
+
+/// The error of a closure that changes what it captures, where each call is to be one by itself.
+fn changed(name: Option<&ImmutableString>) -> Failure {
+    let variable = name.map_or_else(|| "a variable".to_string(), |name| format!("`{name}`"));
+    let failure = Failure::script(format!("the closure changes {variable}, which belongs to the script around it"));
+    let failure =
+        failure.cause("every point of a study is computed by itself, perhaps beside others, with values as they were at its begin");
+    failure.hint("let the closure give what it found: `#{ name: value, … }`")
 }
 
 /// Most parameters (captured variables included) that a closure may have to be recognised.

@@ -147,6 +147,15 @@ impl Diagnostic {
     }
 }
 
+/// The message of a panic, which is a defect of the program.
+pub fn defect(panic: &(dyn std::any::Any + Send)) -> Box<Diagnostic> {
+    let what = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
+    let error = Diagnostic::error(Class::Internal, "the program has a defect and had to stop")
+        .cause(what.unwrap_or_else(|| "unknown".into()))
+        .hint("please report it together with the script; results up to the last accepted step are kept");
+    Box::new(error)
+}
+
 fn snippet<'a>(place: &'a Place, label: &'a str, kind: AnnotationKind) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
     let annotation = kind.span(place.range.clone());
     let annotation = if label.is_empty() { annotation } else { annotation.label(label) };

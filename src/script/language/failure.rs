@@ -8,13 +8,14 @@ use std::ops::Deref;
 use std::rc::Rc;
 
 use rhai::{Dynamic, EvalAltResult, Position};
+use serde::{Deserialize, Serialize};
 
 use super::handle::Handle;
 use super::scan::Target;
 use super::sources::Place;
 
 /// What kind of failure it is; decides the exit code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Class {
     /// A check of the script does not hold.
     Check,
@@ -102,6 +103,12 @@ impl Failure {
     /// The script is wrong.
     pub fn script(title: impl Into<String>) -> Self {
         Failure::new(Class::Script, title)
+    }
+
+    /// The same of another class.
+    pub fn of(mut self, class: Class) -> Self {
+        self.0.class = class;
+        self
     }
 
     /// The same, pointing at a part of the call.

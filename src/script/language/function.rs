@@ -35,6 +35,8 @@ pub enum Topic {
     Results,
     /// Expectations.
     Checks,
+    /// Many runs, searches, comparisons of curves.
+    Studies,
     /// Values from the command line.
     Parameters,
     /// Numbers and text.

@@ -33,6 +33,8 @@ const CALLS: &[(&[&str], &str)] = &[
     (&["average", "avg"], "write `mean(array)`"),
     (&["maximum", "amax"], "write `max(array)`"),
     (&["minimum", "amin"], "write `min(array)`"),
+    (&["optimize", "optimise", "fmin", "calibrate"], "write `minimize(|p| …, #{ bounds: #{ x: [0.0, 1.0] } })`"),
+    (&["parallel", "study", "parameter_study"], "write `sweep(#{ vary: #{ x: [1.0, 2.0] }, run: |p| … })`"),
 ];
 
 fn found(word: &str, among: &'static [(&[&str], &str)]) -> Option<&'static str> {
@@ -85,6 +87,9 @@ pub fn option(name: &str) -> Option<&'static str> {
             Some("contact is frictionless here: leave the option out; nothing takes its place")
         }
         "timestep" | "time_step" | "step_size" => Some("write `dt`"),
+        "parameters" | "params" | "grid" | "points" => Some("what differs between points is `vary: #{ name: [values] }`"),
+        "jobs" | "workers" | "parallel" | "processes" => Some("how many points are computed at a time is `threads`"),
+        "maxiter" | "max_iterations" | "max_evaluations" | "maxfun" => Some("how often a closure is called at most is `evaluations`"),
         _ => None,
     }
 }

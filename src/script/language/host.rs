@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::rc::{Rc, Weak};
 use std::sync::atomic::Ordering;
 
-use rhai::{Engine, NativeCallContextStore, Position};
+use rhai::{Engine, Module, NativeCallContextStore, Position, Shared};
 
 use super::diagnostics::{Diagnostic, Ink};
 use super::failure::{Failure, interrupted};
@@ -39,10 +39,13 @@ pub struct Host {
     pub findings: RefCell<Vec<String>>,
     engine: RefCell<Weak<RefCell<Engine>>>,
     module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
+    /// Paths of imported modules by where these are kept.
+    module_paths: RefCell<HashMap<usize, String>>,
     loading: RefCell<Vec<Vec<String>>>,
     /// Keys and texts of the warnings.
     warned: RefCell<Vec<(String, String)>>,
-    passed: RefCell<Vec<String>>,
+    /// Keys of the checks that held, and what was said of them.
+    passed: RefCell<Vec<(String, String)>>,
     effects: Cell<u64>,
     /// Changes after which the script is stopped.
     limit: Cell<Option<u64>>,
@@ -63,6 +66,7 @@ impl Host {
             findings: RefCell::default(),
             engine: RefCell::default(),
             module_contexts: RefCell::default(),
+            module_paths: RefCell::default(),
             loading: RefCell::default(),
             warned: RefCell::default(),
             passed: RefCell::default(),
@@ -168,17 +172,38 @@ impl Host {
     /// Reports a check that holds, the first time that it does: in a loop or after every step it is asked often.
     pub fn passed(&self, line: &str, place: Option<&Place>) {
         let key = place.map_or_else(|| line.to_string(), ToString::to_string);
-        if !self.passed.borrow().contains(&key) {
-            self.passed.borrow_mut().push(key);
-            let place = place.map(|place| self.sources.relocate(place.clone()));
-            let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
-            self.observer.passed(&format!("{line}{place}"));
+        let place = place.map(|place| self.sources.relocate(place.clone()));
+        let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();
+        self.passed_as(&key, &format!("{line}{place}"));
+    }
+
+    /// The same of a check that `key` tells from others, with all that is said of it.
+    pub fn passed_as(&self, key: &str, line: &str) {
+        if !self.passed.borrow().iter().any(|(known, _)| known == key) {
+            self.passed.borrow_mut().push((key.into(), line.into()));
+            self.observer.passed(line);
         }
+    }
+
+    /// The checks that held, by their keys, and the warnings; from now on, all are new.
+    pub fn forget_told(&self) -> Vec<(String, String)> {
+        self.warned.take();
+        self.passed.take()
     }
 
     /// Number of checks that held.
     pub fn checks(&self) -> usize {
         self.passed.borrow().len()
+    }
+
+    /// Notes the path of a module that was imported and is kept as long as the session.
+    pub fn note_module(&self, module: &Shared<Module>, path: &str) {
+        self.module_paths.borrow_mut().insert(Shared::as_ptr(module) as usize, path.into());
+    }
+
+    /// The path of an imported module.
+    pub fn module_path(&self, module: &Shared<Module>) -> Option<String> {
+        self.module_paths.borrow().get(&(Shared::as_ptr(module) as usize)).cloned()
     }
 
     /// The context of the imported module that made a closure.

@@ -5,6 +5,7 @@
 pub mod arguments;
 pub mod arrays;
 pub mod callback;
+pub mod crew;
 pub mod diagnostics;
 pub mod digits;
 pub mod elementwise;
@@ -18,8 +19,10 @@ pub mod host;
 pub mod keys;
 pub mod limits;
 pub mod lint;
+pub mod message;
 pub mod observer;
 pub mod parameter;
+pub mod plain;
 pub mod registry;
 pub mod sandbox;
 pub mod scan;

@@ -47,6 +47,11 @@ impl Sandbox {
         self.read.borrow().iter().cloned().collect()
     }
 
+    /// Notes a file that was read for the script elsewhere.
+    pub fn note(&self, file: PathBuf) {
+        self.read.borrow_mut().insert(file);
+    }
+
     /// The file that a script means by a path: below its own folder first, then below the working folder and the allowed folders.
     ///
     /// # Errors

@@ -40,6 +40,8 @@ pub struct Settings {
     pub output: Option<PathBuf>,
     /// Threads of the element loop.
     pub threads: usize,
+    /// Points of a study that are computed at a time, each on a thread, where the script does not say.
+    pub workers: usize,
     /// Operations after which a script counts as endless; time spent in native functions does not count.
     pub max_operations: u64,
     /// Ends the run at the last accepted step when it becomes true.
@@ -62,6 +64,7 @@ impl Default for Settings {
             allow_read: Vec::new(),
             output: None,
             threads: 1,
+            workers: processors(),
             max_operations: MAX_OPERATIONS,
             interrupt: Arc::default(),
             factorization: Arc::default(),
@@ -70,4 +73,9 @@ impl Default for Settings {
             interactive: false,
         }
     }
+}
+
+/// Processors of this machine that the program may use.
+pub fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }

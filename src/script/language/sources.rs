@@ -11,13 +11,14 @@ use std::sync::Arc;
 use rhai::Position;
 
 /// Texts by the name of their source.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Sources {
     texts: RefCell<BTreeMap<String, Arc<str>>>,
     segments: RefCell<Vec<Segment>>,
 }
 
 /// A text with a name of its own that was appended to a source.
+#[derive(Clone)]
 struct Segment {
     source: String,
     start: usize,
@@ -48,6 +49,17 @@ impl Sources {
         let shifted = |byte: usize| (byte - segment.start).min(segment.text.len());
         let range = shifted(place.range.start)..shifted(place.range.end.max(place.range.start));
         Place { source: segment.name.clone(), text: segment.text.clone(), range }
+    }
+
+    /// The text that was appended under that name last.
+    pub fn appended(&self, name: &str) -> Option<Arc<str>> {
+        self.segments.borrow().iter().rev().find(|segment| segment.name == name).map(|segment| segment.text.clone())
+    }
+
+    /// Takes over all texts of another session.
+    pub fn take(&self, other: &Sources) {
+        self.texts.borrow_mut().extend(other.all());
+        self.segments.replace(other.segments.borrow().clone());
     }
 
     /// All texts with their names.

@@ -20,9 +20,10 @@ use super::help;
 use super::imports::Imports;
 use super::pages::PAGES;
 use super::record::{ANSWER, Record, lexemes, positions};
-use super::session::{Report, Session, defect};
+use super::session::{Report, Session};
 use super::shown::{kind_of, shown};
-use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::crew::{Program, Unit};
+use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
 use crate::script::language::failure::Class;
 use crate::script::language::lint::lint;
@@ -91,6 +92,8 @@ pub struct Interactive {
 struct Earlier {
     scope: Scope<'static>,
     functions: AST,
+    /// Texts of these functions.
+    units: usize,
     recorded: usize,
     effects: u64,
 }
@@ -181,7 +184,8 @@ impl Interactive {
             self.earlier.remove(0);
         }
         let (scope, functions) = (self.session.scope.clone(), self.functions.clone());
-        self.earlier.push(Earlier { scope, functions, recorded: self.record.len(), effects });
+        let units = self.session.host.slots.get::<Program>().0.borrow().len();
+        self.earlier.push(Earlier { scope, functions, units, recorded: self.record.len(), effects });
     }
 
     /// Takes back the last entry: variables and functions are as they were before it.
@@ -196,6 +200,7 @@ impl Interactive {
         }
         self.session.scope = earlier.scope;
         self.functions = earlier.functions;
+        self.session.host.slots.get::<Program>().0.borrow_mut().truncate(earlier.units);
         self.record.truncate(earlier.recorded);
         Ok(())
     }
@@ -227,6 +232,8 @@ impl Interactive {
         let tree = engine.compile_with_scope(&self.session.scope, &padded).map_err(|error| (None, explained(&error.into())))?;
         let mut tree = self.functions.merge(&tree);
         tree.set_source(SOURCE);
+        let names = self.session.scope.iter_raw().map(|(name, ..)| name.to_string()).collect();
+        host.slots.get::<Program>().0.borrow_mut().push(Unit { text: padded, names });
         let outcome = engine.eval_ast_with_scope::<Dynamic>(&mut self.session.scope, &tree);
         match outcome {
             Ok(value) => {

@@ -397,3 +397,38 @@ fn completion_is_there_at_once() {
         assert!(best < Duration::from_millis(20), "{before}: {best:?}");
     }
 }
+
+#[test]
+fn studies_at_the_prompt_know_all_entries() {
+    let folder = folder("studies");
+    let module = "fn twice(x) { 2 * x }\nfn made(x) { model(`${x}`).gravity([0.0, -1.0]); twice(x) }\n\
+                  fn all(n) { sweep(#{ vary: #{ x: 0..n }, run: |p| made(p.x) }).map(|row| row.value) }\nfn each() { |p| made(p.x) }";
+    std::fs::write(folder.join("lib/two.rhai"), module).unwrap();
+    let mut session = session_in(&folder);
+    for entry in ["import \"lib/two\" as two", "let k = 3", "fn f(x) { x + 1 }", "fn f(x) { x * x }", "const C = 100;"] {
+        session.evaluate(entry).unwrap();
+    }
+    let asked = "sweep(#{ vary: #{ x: 2..4 }, run: |p| f(p.x) + two::twice(k) + C }).map(|row| row.value)";
+    assert_eq!(shown(&mut session, asked), "[110, 115]");
+    // Objects that are made on other threads are none of this session, so these points were computed there.
+    let effects = session.session.host.effects();
+    let making = "sweep(#{ vary: #{ x: 2..4 }, run: |p| { model(`${p.x}`).gravity([0.0, -1.0]); f(k) } }).map(|row| row.value)";
+    assert_eq!(shown(&mut session, making), "[9, 9]");
+    assert_eq!(shown(&mut session, "two::all(3)"), "[0, 2, 4]");
+    assert_eq!(shown(&mut session, "sweep(#{ vary: #{ x: [7] }, run: two::each() })[0].value"), "14");
+    assert_eq!(session.session.host.effects(), effects);
+    session.evaluate("let mesh = rectangle(#{ size: [1.0, 1.0], cells: [1, 1] });").unwrap();
+    session.evaluate("sweep(#{ vary: #{ x: [1] }, run: |p| { model(`${mesh}`).gravity([0.0, -1.0]); 1 } });").unwrap();
+    assert_eq!(session.session.host.effects(), effects + 1);
+    // A closure of an earlier entry, a name in place of a closure, and what is no longer there.
+    session.evaluate("let g = |p| f(p.x)").unwrap();
+    session.evaluate("let y = 1; y.nothing()").unwrap_err();
+    assert_eq!(shown(&mut session, "sweep(#{ vary: #{ x: 2..4 }, run: g }).map(|row| row.value)"), "[4, 9]");
+    session.evaluate("fn f(x) { -x }").unwrap();
+    assert_eq!(shown(&mut session, "sweep(#{ vary: #{ x: 2..4 }, run: g }).map(|row| row.value)"), "[-2, -3]");
+    session.undo().unwrap();
+    session.undo().unwrap();
+    assert_eq!(shown(&mut session, "sweep(#{ vary: #{ x: 2..4 }, run: g }).map(|row| row.value)"), "[4, 9]");
+    let told = message(&mut session, "sweep(#{ vary: #{ x: [5] }, failures: \"stop\", run: |p| {\n    f(p.nothing)\n} })");
+    assert!(told.contains("2 |     f(p.nothing)") && told.contains("at the point x = 5 of `sweep`"), "{told}");
+}

@@ -21,3 +21,4 @@ pub mod shown;
 pub mod statements;
 pub mod testing;
 pub mod words;
+pub mod worker;

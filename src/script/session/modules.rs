@@ -67,6 +67,7 @@ impl Modules {
         self.host.end_module();
         self.loading.borrow_mut().pop();
         let module: Shared<Module> = module.map_err(inside)?.into();
+        self.host.note_module(&module, path);
         self.loaded.borrow_mut().insert(file, module.clone());
         Ok(module)
     }

@@ -19,7 +19,7 @@ use crate::script::language::registry::Registry;
 use crate::script::language::wording::{did_you_mean, with_article};
 
 /// Topics in the order of the reference, with their titles.
-pub const TOPICS: [(Topic, &str); 11] = [
+pub const TOPICS: [(Topic, &str); 12] = [
     (Topic::Meshes, "Meshes"),
     (Topic::Materials, "Materials"),
     (Topic::Model, "Model"),
@@ -28,6 +28,7 @@ pub const TOPICS: [(Topic, &str); 11] = [
     (Topic::Simulation, "Simulation"),
     (Topic::Results, "Results"),
     (Topic::Checks, "Checks"),
+    (Topic::Studies, "Studies"),
     (Topic::Parameters, "Parameters"),
     (Topic::Numbers, "Numbers and text"),
     (Topic::Arrays, "Arrays"),

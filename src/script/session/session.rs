@@ -12,6 +12,7 @@ use sha2::{Digest, Sha256};
 use super::compile::{compile, constants};
 use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
+use super::worker::hire;
 use crate::output::COMPLETED;
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::script::api::models::change::warn_of_unseen_changes;
@@ -21,7 +22,8 @@ use crate::script::api::simulations::ending;
 use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
 use crate::script::api::simulations::journal::Journal;
 use crate::script::api::studies::result::Results;
-use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::crew::{Hiring, Program, Unit};
+use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::{explain, explain_failure};
 use crate::script::language::failure::Class;
 use crate::script::language::host::Host;
@@ -100,6 +102,7 @@ impl Session {
         let sandbox = Sandbox::new(home, &settings.allow_read).map_err(|failure| Box::new(explain_failure(&failure)))?;
         let host = Rc::new(Host::new(settings, sandbox, observer));
         host.slots.set(Rc::new(Overrides::new(&host.settings.overrides)));
+        host.slots.set(Rc::new(Hiring(Some(hire))));
         let engine = Rc::new(RefCell::new(engine(&host)));
         host.attach(&engine);
         Ok(Session { engine, scope: constants(), host, begun, idle: Duration::ZERO })
@@ -139,7 +142,7 @@ impl Session {
     /// Runs a script file to its end and writes the files of the run. Checkpoints of an older run there are removed, unless it is resumed.
     pub fn run_file(&mut self, path: &Path) -> Report {
         let name = path.display().to_string();
-        if !Journal::of(&self.host).is_recalling()
+        if !Journal::of(&self.host).is_resumed()
             && let Some(error) = self.remove_checkpoints()
         {
             return self.finish(Some(error));
@@ -188,13 +191,19 @@ impl Session {
         }
     }
 
+    /// Makes a text the one that runs.
+    fn begin(&self, name: &str, text: &str) {
+        *self.host.main.borrow_mut() = name.to_string();
+        self.host.sources.insert(name, text);
+        self.host.slots.set(Rc::new(Program(RefCell::new(vec![Unit { text: text.into(), names: Vec::new() }]))));
+    }
+
     /// Runs a text under a name.
     ///
     /// # Errors
     /// What is wrong with it.
     pub fn evaluate(&mut self, name: &str, text: &str) -> Result<Dynamic, Box<Diagnostic>> {
-        *self.host.main.borrow_mut() = name.to_string();
-        self.host.sources.insert(name, text);
+        self.begin(name, text);
         let engine = self.engine.borrow();
         lint(&self.host, &engine, name);
         let outcome =
@@ -204,8 +213,7 @@ impl Session {
 
     /// Runs the statements of a text under a name, then one of its functions, which has no parameters.
     fn call(&mut self, name: &str, text: &str, function: &str) -> Result<Dynamic, Box<Diagnostic>> {
-        *self.host.main.borrow_mut() = name.to_string();
-        self.host.sources.insert(name, text);
+        self.begin(name, text);
         let engine = self.engine.borrow();
         lint(&self.host, &engine, name);
         let outcome =
@@ -291,13 +299,4 @@ fn position_of_name(text: &str, start: usize) -> Position {
     let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
     let (line, column) = (u16::try_from(before.matches('\n').count() + 1), u16::try_from(column));
     line.and_then(|line| Ok(Position::new(line, column?))).unwrap_or(Position::NONE)
-}
-
-/// The message of a panic, which is a defect of the program.
-pub fn defect(panic: &(dyn std::any::Any + Send)) -> Box<Diagnostic> {
-    let what = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
-    let error = Diagnostic::error(Class::Internal, "the program has a defect and had to stop")
-        .cause(what.unwrap_or_else(|| "unknown".into()))
-        .hint("please report it together with the script; results up to the last accepted step are kept");
-    Box::new(error)
 }

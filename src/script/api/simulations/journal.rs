@@ -52,6 +52,8 @@ struct Pages {
     last: Option<(Instant, Duration)>,
     /// Length and checksum of the files that the script has read.
     files: BTreeMap<PathBuf, (u64, u32)>,
+    /// Whether an earlier program has begun this run.
+    is_resumed: bool,
 }
 
 /// Notes the files that the script has read since it was asked last.
@@ -87,13 +89,30 @@ impl Journal {
         let Checkpoint { records, courses, .. } = checkpoint;
         let size = |record: &Record| record.state.as_deref().map_or(0, State::size);
         let (bytes, written) = (records.iter().map(size).sum(), records.len());
-        Journal(RefCell::new(Pages { records, courses, bytes, written, ..Pages::default() }))
+        Journal(RefCell::new(Pages { records, courses, bytes, written, is_resumed: true, ..Pages::default() }))
     }
 
     /// Whether computations still come from an earlier program.
     pub fn is_recalling(&self) -> bool {
         let pages = self.0.borrow();
         pages.read < pages.records.len()
+    }
+
+    /// Whether an earlier program has begun this run.
+    pub fn is_resumed(&self) -> bool {
+        self.0.borrow().is_resumed
+    }
+
+    /// Before something long that is kept elsewhere ([`PointLog`](crate::output::PointLog)): a checkpoint to resume from.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn secure(&self, host: &Host) -> Result<(), Failure> {
+        if self.is_recalling() {
+            return Ok(());
+        }
+        go_on(host)?;
+        self.write(host)
     }
 
     /// The next record, which must be of this computation.
@@ -198,7 +217,7 @@ impl Journal {
 }
 
 /// Whether a journal is kept: the run writes files, and wants checkpoints.
-fn is_kept(host: &Host) -> bool {
+pub fn is_kept(host: &Host) -> bool {
     output_folder(host).is_some() && host.settings.checkpoints != Checkpoints::Never
 }
 

@@ -266,8 +266,11 @@ pub fn create(
     Ok(handle)
 }
 
-/// The model's name, with a number when the script made simulations of that name before.
+/// The model's name, with a number when the script made simulations of that name before; one aside has its model's.
 fn unique_name(host: &Host, model: &str) -> String {
+    if is_study(host) {
+        return model.to_string();
+    }
     let taken: Vec<String> = Simulations::of(host).0.borrow().iter().map(|simulation| simulation.0.name.clone()).collect();
     let numbered = (2..).map(|number| format!("{model}-{number}"));
     std::iter::once(model.to_string()).chain(numbered).find(|name| !taken.contains(name)).unwrap_or_default()

@@ -1,14 +1,30 @@
-//! Checks that run a scenario several times.
+//! Studies: from one run to many.
 //!
-//! The simulations of a study are aside of the run: they write no files and stand in no summary.
+//! Checks that run a scenario several times, closures for many points (`sweep`), searches for the best one (`minimize`), and what curves
+//! have in common (`compare`). The simulations of a study are aside of the run: they write no files and stand in no summary.
 
 use crate::script::language::function::Function;
 
+pub mod compare;
+pub mod crew;
 pub mod invariance;
+pub mod measured;
+pub mod minimize;
 pub mod order;
 pub mod result;
+pub mod record;
+pub mod sweep;
+pub mod tables;
+pub mod vary;
 
-/// The functions of this topic.
+/// The checks of this topic.
 pub fn functions() -> Vec<Function> {
     vec![order::expect_order(), invariance::expect_invariant(), result::result()]
+}
+
+/// Its other functions.
+pub fn studies() -> Vec<Function> {
+    let mut all = vec![sweep::sweep(), minimize::minimize(), compare::compare(), measured::read_csv()];
+    all.extend(tables::functions());
+    all
 }

@@ -1,17 +1,20 @@
 //! `expect_order`: a closure runs with smaller and smaller steps, and its result must converge with an order.
 
-use rhai::{Array, Dynamic, EvalAltResult};
+use rhai::{Array, Dynamic, Engine, EvalAltResult};
 
+use super::crew::{Crew, Results};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::ORDER_ROUND_OFF;
 use crate::script::api::asides::begin_study;
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::crew::{Computed, Outcome};
 use crate::script::language::digits::{brief, number_text, significant};
-use crate::script::language::failure::Failure;
+use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::plain::Plain;
 use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
 
@@ -75,8 +78,8 @@ fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         return Ok(Dynamic::UNIT);
     }
     let sizes: Vec<f64> = (0..runs).map(|run| largest / f64::powi(2.0, run as i32)).collect();
-    let mut results = Vec::new();
-    for &dt in &sizes {
+    let mut results = side_by_side(call, &sizes, exact.as_ref().map(Vec::len))?;
+    for &dt in &sizes[results.len()..] {
         results.push(result_of(call, dt, exact.as_deref().or(results.first().map(Vec::as_slice)))?);
     }
     let convergence = Convergence::of(sizes, &results, exact.as_deref());
@@ -158,6 +161,71 @@ fn numbers_in(value: &Dynamic) -> Option<Vec<f64>> {
 /// The largest difference of two results.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()))
+}
+
+/// The results for the first step sizes, computed side by side where that can be, up to the first one that is none.
+fn side_by_side(call: &Call, sizes: &[f64], length: Option<usize>) -> Result<Vec<Vec<f64>>, Failure> {
+    let mut crew = Crew::new(call, call.callback("action")?, read, call.host.settings.workers.min(sizes.len()));
+    let mut found = Found { results: Vec::new(), length, is_over: false };
+    if crew.is_apart() {
+        let points: Vec<Vec<Plain>> = sizes.iter().map(|&dt| vec![Plain::Number(dt)]).collect();
+        match crew.compute("expect_order", &points, &mut found) {
+            Err(failure) if !found.is_over => return Err(failure),
+            _ => {}
+        }
+    }
+    Ok(found.results)
+}
+
+/// The results that came side by side.
+struct Found {
+    results: Vec<Vec<f64>>,
+    /// Numbers that there must be, if that is known.
+    length: Option<usize>,
+    /// Whether one was none, so that it is asked for again in the session itself, where the error has its chain of calls.
+    is_over: bool,
+}
+
+impl Found {
+    fn numbers(&self, outcome: &Outcome) -> Option<Vec<f64>> {
+        let Outcome::Done(Plain::Array(numbers)) = outcome else { return None };
+        let numbers = numbers.iter().map(|number| number.number().filter(|number| number.is_finite())).collect::<Option<Vec<f64>>>()?;
+        let length = self.length.or(self.results.first().map(Vec::len));
+        length.is_none_or(|length| length == numbers.len()).then_some(numbers)
+    }
+}
+
+impl Results for Found {
+    fn known(&self, _: &[Plain]) -> Option<Computed> {
+        None
+    }
+
+    fn computed(&mut self, _: &[Plain], _: &Computed) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn is_told(&self, outcome: &Outcome) -> bool {
+        self.numbers(outcome).is_some()
+    }
+
+    fn take(&mut self, _: usize, outcome: Outcome) -> Result<(), Failure> {
+        match self.numbers(&outcome) {
+            Some(numbers) => self.results.push(numbers),
+            None => {
+                self.is_over = true;
+                return Err(Failure::new(Class::Check, "a result is none"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Numbers of what the closure gave.
+fn read(_: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
+    let positions = |handle: SimulationHandle| handle.0.simulation.try_borrow().ok().map(|simulation| simulation.state().positions);
+    let numbers = value.clone().try_cast::<SimulationHandle>().and_then(positions).or_else(|| numbers_in(value));
+    let numbers = numbers.ok_or_else(|| Failure::script("the closure gives no numbers"))?;
+    Ok(Plain::Array(numbers.into_iter().map(Plain::Number).collect()))
 }
 
 /// What the closure gives for a step size, as long as another result.

@@ -1,0 +1,444 @@
+//! A closure that is called for many points, side by side on threads where it can be carried over to them.
+//!
+//! It can where all that it captures is plain data. Each thread then has a session of its own (`session/worker.rs`), also where there is
+//! one thread only, so that nothing depends on their number. Where it captures an object, such as a mesh, or was made where another
+//! session does not find it, the points are computed one after another in the session itself. Either way every point begins with the same
+//! captured values, and what it says is told in the order of the points.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::{Builder, JoinHandle};
+use std::time::Duration;
+
+use crate::script::api::asides::begin_study;
+use crate::script::api::parameters::Overrides;
+use crate::script::language::callback::Callback;
+use crate::script::language::crew::{Blueprint, Carried, Computed, Hand, Hire, Hiring, Outcome, Program, Reading, Told, outcome_of};
+use crate::script::language::diagnostics::defect;
+use crate::script::language::failure::{Class, Failure};
+use crate::script::language::function::Call;
+use crate::script::language::host::Host;
+use crate::script::language::limits::STACK;
+use crate::script::language::message::Message;
+use crate::script::language::plain::Plain;
+use crate::script::language::settings::{Checkpoints, Settings};
+
+/// How long an interrupt may go unnoticed.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Who takes the results of points.
+pub trait Results {
+    /// What is known of a point already.
+    fn known(&self, point: &[Plain]) -> Option<Computed>;
+
+    /// A point was computed; they come in any order.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    fn computed(&mut self, point: &[Plain], computed: &Computed) -> Result<(), Failure>;
+
+    /// Whether what a point said is told.
+    fn is_told(&self, _outcome: &Outcome) -> bool {
+        true
+    }
+
+    /// The result of a point; they come in order.
+    ///
+    /// # Errors
+    /// Whatever ends the study: points that come later are of no interest.
+    fn take(&mut self, index: usize, outcome: Outcome) -> Result<(), Failure>;
+}
+
+/// Those who compute points.
+pub struct Crew<'a> {
+    call: &'a Call<'a>,
+    form: Form,
+}
+
+enum Form {
+    Threads(Threads),
+    Here { callback: Callback, captured: Vec<Option<Plain>>, reading: Reading },
+}
+
+impl<'a> Crew<'a> {
+    /// A crew for a closure, of so many threads at most.
+    pub fn new(call: &'a Call<'a>, callback: Callback, reading: Reading, threads: usize) -> Self {
+        let captured: Vec<Option<Plain>> = callback.captured().map(Plain::of).collect();
+        let hire = call.host.slots.get::<Hiring>().0;
+        let carried = captured.iter().cloned().collect::<Option<Vec<Plain>>>();
+        let found = carried.zip(hire).and_then(|(captured, hire)| {
+            let closure = Carried { name: callback.name().into(), captured, reading };
+            Threads::begin(hire, &blueprint(call, threads)?, &closure, threads)
+        });
+        let form = found.map_or(Form::Here { callback, captured, reading }, Form::Threads);
+        Crew { call, form }
+    }
+
+    /// Whether points are computed by themselves, so that they can be kept for a run that is resumed.
+    pub fn is_apart(&self) -> bool {
+        matches!(self.form, Form::Threads(_))
+    }
+
+    /// Computes points that are not known; `title` is what an observer is told.
+    ///
+    /// # Errors
+    /// An interrupt, or what the results end with.
+    pub fn compute(&mut self, title: &str, points: &[Vec<Plain>], results: &mut dyn Results) -> Result<(), Failure> {
+        let host = self.call.host;
+        match &mut self.form {
+            Form::Threads(threads) => threads.compute(host, title, points, results),
+            Form::Here { callback, captured, reading } => points.iter().enumerate().try_for_each(|(index, point)| {
+                host.go_on()?;
+                let outcome = here(self.call, callback, captured, *reading, point);
+                accept(host, index, Computed::only(outcome), results)
+            }),
+        }
+    }
+}
+
+/// Calls the closure in the session itself.
+fn here(call: &Call, callback: &Callback, captured: &[Option<Plain>], reading: Reading, point: &[Plain]) -> Outcome {
+    let arguments = point.iter().map(Plain::value).collect();
+    let value = {
+        let _aside = begin_study(call.host, None);
+        catch_unwind(AssertUnwindSafe(|| callback.call_by_itself(captured, arguments)))
+    };
+    match value {
+        Ok(value) => outcome_of(call.host, call.engine(), value, reading),
+        Err(panic) => Outcome::Failed(Message::of(&defect(&*panic))),
+    }
+}
+
+/// Tells what a point said, and gives its outcome on.
+fn accept(host: &Host, index: usize, computed: Computed, results: &mut dyn Results) -> Result<(), Failure> {
+    if let Outcome::Failed(message) = &computed.outcome
+        && matches!(message.class, Class::Interrupted | Class::ResultUsed)
+    {
+        return Err(message.failure(&host.sources));
+    }
+    for (name, text) in &computed.modules {
+        if host.sources.text(name).is_none() {
+            host.sources.insert(name, text);
+        }
+    }
+    for told in computed.told.iter().filter(|_| results.is_told(&computed.outcome)) {
+        match told {
+            Told::Line(line) => host.observer.print(line),
+            Told::Passed(key, line) => host.passed_as(key, line),
+            Told::Warning(message) => host.warn(message.diagnostic(&host.sources)),
+        }
+    }
+    let overrides = host.slots.get::<Overrides>();
+    computed.asked.iter().for_each(|(name, value)| overrides.note(name, value.value()));
+    computed.read.iter().for_each(|file| host.sandbox.note(file.clone()));
+    results.take(index, computed.outcome)
+}
+
+/// What it takes to make another session that knows what this one does; `None` where it cannot be told.
+fn blueprint(call: &Call, threads: usize) -> Option<Blueprint> {
+    let host = call.host;
+    let global = call.context.global_runtime_state();
+    let main = host.main.borrow().clone();
+    let path = |source: &str| source.strip_suffix(".rhai").map(String::from);
+    // All modules are loaded, because closures may come from any; those with a name come last, so that it means what it means here.
+    let sources = host.sources.all();
+    let loaded = sources.iter().filter(|(name, _)| *name != main).filter_map(|(name, _)| Some((String::new(), path(name)?)));
+    let named = global.scan_imports_raw().map(|(alias, module)| Some((alias.to_string(), host.module_path(module)?)));
+    let imports = loaded.map(Some).chain(named).collect::<Option<Vec<_>>>()?;
+    let mut constants = Vec::new();
+    for (name, value) in global.constants.iter().flat_map(|constants| constants.borrow().clone()) {
+        match Plain::of(&value) {
+            Some(value) => constants.push((name.to_string(), value)),
+            // An object that functions may use.
+            None if sources.iter().any(|(_, text)| text.contains(&format!("global::{name}"))) => return None,
+            None => {}
+        }
+    }
+    let settings = Settings {
+        output: None,
+        checkpoints: Checkpoints::Never,
+        until: None,
+        interactive: false,
+        workers: 1,
+        threads: if threads > 1 { 1 } else { host.settings.threads },
+        factorization: Arc::default(),
+        ..host.settings.clone()
+    };
+    let program = host.slots.get::<Program>().0.borrow().clone();
+    Some(Blueprint { settings, home: host.sandbox.home().into(), main, sources: host.sources.clone(), program, imports, constants })
+}
+
+/// A point to compute.
+struct Job {
+    index: usize,
+    point: Vec<Plain>,
+}
+
+/// What a thread has to say.
+enum News {
+    /// Whether it can compute points.
+    Begun(bool),
+    /// What it has computed.
+    Computed(usize, Box<Computed>),
+}
+
+/// A thread with what it is told.
+struct Thread {
+    handle: Option<JoinHandle<()>>,
+    interrupt: Arc<AtomicBool>,
+    /// The point that it computes, or none.
+    index: Arc<AtomicUsize>,
+}
+
+/// Threads with sessions of their own.
+struct Threads {
+    jobs: Option<Sender<Job>>,
+    news: Receiver<News>,
+    threads: Vec<Thread>,
+    /// The last point of interest.
+    last: Arc<AtomicUsize>,
+}
+
+impl Threads {
+    /// Begins so many threads; `None` where they do not find the closure.
+    fn begin(hire: Hire, blueprint: &Blueprint, closure: &Carried, count: usize) -> Option<Self> {
+        let (jobs, queue) = channel();
+        let (sender, news) = channel();
+        let (queue, last) = (Arc::new(Mutex::new(queue)), Arc::new(AtomicUsize::new(usize::MAX)));
+        let mut crew = Threads { jobs: Some(jobs), news, threads: Vec::new(), last };
+        for number in 0..count.max(1) {
+            let (interrupt, index) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicUsize::new(usize::MAX)));
+            let mut blueprint = blueprint.clone();
+            blueprint.settings.interrupt = interrupt.clone();
+            let work = Work {
+                hire,
+                blueprint,
+                closure: closure.clone(),
+                queue: queue.clone(),
+                news: sender.clone(),
+                last: crew.last.clone(),
+                index: index.clone(),
+            };
+            let Ok(handle) = Builder::new().name(format!("study-{number}")).stack_size(STACK).spawn(move || work.run()) else { break };
+            crew.threads.push(Thread { handle: Some(handle), interrupt, index });
+        }
+        drop(sender);
+        // All are alike, so the first one speaks for all.
+        match crew.news.recv() {
+            Ok(News::Begun(true)) => Some(crew),
+            _ => None,
+        }
+    }
+
+    fn compute(&mut self, host: &Host, title: &str, points: &[Vec<Plain>], results: &mut dyn Results) -> Result<(), Failure> {
+        self.last.store(usize::MAX, Ordering::Relaxed);
+        let mut waiting = BTreeMap::new();
+        for (index, point) in points.iter().enumerate() {
+            match (results.known(point), &self.jobs) {
+                (Some(computed), _) => drop(waiting.insert(index, computed)),
+                (None, Some(jobs)) => drop(jobs.send(Job { index, point: point.clone() })),
+                (None, None) => {}
+            }
+        }
+        let (mut next, mut count) = (0, waiting.len());
+        let say = |count: usize| {
+            if points.len() > 1 {
+                host.observer.began(&format!("{title}: {count} of {} points", points.len()));
+            }
+        };
+        say(count);
+        let outcome = loop {
+            let mut outcome = Ok(());
+            while let (Ok(()), Some(computed)) = (&outcome, waiting.remove(&next)) {
+                outcome = accept(host, next, computed, results);
+                next += 1;
+            }
+            if outcome.is_err() || next == points.len() {
+                break outcome;
+            }
+            match self.news.recv_timeout(PATIENCE) {
+                Ok(News::Computed(index, computed)) => {
+                    if is_result(&computed)
+                        && let Err(failure) = results.computed(&points[index], &computed)
+                    {
+                        break Err(failure);
+                    }
+                    waiting.insert(index, *computed);
+                    count += 1;
+                    say(count);
+                }
+                Ok(News::Begun(_)) | Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => break Err(Failure::new(Class::Internal, "all threads of a study have ended")),
+            }
+            if let Err(failure) = host.go_on() {
+                break Err(failure);
+            }
+        };
+        if outcome.is_err() {
+            self.stop_behind(next);
+        }
+        if points.len() > 1 {
+            host.observer.ended();
+        }
+        outcome
+    }
+
+    /// Ends the work on all points from one on.
+    fn stop_behind(&self, next: usize) {
+        self.last.store(next, Ordering::SeqCst);
+        for thread in &self.threads {
+            let index = thread.index.load(Ordering::SeqCst);
+            if index >= next && index != usize::MAX {
+                thread.interrupt.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+}
+
+/// Whether a computation came to its end.
+fn is_result(computed: &Computed) -> bool {
+    !matches!(&computed.outcome, Outcome::Failed(message) if matches!(message.class, Class::Interrupted | Class::Internal))
+}
+
+impl Drop for Threads {
+    fn drop(&mut self) {
+        self.last.store(0, Ordering::SeqCst);
+        self.jobs = None;
+        for thread in &mut self.threads {
+            thread.interrupt.store(true, Ordering::Relaxed);
+        }
+        for thread in &mut self.threads {
+            // One that panicked has nothing more to do, either.
+            thread.handle.take().map(JoinHandle::join);
+        }
+    }
+}
+
+/// What a thread does.
+struct Work {
+    hire: Hire,
+    blueprint: Blueprint,
+    closure: Carried,
+    queue: Arc<Mutex<Receiver<Job>>>,
+    news: Sender<News>,
+    last: Arc<AtomicUsize>,
+    index: Arc<AtomicUsize>,
+}
+
+impl Work {
+    fn hand(&self) -> Option<Box<dyn Hand>> {
+        let hand = catch_unwind(AssertUnwindSafe(|| (self.hire)(&self.blueprint)));
+        hand.ok()?.filter(|hand| hand.knows(&self.closure))
+    }
+
+    fn run(self) {
+        let mut hand = self.hand();
+        let _ = self.news.send(News::Begun(hand.is_some()));
+        while let Some(worker) = &mut hand {
+            let job = match self.queue.lock() {
+                Ok(queue) => queue.recv(),
+                Err(_) => break,
+            };
+            let Ok(Job { index, point }) = job else { break };
+            if index >= self.last.load(Ordering::SeqCst) {
+                continue;
+            }
+            self.index.store(index, Ordering::SeqCst);
+            let computed = catch_unwind(AssertUnwindSafe(|| worker.compute(&self.closure, &point)));
+            self.index.store(usize::MAX, Ordering::SeqCst);
+            let computed = computed.unwrap_or_else(|panic| {
+                // Whatever the panic has left behind goes with its session.
+                hand = self.hand();
+                Computed::only(Outcome::Failed(Message::of(&defect(&*panic))))
+            });
+            if self.news.send(News::Computed(index, Box::new(computed))).is_err() {
+                break;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::script::language::observer::Silent;
+    use crate::script::language::sandbox::Sandbox;
+    use std::rc::Rc;
+
+    /// Doubles numbers; 3 is a defect, which it remembers.
+    struct Doubler(bool);
+
+    impl Hand for Doubler {
+        fn knows(&self, closure: &Carried) -> bool {
+            closure.name == "double"
+        }
+
+        fn compute(&mut self, _: &Carried, point: &[Plain]) -> Computed {
+            let number = point[0].number().unwrap();
+            assert!(!self.0, "it was hired anew");
+            self.0 = number == 3.0;
+            assert!(number != 3.0, "three is too many");
+            Computed::only(Outcome::Done(Plain::Number(2.0 * number)))
+        }
+    }
+
+    #[derive(Default)]
+    struct Taken(Vec<String>);
+
+    impl Results for Taken {
+        fn known(&self, point: &[Plain]) -> Option<Computed> {
+            (point[0] == Plain::Number(1.0)).then(|| Computed::only(Outcome::Done(Plain::Text("known".into()))))
+        }
+
+        fn computed(&mut self, point: &[Plain], _: &Computed) -> Result<(), Failure> {
+            assert_ne!(point[0], Plain::Number(1.0));
+            assert_ne!(point[0], Plain::Number(3.0), "a defect is not kept");
+            Ok(())
+        }
+
+        fn take(&mut self, index: usize, outcome: Outcome) -> Result<(), Failure> {
+            assert_eq!(index, self.0.len());
+            match outcome {
+                Outcome::Done(plain) => self.0.push(plain.field()),
+                Outcome::Failed(message) => self.0.push(message.line(&Default::default())),
+                Outcome::Refused(_) => return Err(Failure::script("refused")),
+            }
+            if index == 5 { Err(Failure::script("enough")) } else { Ok(()) }
+        }
+    }
+
+    fn begin(name: &str, count: usize) -> Option<Threads> {
+        let blueprint = Blueprint {
+            settings: Settings::default(),
+            home: ".".into(),
+            main: String::new(),
+            sources: Default::default(),
+            program: Vec::new(),
+            imports: Vec::new(),
+            constants: Vec::new(),
+        };
+        let closure = Carried { name: name.into(), captured: Vec::new(), reading: |_, _| Ok(Plain::Nothing) };
+        Threads::begin(|_| Some(Box::new(Doubler(false))), &blueprint, &closure, count)
+    }
+
+    #[test]
+    fn a_defect_is_the_failure_of_its_point() {
+        let host = Host::new(Settings::default(), Sandbox::new(".".as_ref(), &[]).unwrap(), Rc::new(Silent));
+        assert!(begin("triple", 2).is_none());
+        for count in [1, 2, 7] {
+            let points: Vec<Vec<Plain>> = (0..5).map(|number| vec![Plain::Number(f64::from(number))]).collect();
+            let (mut threads, mut taken) = (begin("double", count).unwrap(), Taken::default());
+            threads.compute(&host, "test", &points, &mut taken).unwrap();
+            let defect = "the program has a defect and had to stop; three is too many";
+            assert_eq!(taken.0, ["0.0", "known", "4.0", defect, "8.0"], "{count} threads");
+            // What ends a study ends it.
+            let points: Vec<Vec<Plain>> = (4..1000).map(|number| vec![Plain::Number(f64::from(number))]).collect();
+            let mut taken = Taken::default();
+            let failure = threads.compute(&host, "test", &points, &mut taken).unwrap_err();
+            assert_eq!((failure.title.as_str(), taken.0.len()), ("enough", 6));
+        }
+    }
+}

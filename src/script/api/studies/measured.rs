@@ -1,0 +1,68 @@
+//! `read_csv`: what was measured, or computed by another program.
+
+use rhai::{Array, Dynamic, Map};
+
+use crate::output::{ReadError, read_columns};
+use crate::script::language::arguments::Arguments;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// `read_csv`.
+pub fn read_csv() -> Function {
+    Function {
+        name: "read_csv",
+        form: Form::Function,
+        topic: Topic::Studies,
+        summary: "the columns of a table in a file: a map of arrays by the names in its first line (`x` and `y`, or `c1`, `c2`, …, where \
+                  it has numbers already). Fields are parted by commas, semicolons, tabs or blanks, `#` begins a remark; an empty field \
+                  of numbers is NaN",
+        parameters: vec![Parameter::new(
+            "path",
+            Kind::Text,
+            "the file, below the folder of the script or a folder that `--allow-read` names",
+        )],
+        returns: "Map",
+        example: "// measured.csv has the lines `time,force`, `0.0,0.0`, `0.5,1.2`, …\n\
+                  try {\n    \
+                  let measured = read_csv(\"measured.csv\");\n    \
+                  print(measured.force.max());\n\
+                  } catch (problem) {\n    \
+                  print(problem);\n\
+                  }"
+        .into(),
+        see_also: &["compare", "write_table", "fit"],
+        body: body(|call| Ok(read(call)?.into())),
+    }
+}
+
+fn read(call: &Call) -> Result<Map, Failure> {
+    let argument = call.argument("path");
+    let path = argument.text()?;
+    let file = call.host.sandbox.readable(&path).map_err(|failure| {
+        let again = failure.causes.iter().fold(argument.fail(failure.title.clone()), |again, cause| again.cause(cause.clone()));
+        failure.hints.iter().fold(again, |again, hint| again.hint(hint.clone()))
+    })?;
+    let columns = read_columns(&file).map_err(|ReadError { what, cause, cure, .. }| {
+        let failure = argument.fail(format!("\"{path}\" {what}"));
+        cause.into_iter().fold(failure, |failure, cause| failure.cause(cause)).hint(cure)
+    })?;
+    let mut table = Map::new();
+    for column in columns {
+        if table.contains_key(column.name.as_str()) {
+            let failure = argument.fail(format!("\"{path}\" has two columns `{}`", column.name));
+            return Err(failure.hint("give every column a name of its own in the first line"));
+        }
+        table.insert(column.name.as_str().into(), values(&column.fields).into());
+    }
+    Ok(table)
+}
+
+/// Numbers, or strings where one is none.
+fn values(fields: &[String]) -> Array {
+    let number = |field: &String| if field.is_empty() { Some(f64::NAN) } else { field.parse::<f64>().ok() };
+    match fields.iter().map(number).collect::<Option<Vec<f64>>>() {
+        Some(numbers) => numbers.into_iter().map(Dynamic::from).collect(),
+        None => fields.iter().map(|field| Dynamic::from(field.clone())).collect(),
+    }
+}

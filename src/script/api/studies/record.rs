@@ -1,0 +1,109 @@
+//! The files of a study: its points as a table, and what a run that is resumed takes over.
+//!
+//! `studies/sweep.csv` in the folder of the run has a row for each point, in their order. Beside the checkpoints stands what every point
+//! gave, as soon as it is known; it goes when the run is complete.
+
+use std::cell::RefCell;
+use std::collections::{BTreeSet, HashMap};
+
+use crate::output::{PointLog, RowsCsv, RunFiles, encoded};
+use crate::script::api::simulations::artifacts::{output_failure, output_folder};
+use crate::script::api::simulations::journal::{Journal, is_kept};
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::crew::Computed;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::Call;
+use crate::script::language::host::Host;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::plain::Plain;
+
+/// Name of the column, and of the key, that says why a point failed.
+pub const FAILURE: &str = "failure";
+
+/// Names of the studies of a session.
+#[derive(Default)]
+struct Names(RefCell<BTreeSet<String>>);
+
+/// The option `name`.
+pub fn name_parameter(absent: &'static str) -> Parameter {
+    Parameter::new("name", Kind::Text, "name of its table in the folder `studies` of the run: letters, digits, `-` and `_`")
+        .or(Absent::Text(absent))
+}
+
+/// The files of a study.
+#[derive(Default)]
+pub struct Record {
+    table: Option<RowsCsv>,
+    log: Option<PointLog>,
+    known: HashMap<Vec<u8>, Computed>,
+}
+
+impl Record {
+    /// The files of a study with the name that its options give; none where the session writes none.
+    ///
+    /// # Errors
+    /// A name that is no name of a file, a file that cannot be written.
+    pub fn begin(call: &Call, options: &Options) -> Result<Self, Failure> {
+        let (argument, host) = (options.argument("name"), call.host);
+        let name = argument.text()?;
+        if name.is_empty() || !name.chars().all(|letter| letter.is_alphanumeric() || "-_".contains(letter)) {
+            let failure = argument.fail(format!("{} must be letters, digits, `-` and `_`", argument.title()));
+            return Err(failure.label(format!("this is \"{name}\"")).hint("leave out folder and ending: they are given"));
+        }
+        let Some(folder) = output_folder(host) else { return Ok(Record::default()) };
+        let names = host.slots.get::<Names>();
+        let numbered = (2..).map(|number| format!("{name}-{number}"));
+        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !names.0.borrow().contains(name)).unwrap_or_default();
+        names.0.borrow_mut().insert(free.clone());
+        let open = || {
+            let files = RunFiles::create(folder)?;
+            let (log, records) = match (is_kept(host), Journal::of(host).is_resumed()) {
+                (false, _) => (None, Vec::new()),
+                (true, false) => (Some(PointLog::create(&files, &free)?), Vec::new()),
+                (true, true) => PointLog::reopen(&files, &free).map(|(log, records)| (Some(log), records))?,
+            };
+            let table = RowsCsv::new(files, &format!("studies/{free}.csv"), FAILURE);
+            Ok(Record { table: Some(table), log, known: records.into_iter().collect() })
+        };
+        let record = open().map_err(|error| output_failure(&error))?;
+        if record.log.is_some() {
+            Journal::of(host).secure(host)?;
+        }
+        Ok(record)
+    }
+
+    /// What an earlier program knew of a point.
+    pub fn known(&self, point: &[Plain]) -> Option<Computed> {
+        if self.known.is_empty() { None } else { self.known.get(&encoded(point)).cloned() }
+    }
+
+    /// Keeps what a point gave, for a run that is resumed.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keep(&mut self, host: &Host, point: &[Plain], computed: &Computed) -> Result<(), Failure> {
+        let Some(log) = &mut self.log else { return Ok(()) };
+        let known = host.sandbox.files_read();
+        let (files, modules) = (
+            computed.read.iter().filter(|file| !known.contains(file)).collect::<Vec<_>>(),
+            computed.modules.iter().filter(|(name, _)| host.sources.text(name).is_none()).collect::<Vec<_>>(),
+        );
+        if !files.is_empty() || !modules.is_empty() {
+            // What a resumed run depends on stands in the checkpoint.
+            files.into_iter().for_each(|file| host.sandbox.note(file.clone()));
+            modules.into_iter().for_each(|(name, text)| host.sources.insert(name, text));
+            Journal::of(host).secure(host)?;
+        }
+        log.append(&(encoded(point), computed)).map_err(|error| output_failure(&error))
+    }
+
+    /// Adds a row to the table.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn add<'a>(&mut self, fields: impl IntoIterator<Item = &'a (String, Plain)>, failure: &str) -> Result<(), Failure> {
+        let Some(table) = &mut self.table else { return Ok(()) };
+        let fields: Vec<(String, String)> = fields.into_iter().map(|(name, value)| (name.clone(), value.field())).collect();
+        table.add(&fields, failure).map_err(|error| output_failure(&error))
+    }
+}

@@ -1,0 +1,132 @@
+//! The points of a study: all combinations of given values, or a list of points as they are.
+
+use std::ops::{Range, RangeInclusive};
+
+use rhai::{Array, Dynamic, Map};
+
+use crate::script::language::arguments::Argument;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::plain::Plain;
+use crate::script::language::values::describe;
+use crate::script::language::wording::{did_you_mean, listed};
+
+/// Points of a study at most.
+const MOST: usize = 1_000_000;
+
+/// A point: values by their names, in the order of the names.
+pub type Point = Vec<(String, Plain)>;
+
+/// The points that an argument means.
+///
+/// # Errors
+/// It means none.
+pub fn points(argument: &Argument) -> Result<Vec<Point>, Failure> {
+    let value = argument.value();
+    if let Some(map) = value.read_lock::<Map>() {
+        return grid(argument, &map);
+    }
+    let Some(array) = value.read_lock::<Array>() else { return Err(argument.wrong_type()) };
+    let points: Vec<Point> = array.iter().enumerate().map(|(index, entry)| point(argument, index, entry)).collect::<Result<_, _>>()?;
+    let Some(first) = points.first() else {
+        return Err(argument.fail(format!("{} has no points", argument.title())).hint("write `[#{ dt: 0.01 }, #{ dt: 0.005 }]`"));
+    };
+    for (index, point) in points.iter().enumerate() {
+        let names = |point: &Point| point.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        if names(point) != names(first) {
+            let failure = argument.fail(format!("the points of {} do not have the same names", argument.title()));
+            let failure = failure.cause(format!("point 0 has {}", listed(&names(first), "and")));
+            let failure = failure.cause(format!("point {index} has {}", listed(&names(point), "and")));
+            return Err(failure.hint("give every name in every point"));
+        }
+    }
+    Ok(points)
+}
+
+/// A point in words, such as `dt = 0.01, rule = "gap"`.
+pub fn described(point: &Point) -> String {
+    let value = |value: &Plain| match value {
+        Plain::Number(number) => brief(*number),
+        Plain::Text(text) => format!("{text:?}"),
+        other => other.field(),
+    };
+    point.iter().map(|(name, plain)| format!("{name} = {}", value(plain))).collect::<Vec<_>>().join(", ")
+}
+
+/// The names of a point as one.
+pub fn map(point: &Point) -> Plain {
+    Plain::Map(point.clone())
+}
+
+fn point(argument: &Argument, index: usize, entry: &Dynamic) -> Result<Point, Failure> {
+    match entry.read_lock::<Map>() {
+        Some(map) if map.is_empty() => Err(argument.fail(format!("point {index} of {} has no values", argument.title()))),
+        Some(map) => map.iter().map(|(name, value)| plain(argument, name, value).map(|value| (name.to_string(), value))).collect(),
+        None => {
+            let given = describe(argument.call().engine(), entry);
+            let failure =
+                argument.fail(format!("the points of {} must be maps", argument.title())).label(format!("entry {index} is {given}"));
+            Err(failure.hint("write `[#{ dt: 0.01 }, #{ dt: 0.005 }]`, or `#{ dt: [0.01, 0.005] }`"))
+        }
+    }
+}
+
+/// All combinations: the last name runs fastest.
+fn grid(argument: &Argument, map: &Map) -> Result<Vec<Point>, Failure> {
+    if map.is_empty() {
+        return Err(argument.fail(format!("{} names nothing", argument.title())).hint("write `vary: #{ dt: [0.01, 0.005] }`"));
+    }
+    let mut points: Vec<Point> = vec![Vec::new()];
+    for (name, value) in map {
+        let values = values(argument, name, value)?;
+        if values.is_empty() {
+            let failure = argument.fail(format!("`{name}` of {} has no values", argument.title()));
+            return Err(failure.hint(format!("write `{name}: [1.0, 2.0]`")));
+        }
+        if points.len().saturating_mul(values.len()) > MOST {
+            let failure = argument.fail(format!("{} means more than {MOST} points", argument.title()));
+            return Err(failure.hint("give fewer values, or an array of points of your own choice"));
+        }
+        let longer = |point: &Point| {
+            let point = point.clone();
+            values
+                .iter()
+                .map(move |value| point.iter().cloned().chain([(name.to_string(), value.clone())]).collect())
+                .collect::<Vec<Point>>()
+        };
+        points = points.iter().flat_map(longer).collect();
+    }
+    Ok(points)
+}
+
+/// The values of a name: an array, a range, or a single one.
+fn values(argument: &Argument, name: &str, value: &Dynamic) -> Result<Vec<Plain>, Failure> {
+    let count = |range: Range<i64>| range.take(MOST + 1).map(Plain::Whole).collect();
+    if let Some(range) = value.clone().try_cast::<Range<i64>>() {
+        return Ok(count(range));
+    }
+    if let Some(range) = value.clone().try_cast::<RangeInclusive<i64>>() {
+        return Ok(count(*range.start()..range.end().saturating_add(1)));
+    }
+    match value.read_lock::<Array>() {
+        Some(array) => array.iter().map(|entry| plain(argument, name, entry)).collect(),
+        None => Ok(vec![plain(argument, name, value)?]),
+    }
+}
+
+fn plain(argument: &Argument, name: &str, value: &Dynamic) -> Result<Plain, Failure> {
+    Plain::of(value).ok_or_else(|| {
+        let given = describe(argument.call().engine(), value);
+        let failure = argument.fail(format!("`{name}` of {} must be numbers, strings or other data", argument.title()));
+        failure
+            .label(format!("this has {given}"))
+            .hint(format!("vary a name, and choose by it: `if p.{name} == \"…\" {{ … }} else {{ … }}`"))
+    })
+}
+
+/// The failure of a name that may not be given.
+pub fn unknown(argument: &Argument, name: &str, known: &[String]) -> Failure {
+    let failure = argument.fail(format!("{} has `{name}`, which is not searched for", argument.title()));
+    let failure = failure.cause(format!("what is searched for is {}", listed(known, "and")));
+    failure.hint(did_you_mean(name, known.iter().map(String::as_str)).unwrap_or_else(|| "remove it".into()))
+}

@@ -1,0 +1,75 @@
+//! A message as plain data that can be kept: a [`Diagnostic`] whose place is a name and a stretch of bytes in place of the whole text.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::diagnostics::{Diagnostic, Severity};
+use super::failure::{Class, Failure};
+use super::sources::{Place, Sources};
+
+/// A message without the chain of calls around it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Message {
+    /// Kind of failure.
+    pub class: Class,
+    /// Whether the script goes on.
+    is_warning: bool,
+    title: String,
+    label: String,
+    causes: Vec<String>,
+    hints: Vec<String>,
+    place: Option<(String, Range<usize>)>,
+}
+
+impl Message {
+    /// What a diagnostic says.
+    pub fn of(diagnostic: &Diagnostic) -> Self {
+        Message {
+            class: diagnostic.class,
+            is_warning: diagnostic.severity == Severity::Warning,
+            title: diagnostic.title.clone(),
+            label: diagnostic.label.clone(),
+            causes: diagnostic.causes.clone(),
+            hints: diagnostic.hints.clone(),
+            place: diagnostic.place.as_ref().map(|place| (place.source.clone(), place.range.clone())),
+        }
+    }
+
+    fn place(&self, sources: &Sources) -> Option<Place> {
+        let (source, range) = self.place.clone()?;
+        let text = sources.text(&source).or_else(|| sources.appended(&source))?;
+        (range.end <= text.len()).then_some(Place { source, text, range })
+    }
+
+    /// The diagnostic; without a place where its text is not known.
+    pub fn diagnostic(&self, sources: &Sources) -> Diagnostic {
+        let severity = if self.is_warning { Severity::Warning } else { Severity::Error };
+        let place = self.place(sources);
+        let (label, causes, hints) = (self.label.clone(), self.causes.clone(), self.hints.clone());
+        Diagnostic { severity, place, label, causes, hints, ..Diagnostic::error(self.class, self.title.clone()) }
+    }
+
+    /// The failure that says the same.
+    pub fn failure(&self, sources: &Sources) -> Failure {
+        let failure = self.failure_of(|title| Failure::new(self.class, title));
+        if self.place.is_some() { failure.placed(self.place(sources)) } else { failure }
+    }
+
+    /// The same of a failure that is made of its title.
+    pub fn failure_of(&self, begin: impl FnOnce(String) -> Failure) -> Failure {
+        let failure = begin(self.title.clone()).label(self.label.clone());
+        let failure = self.causes.iter().fold(failure, |failure, cause| failure.cause(cause.clone()));
+        self.hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
+    }
+
+    /// All in one line: what is wrong, the numbers that show it, and the line in its file.
+    pub fn line(&self, sources: &Sources) -> String {
+        let file = |place: Place| {
+            let line = place.line_column().0;
+            format!(" ({}:{line})", place.source.rsplit(['/', '\\']).next().unwrap_or_default())
+        };
+        let parts: Vec<&str> = std::iter::once(&self.title).chain(&self.causes).map(String::as_str).collect();
+        format!("{}{}", parts.join("; "), self.place(sources).map(file).unwrap_or_default())
+    }
+}

@@ -1,0 +1,183 @@
+//! A session that calls closures for another one, on a thread of its own.
+//!
+//! It compiles the texts of the other session and runs none of their statements, but for the imports. So it knows every function and
+//! closure that is written there; what a closure captures comes along as data. Before every call it forgets what the calls before have
+//! left, so that nothing depends on who computed what.
+
+#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+use rhai::{AST, Dynamic, Engine, ImmutableString, NativeCallContextStore};
+
+use super::compile::constants;
+use super::engine::engine;
+use super::modules::KEEP_CONTEXT;
+use crate::script::api::asides::{Aside, begin_study};
+use crate::script::api::parameters::Overrides;
+use crate::script::language::callback::Callback;
+use crate::script::language::crew::{Blueprint, Carried, Computed, Hand, Hiring, Outcome, Program, Told, Unit, outcome_of};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::failure::Class;
+use crate::script::language::handle::Types;
+use crate::script::language::host::Host;
+use crate::script::language::message::Message;
+use crate::script::language::observer::{Observer, Progress};
+use crate::script::language::plain::Plain;
+use crate::script::language::registry::Registry;
+use crate::script::language::sandbox::Sandbox;
+
+/// Under what the host keeps the context of the program itself.
+const PROGRAM: &str = "the program";
+
+/// A session that works for another one.
+struct Worker {
+    engine: Rc<RefCell<Engine>>,
+    host: Rc<Host>,
+    program: Vec<Unit>,
+    notes: Rc<Notes>,
+    context: Rc<NativeCallContextStore>,
+    aside: Option<Aside>,
+}
+
+/// Makes a session on this thread that works for another one; `None` where its folder or an import cannot be read any more.
+pub fn hire(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
+    let notes = Rc::new(Notes::default());
+    let sandbox = Sandbox::new(&blueprint.home, &blueprint.settings.allow_read).ok()?;
+    let host = Rc::new(Host::new(blueprint.settings.clone(), sandbox, notes.clone()));
+    let engine = Rc::new(RefCell::new(engine(&host)));
+    host.attach(&engine);
+    host.sources.take(&blueprint.sources);
+    host.main.borrow_mut().clone_from(&blueprint.main);
+    let context = context(&host, &engine.borrow(), blueprint)?;
+    Some(Box::new(Worker { engine, host, program: blueprint.program.clone(), notes, context, aside: None }))
+}
+
+/// Makes the functions of the texts known; what a call of one of them needs.
+fn context(host: &Rc<Host>, engine: &Engine, blueprint: &Blueprint) -> Option<Rc<NativeCallContextStore>> {
+    let mut tree = AST::empty();
+    for unit in &blueprint.program {
+        let mut scope = constants();
+        for name in &unit.names {
+            scope.push(name.as_str(), ());
+        }
+        tree = tree.merge(&engine.compile_with_scope(&scope, &unit.text).ok()?);
+    }
+    tree.clear_statements();
+    let import = |(alias, path): &(String, String)| match alias.as_str() {
+        "" => format!("import {path:?};"),
+        alias => format!("import {path:?} as {alias};"),
+    };
+    let imports: String = blueprint.imports.iter().map(import).collect();
+    let mut tree = tree.merge(&engine.compile(format!("{imports}{KEEP_CONTEXT}();")).ok()?);
+    tree.set_source(&blueprint.main);
+    host.begin_module(vec![PROGRAM.into()]);
+    let outcome = engine.eval_ast_with_scope::<Dynamic>(&mut constants(), &tree);
+    host.end_module();
+    drop(outcome.ok()?);
+    let mut context = (*host.module_context(PROGRAM)?).clone();
+    let values = blueprint.constants.iter().map(|(name, value)| (ImmutableString::from(name), value.value()));
+    context.global.constants = Some(Rc::new(RefCell::new(values.collect())));
+    Some(Rc::new(context))
+}
+
+impl Worker {
+    /// The closure as a value of this session.
+    fn closure(&self, name: &str) -> Option<Callback> {
+        let here = Callback::named(&self.host, self.context.clone(), name);
+        here.or_else(|| Callback::named(&self.host, self.host.module_context(name)?, name))
+    }
+
+    /// Forgets what calls before have left, but for what the functions of the language themselves need.
+    fn forget(&mut self) {
+        self.aside = None;
+        let slots = &self.host.slots;
+        let (types, registry) = (slots.get::<Types>(), slots.get::<Registry>());
+        slots.clear();
+        slots.set(types);
+        slots.set(registry);
+        slots.set(Rc::new(Overrides::new(&self.host.settings.overrides)));
+        slots.set(Rc::new(Hiring(Some(hire))));
+        slots.set(Rc::new(Program(RefCell::new(self.program.clone()))));
+        self.host.forget_told();
+        self.notes.told.take();
+        self.aside = Some(begin_study(&self.host, None));
+    }
+
+    fn call(&self, closure: &Carried, arguments: &[Plain]) -> Outcome {
+        let Some(callback) = self.closure(&closure.name) else {
+            let error = Diagnostic::error(Class::Internal, "a session does not know a closure of another one");
+            return Outcome::Refused(Message::of(&error));
+        };
+        let captured: Vec<Option<Plain>> = closure.captured.iter().cloned().map(Some).collect();
+        let value = callback.call_by_itself(&captured, arguments.iter().map(Plain::value).collect());
+        let engine = self.engine.borrow();
+        outcome_of(&self.host, &engine, value, closure.reading)
+    }
+
+    /// What was said, with what tells checks from others.
+    fn told(&self) -> Vec<Told> {
+        let mut keys = self.host.forget_told().into_iter().map(|(key, _)| key);
+        let named = |told| match told {
+            Told::Passed(_, line) => Told::Passed(keys.next().unwrap_or_default(), line),
+            other => other,
+        };
+        self.notes.told.take().into_iter().map(named).collect()
+    }
+}
+
+impl Hand for Worker {
+    fn knows(&self, closure: &Carried) -> bool {
+        self.closure(&closure.name).is_some()
+    }
+
+    fn compute(&mut self, closure: &Carried, arguments: &[Plain]) -> Computed {
+        self.forget();
+        let host = &self.host;
+        let before: BTreeSet<String> = host.sources.all().into_iter().map(|(name, _)| name).collect();
+        let outcome = self.call(closure, arguments);
+        let asked = host.slots.get::<Overrides>().parameters();
+        let modules = host.sources.all().into_iter().filter(|(name, _)| !before.contains(name));
+        Computed {
+            outcome,
+            told: self.told(),
+            asked: asked.iter().filter_map(|(name, value)| Some((name.clone(), Plain::of(value)?))).collect(),
+            read: host.sandbox.files_read(),
+            modules: modules.map(|(name, text)| (name, text.to_string())).collect(),
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.aside = None;
+        // Simulations hold closures, which hold the host, which holds the simulations.
+        self.host.release();
+    }
+}
+
+/// Takes down what a call says.
+#[derive(Default)]
+struct Notes {
+    told: RefCell<Vec<Told>>,
+}
+
+impl Observer for Notes {
+    fn print(&self, line: &str) {
+        self.told.borrow_mut().push(Told::Line(line.into()));
+    }
+
+    fn passed(&self, line: &str) {
+        self.told.borrow_mut().push(Told::Passed(String::new(), line.into()));
+    }
+
+    fn warn(&self, warning: &Diagnostic) {
+        self.told.borrow_mut().push(Told::Warning(Message::of(warning)));
+    }
+
+    fn advanced(&self, _: &Progress) {}
+    fn began(&self, _: &str) {}
+    fn ended(&self) {}
+}
