@@ -28,6 +28,7 @@ pub fn help() -> String {
 /// Events with their keys.
 const EVENTS: &[(&str, &str)] = &[
     ("start", "the run begins: `version`, `script`, `out`, `threads`, `set` (the values of `--set`)"),
+    ("watch", "with `--watch`: `address` of the page that follows the run"),
     ("step", "an accepted step: `simulation` and the columns of the ledger as in history.csv"),
     ("halving", "a step is halved: `simulation`, `cause`, `contact` (or null), `count`, `step` and `time` before it"),
     ("contact", "a contact closes or opens as a whole: `simulation`, `contact`, `change` (`closed`, `opened`), `active`, `step`, `time`"),
@@ -113,6 +114,11 @@ impl JsonLog {
                 ("set", set.into()),
             ],
         );
+    }
+
+    /// Tells at which address the run is shown.
+    pub fn shown(&self, address: &str) {
+        self.tell("watch", &[("address", address.into())]);
     }
 
     /// Tells how the run ended.

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::artifacts::output_failure;
+use super::following;
 use super::handle::{SimulationHandle, Simulations};
 use super::journal::go_on;
 use super::reports::{Ending, json, write_at_end};
@@ -68,6 +69,7 @@ fn finish_simulation(
     let is_well = outcome == COMPLETED && is_conserving;
     let ended = if outcome == COMPLETED && !is_conserving { NOT_CONSERVING } else { outcome };
     write_at_end(host, handle, Ending { outcome: ended.into(), is_well })?;
+    following::end(host, handle, ended, is_well);
     let mut summary = Summary {
         bodies: data.model.model.bodies.len(),
         unknowns: simulation.unknowns(),

@@ -8,6 +8,7 @@ use std::time::Instant;
 use rhai::{Dynamic, EvalAltResult};
 
 use super::artifacts::Artifacts;
+use super::following;
 use super::handle::{Past, SimulationHandle, busy};
 use super::journal::Journal;
 use crate::dynamics::{LedgerRow, State, StepError};
@@ -227,6 +228,7 @@ impl SimulationHandle {
             let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
             artifacts.begin(&simulation, end)?;
         }
+        following::tell(call.host, self);
         Ok(())
     }
 
