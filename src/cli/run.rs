@@ -173,7 +173,8 @@ impl Watch {
     pub fn end(&self, report: &Report, out: &Path) -> u8 {
         let code = self.tell_end(report, out);
         self.show_end(report);
-        code
+        let lost = self.log.as_ref().is_some_and(|log| log.is_broken());
+        if lost && code == 0 { exit_code(Class::Output) } else { code }
     }
 
     /// Shows on the page how a run ended.

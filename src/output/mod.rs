@@ -53,9 +53,7 @@ pub use reading::frames::{ListedFrame, read_frames};
 pub use reading::parquet_table::read_parquet;
 pub use reading::table::{TableRead, read_table};
 pub use recording::{Recording, Skin, Still, shapes};
-pub use report::{
-    Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation, News, Report, ReportTable, kept_rows, report,
-};
+pub use report::{Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation, News, Report, ReportTable, kept_rows, report};
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
 };

@@ -1,6 +1,5 @@
 //! Runs that are killed or interrupted and resumed: every file ends with the bytes of the run that nobody disturbed.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -11,7 +10,11 @@ mod splitmix;
 #[path = "../common/program.rs"]
 mod program;
 
+#[path = "../common/run_files.rs"]
+mod run_files;
+
 use program::{conserva, folder, stderr};
+use run_files::assert_same;
 use splitmix::SplitMix;
 
 /// Rings on a block and on a plane, with everything by which a script can look at them.
@@ -23,39 +26,6 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
 
 fn begun(folder: &Path, arguments: &[&str]) -> Child {
     conserva(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-}
-
-/// All files of a run by their paths; of a summary all but times and memory.
-fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
-    fn collect(folder: &Path, run: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.strip_prefix(run).unwrap().to_string_lossy().into_owned();
-            if path.is_dir() {
-                collect(&path, run, found);
-                continue;
-            }
-            let mut content = std::fs::read(&path).unwrap();
-            if name.ends_with("summary.json") {
-                let mut summary: serde_json::Value = serde_json::from_slice(&content).unwrap();
-                let members = summary.as_object_mut().unwrap();
-                assert!(members.remove("wall_seconds").is_some() && members.remove("peak_memory_bytes").is_some());
-                content = serde_json::to_vec(&summary).unwrap();
-            }
-            found.insert(name, content);
-        }
-    }
-    let mut found = BTreeMap::new();
-    collect(run, run, &mut found);
-    found
-}
-
-/// Fails where two runs differ, with the name of the first file that does.
-fn assert_same(expected: &Path, run: &Path, when: &str) {
-    let (expected, found) = (files(expected), files(run));
-    assert_eq!(expected.keys().collect::<Vec<_>>(), found.keys().collect::<Vec<_>>(), "{when}");
-    let differing: Vec<&String> = expected.iter().filter(|(name, content)| found[*name] != **content).map(|(name, _)| name).collect();
-    assert!(differing.is_empty(), "{when}: {differing:?}");
 }
 
 /// Waits until the histories of a run have so many lines together, or it has ended.

@@ -130,7 +130,8 @@ impl Site {
         if !are_equal(secret, &self.secret) {
             return None;
         }
-        let value = |key: &str| query.split('&').filter_map(|pair| pair.split_once('=')).find(|(name, _)| *name == key).map(|(_, value)| value);
+        let value =
+            |key: &str| query.split('&').filter_map(|pair| pair.split_once('=')).find(|(name, _)| *name == key).map(|(_, value)| value);
         // What is no number is as if it was not there.
         let simulation = value("simulation").and_then(|text| text.parse().ok());
         match name {
@@ -195,7 +196,18 @@ mod tests {
                 assert_eq!(status(method, target, &hosts), "200 OK", "{method} {target}");
             }
         }
-        for target in ["/", "/secret", "/secreT/", "/secre/", "/secrets/", "//secret/", "/secret/page", "/secret/data/", "*", "http://127.0.0.1:4711/secret/"] {
+        for target in [
+            "/",
+            "/secret",
+            "/secreT/",
+            "/secre/",
+            "/secrets/",
+            "//secret/",
+            "/secret/page",
+            "/secret/data/",
+            "*",
+            "http://127.0.0.1:4711/secret/",
+        ] {
             assert_eq!(status("GET", target, &own), "404 Not Found", "{target}");
         }
         for host in ["evil.example:4711", "127.0.0.1", "127.0.0.1:4712", "localhost:4711.evil.example", "", "[::1]:4711"] {

@@ -348,8 +348,7 @@ mod tests {
     use super::*;
 
     fn simulation(live: &Arc<LiveReport>) -> LiveSimulation {
-        let model =
-            LiveModel { name: "a".into(), contacts: Vec::new(), bodies: Vec::new(), skins: Vec::new(), obstacles: Vec::new() };
+        let model = LiveModel { name: "a".into(), contacts: Vec::new(), bodies: Vec::new(), skins: Vec::new(), obstacles: Vec::new() };
         LiveSimulation::begin(live, model, vec!["step".into()])
     }
 

@@ -36,7 +36,8 @@ impl LiveReport {
     fn page_of(&self, course: &Course, number: usize, change: u64, warnings: Vec<String>, state: Value) -> Vec<u8> {
         let (model, (_, problem)) = (&course.model, &course.problem);
         let (row_numbers, rows): (Vec<u64>, Vec<&Arc<LiveRow>>) = course.rows.entries().iter().map(|(number, row)| (*number, row)).unzip();
-        let (still_numbers, stills): (Vec<u64>, Vec<&Still>) = course.stills.entries().iter().map(|(number, still)| (*number, &**still)).unzip();
+        let (still_numbers, stills): (Vec<u64>, Vec<&Still>) =
+            course.stills.entries().iter().map(|(number, still)| (*number, &**still)).unzip();
         let value = |row: &LiveRow, column: usize| row.values.get(column).copied().unwrap_or(f64::NAN);
         let columns = course.columns.iter().enumerate();
         let live = json!({
@@ -94,9 +95,11 @@ impl LiveReport {
     }
 }
 
-/// Puts what is new of a simulation into an answer.
+/// Puts what is new of a simulation into an answer, all of it for a reader who knows nothing.
 fn tell(answer: &mut Value, course: &Course, known: u64) {
-    if course.shaped > known {
+    if known == 0 {
+        answer["columns"] = (*course.columns).clone().into();
+    } else if course.shaped > known {
         // Other columns: the page begins anew.
         answer["anew"] = true.into();
         return;

@@ -104,6 +104,12 @@ impl Failure {
         Failure::new(Class::Script, title)
     }
 
+    /// The same as another kind of failure.
+    pub fn of_class(mut self, class: Class) -> Self {
+        self.0.class = class;
+        self
+    }
+
     /// The same, pointing at a part of the call.
     pub fn at(mut self, target: Target) -> Self {
         self.0.target = target;

@@ -182,7 +182,10 @@ class Follower {
         : element("a", { href: `?simulation=${k}`, textContent: name });
       this.runs.replaceChildren("Simulations: ", ...state.simulations.flatMap((name, k) => [link(name, k), " "]));
     }
-    if (state.over) document.documentElement.dataset.following = "over";
+    if (state.over) {
+      this.box.parentElement.hidden = true;
+      document.documentElement.dataset.following = "over";
+    }
   }
 }
 

@@ -11,9 +11,7 @@ use std::time::{Duration, Instant};
 use super::columns::{further_values, model_columns};
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
-use crate::output::{
-    FieldSeries, FieldWriter, Frame, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings,
-};
+use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings};
 use crate::script::api::asides::is_study;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::{Class, Failure};
@@ -358,7 +356,10 @@ fn file_name(name: &str) -> String {
 
 /// The failure of a file that could not be written.
 pub fn output_failure(error: &OutputError) -> Failure {
-    // A name that cannot be is the script's fault, a full disk is not.
-    let class = if matches!(error, OutputError::Write { .. }) { Class::Output } else { Class::Script };
-    Failure::new(class, error.to_string()).hint(error.cure())
+    Failure::new(output_class(error), error.to_string()).hint(error.cure())
+}
+
+/// Whose fault it is: a name that cannot be is the script's, a full disk is not.
+pub fn output_class(error: &OutputError) -> Class {
+    if matches!(error, OutputError::Write { .. }) { Class::Output } else { Class::Script }
 }

@@ -26,6 +26,13 @@ pub fn begin(host: &Host, handle: &SimulationHandle) {
     tell_problem(host, handle, artifacts.live());
 }
 
+/// Tells how the problem is now, unless it was told a moment ago.
+pub fn tell_now_and_then(host: &Host, handle: &SimulationHandle) {
+    if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
+        tell_problem(host, handle, artifacts.live().filter(|live| live.wants_problem()));
+    }
+}
+
 /// Tells how the problem is now: a script may have read a parameter or a module since.
 pub fn tell(host: &Host, handle: &SimulationHandle) {
     if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
@@ -34,7 +41,7 @@ pub fn tell(host: &Host, handle: &SimulationHandle) {
 }
 
 fn tell_problem(host: &Host, handle: &SimulationHandle, live: Option<&mut LiveSimulation>) {
-    if let (Some(live), Ok(simulation)) = (live.filter(|live| live.wants_problem()), handle.0.simulation.try_borrow()) {
+    if let (Some(live), Ok(simulation)) = (live, handle.0.simulation.try_borrow()) {
         let tables = tables(&handle.0, &simulation);
         live.tell(LiveProblem { scripts: scripts(host), parameters: parameters(host), tables });
     }

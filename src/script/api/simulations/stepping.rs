@@ -228,7 +228,12 @@ impl SimulationHandle {
             let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
             artifacts.begin(&simulation, end)?;
         }
-        following::tell(call.host, self);
+        // Single steps are many.
+        if end.is_some() {
+            following::tell(call.host, self);
+        } else {
+            following::tell_now_and_then(call.host, self);
+        }
         Ok(())
     }
 
