@@ -8,14 +8,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::request::{Refusal, Request};
-use crate::output::LiveReport;
+use crate::output::{LiveReport, News};
 
 /// Time for which a page is given to further readers; what came since they ask for.
 const FRESH: Duration = Duration::from_secs(2);
+/// Time for which news are given to further readers who know as much.
+const NEW: Duration = Duration::from_millis(250);
 /// A reader who has not asked for so long is not waited for at the end.
 const AWAY: Duration = Duration::from_secs(2);
-/// Readers that are remembered at most.
+/// Readers that are remembered at most, and answers that are kept for them.
 const READERS: usize = 1024;
+/// Pages that are kept at most.
+const PAGES: usize = 8;
 
 /// An answer.
 pub struct Answer {
@@ -77,16 +81,20 @@ impl Answer {
 /// When a reader was last there, and whether it knows how the run ended.
 type Reader = (Instant, bool);
 
-/// When a page of a simulation was made.
-type Made = (Instant, Option<usize>, Arc<Vec<u8>>);
+/// What was made of late, with the moment: a page by its simulation, news by what their reader knows. Many readers ask for the same.
+#[derive(Default)]
+struct Made {
+    pages: HashMap<Option<usize>, (Instant, Arc<Vec<u8>>)>,
+    news: HashMap<(Option<usize>, u64), (Instant, Arc<News>)>,
+}
 
 /// What is served.
 pub struct Site {
     live: Arc<LiveReport>,
     port: u16,
     secret: String,
-    /// The last page. One thread encodes at a time, so that readers never take more than one processor from the run.
-    encoding: Mutex<Option<Made>>,
+    /// One thread encodes at a time, so that readers never take more than one processor from the run.
+    encoding: Mutex<Made>,
     readers: Mutex<HashMap<u64, Reader>>,
 }
 
@@ -138,13 +146,11 @@ impl Site {
             "" => Some(Answer::new("200 OK", "text/html; charset=utf-8", self.page(simulation))),
             "data" => {
                 let known = value("since").and_then(|text| text.parse().ok()).unwrap_or(0);
-                let encoding = locked(&self.encoding);
-                let news = self.live.news(simulation, known);
-                drop(encoding);
+                let news = self.news(simulation, known);
                 if let Some(reader) = value("reader").and_then(|text| text.parse().ok()) {
                     self.note(reader, news.is_last);
                 }
-                Some(Answer::new("200 OK", "application/json", news.bytes))
+                Some(Answer::new("200 OK", "application/json", news.bytes.clone()))
             }
             _ => None,
         }
@@ -152,14 +158,23 @@ impl Site {
 
     fn page(&self, simulation: Option<usize>) -> Arc<Vec<u8>> {
         let mut made = locked(&self.encoding);
-        match &*made {
-            Some((at, of, page)) if *of == simulation && at.elapsed() < FRESH => page.clone(),
-            _ => {
-                let page = Arc::new(self.live.page(simulation));
-                *made = Some((Instant::now(), simulation, page.clone()));
-                page
-            }
+        made.pages.retain(|_, (at, _)| at.elapsed() < FRESH);
+        if made.pages.len() >= PAGES {
+            made.pages.clear();
         }
+        let make = || (Instant::now(), Arc::new(self.live.page(simulation)));
+        made.pages.entry(simulation).or_insert_with(make).1.clone()
+    }
+
+    fn news(&self, simulation: Option<usize>, known: u64) -> Arc<News> {
+        let mut made = locked(&self.encoding);
+        let is_over = self.live.is_over();
+        made.news.retain(|_, (at, news)| at.elapsed() < NEW && news.is_last == is_over);
+        if made.news.len() >= READERS {
+            made.news.clear();
+        }
+        let make = || (Instant::now(), Arc::new(self.live.news(simulation, known)));
+        made.news.entry((simulation, known)).or_insert_with(make).1.clone()
     }
 
     fn note(&self, reader: u64, knows_end: bool) {

@@ -151,6 +151,11 @@ impl LiveReport {
         self.look().doing = doing;
     }
 
+    /// Whether the run has ended.
+    pub fn is_over(&self) -> bool {
+        self.look().outcome.is_some()
+    }
+
     /// The run has ended.
     pub fn end(&self, outcome: LiveOutcome) {
         let mut shared = self.look();

@@ -16,7 +16,7 @@ use crate::output::recording::Still;
 /// What a reader gets who asks for news.
 pub struct News {
     /// The answer, JSON.
-    pub bytes: Vec<u8>,
+    pub bytes: Arc<Vec<u8>>,
     /// Whether the reader knows then how the run ended.
     pub is_last: bool,
 }
@@ -80,7 +80,7 @@ impl LiveReport {
             answer["warnings"] = warnings.map(|warnings| [warnings, course.findings.1.clone()].concat()).into();
             tell(&mut answer, &course, known);
         }
-        News { bytes: answer.to_string().into_bytes(), is_last }
+        News { bytes: Arc::new(answer.to_string().into_bytes()), is_last }
     }
 
     /// What the run does, or how it ended.
