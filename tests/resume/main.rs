@@ -10,6 +10,7 @@ mod splitmix;
 #[path = "../common/program.rs"]
 mod program;
 
+mod refused;
 #[path = "../common/run_files.rs"]
 mod run_files;
 
@@ -173,19 +174,4 @@ fn what_a_run_depends_on_must_be_as_it_was() {
     let output = run(&home, &["resume", "k"]);
     assert!(stderr(&output).contains("the frame of the fields at t = 0.02 is gone"), "{}", stderr(&output));
     assert!(newest(&home.join("k")).exists(), "nothing is lost");
-}
-
-#[test]
-fn results_that_cannot_be_written_end_the_run_with_code_3() {
-    let home = folder("removed", LOOKS);
-    let mut child = begun(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "3"]);
-    wait_for_lines(&home.join("k"), &mut child, 30);
-    // In the way of every further checkpoint.
-    let place = home.join("k/checkpoints");
-    while std::fs::remove_dir_all(&place).is_err() || std::fs::write(&place, "in the way").is_err() {}
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    // What it says of the folder depends on the moment at which it was taken away.
-    assert!(stderr(&output).contains("could not be written") && stderr(&output).contains("= hint: "), "{}", stderr(&output));
-    assert!(home.join("k/history.csv").exists());
 }

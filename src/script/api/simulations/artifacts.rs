@@ -185,7 +185,7 @@ impl Artifacts {
     /// A file that could not be written.
     pub fn wait(&mut self) -> Result<(), Failure> {
         let begun = Instant::now();
-        let waited = self.series.wait().map_err(|error| output_failure(&error));
+        let waited = self.series.wait().and(self.csv.verify()).map_err(|error| output_failure(&error));
         self.spent += begun.elapsed();
         waited
     }
@@ -235,6 +235,7 @@ impl Artifacts {
             return self.recall(simulation.time());
         }
         let begun = Instant::now();
+        self.csv.verify().map_err(|error| output_failure(&error))?;
         self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
         if let Some((series, around)) = &mut self.obstacles {
             let frame = Frame::of_obstacles(simulation.time(), &simulation.obstacles(), around);
@@ -260,7 +261,10 @@ impl Artifacts {
         // A frame that was refused during the run is reported first; the last frame is written all the same.
         let refused = self.wait();
         let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
-        refused.and(frame).and(self.wait())
+        let waited = self.wait();
+        let beside = self.obstacles.iter().map(|(series, _)| series).chain(&self.contacts);
+        let kept = self.series.verify().and(beside.map(FieldSeries::verify).fold(Ok(()), Result::and));
+        refused.and(frame).and(waited).and(kept.map_err(|error| output_failure(&error)))
     }
 
     /// Goes on from what was kept before: that of the simulation from which this one branched off.
@@ -361,5 +365,5 @@ pub fn output_failure(error: &OutputError) -> Failure {
 
 /// Whose fault it is: a name that cannot be is the script's, a full disk is not.
 pub fn output_class(error: &OutputError) -> Class {
-    if matches!(error, OutputError::Write { .. }) { Class::Output } else { Class::Script }
+    if matches!(error, OutputError::Write { .. } | OutputError::Gone { .. }) { Class::Output } else { Class::Script }
 }
