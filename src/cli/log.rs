@@ -1,13 +1,13 @@
 //! The log of a run for programs: one JSON object per line, told as it happens.
 //!
 //! Every line has the key `event`; [`EVENTS`] lists its values with their keys, which later versions keep and may add to. Lines tell no
-//! clock but for `wall_seconds` at the end, so that logs of equal runs are equal. Like the rest of what is said, the log never fails the
-//! run: what cannot be written is told once, and the run goes on.
+//! clock but for `wall_seconds` at the end, so that logs of equal runs are equal. What cannot be written is told once; the run goes on to
+//! its end, and its exit code tells that a result is missing.
 
 use std::cell::{Cell, RefCell};
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
@@ -28,6 +28,7 @@ pub fn help() -> String {
 /// Events with their keys.
 const EVENTS: &[(&str, &str)] = &[
     ("start", "the run begins: `version`, `script`, `out`, `threads`, `set` (the values of `--set`)"),
+    ("watch", "with `--watch`: `address` of the page that follows the run"),
     ("step", "an accepted step: `simulation` and the columns of the ledger as in history.csv"),
     ("halving", "a step is halved: `simulation`, `cause`, `contact` (or null), `count`, `step` and `time` before it"),
     ("contact", "a contact closes or opens as a whole: `simulation`, `contact`, `change` (`closed`, `opened`), `active`, `step`, `time`"),
@@ -86,8 +87,11 @@ impl JsonLog {
             LogTarget::StandardError => None,
             LogTarget::File(path) => {
                 let file = File::create(path).map_err(|error| {
-                    let message = Diagnostic::error(Class::Script, format!("the log {} cannot be written", path.display()));
-                    Box::new(message.cause(error.to_string()).hint("name a file in a folder that exists, such as `--log json:run.jsonl`"))
+                    let is_misnamed = matches!(error.kind(), ErrorKind::NotFound | ErrorKind::IsADirectory | ErrorKind::NotADirectory);
+                    let class = if is_misnamed { Class::Script } else { Class::Output };
+                    let message = Diagnostic::error(class, format!("the log {} cannot be written", path.display()));
+                    let hint = "name a file in a folder that exists and may be written to, such as `--log json:run.jsonl`";
+                    Box::new(message.cause(error.to_string()).hint(hint))
                 })?;
                 Some((path.clone(), RefCell::new(file)))
             }
@@ -98,6 +102,11 @@ impl JsonLog {
     /// Whether nothing but the log goes to standard error.
     pub fn is_alone(&self) -> bool {
         self.file.is_none()
+    }
+
+    /// Whether something could not be written.
+    pub fn is_broken(&self) -> bool {
+        self.broken.get()
     }
 
     /// Tells that the run begins.
@@ -113,6 +122,11 @@ impl JsonLog {
                 ("set", set.into()),
             ],
         );
+    }
+
+    /// Tells at which address the run is shown.
+    pub fn shown(&self, address: &str) {
+        self.tell("watch", &[("address", address.into())]);
     }
 
     /// Tells how the run ended.
@@ -153,7 +167,8 @@ impl JsonLog {
         if let Err(error) = file.borrow_mut().write_all(line.as_bytes()) {
             self.broken.set(true);
             let warning = Diagnostic::warning(format!("the log {} ends here: it could not be written", path.display()), None);
-            let warning = warning.cause(error.to_string()).hint("the run goes on; its results do not depend on the log");
+            let hint = "the run goes on, its results do not depend on the log; at its end the exit code is 3";
+            let warning = warning.cause(error.to_string()).hint(hint);
             complain(&warning.render(ink()));
         }
     }

@@ -10,6 +10,7 @@ mod export;
 mod info;
 mod junit;
 mod list;
+mod live;
 mod log;
 mod new;
 mod process;

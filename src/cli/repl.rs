@@ -221,6 +221,7 @@ pub fn repl(arguments: Arguments) -> u8 {
         factorization: console.factorization(),
         checkpoints: Checkpoints::Never,
         until: None,
+        live: None,
         interactive: true,
     };
     let home = arguments.script.as_deref().map_or(Path::new("."), home);

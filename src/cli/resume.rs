@@ -108,7 +108,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     }
     let interrupt = interrupt()
         .map_err(|error| Box::new(Diagnostic::error(Class::Internal, "the interrupt key cannot be watched").cause(error.to_string())))?;
-    let watch = Watch::new(&arguments.course)?;
+    let watch = Watch::new(&arguments.course, &run)?;
     let settings = Settings {
         mode: Mode::Run,
         overrides: origin.overrides,
@@ -121,6 +121,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
         factorization: watch.console.factorization(),
         checkpoints: arguments.course.checkpoint,
         until: arguments.until,
+        live: watch.live(),
         interactive: false,
     };
     let script = PathBuf::from(&origin.script);
@@ -131,6 +132,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     let report = session.run_file(&script);
     match &report.error {
         Some(error) if error.class == Class::Interrupted && arguments.until.is_some() && !interrupt.load(Ordering::Relaxed) => {
+            watch.show_end(&report);
             watch.console.note(&format!("{}; go on with `conserva resume {}`", error.title, run.display()));
             Ok(0)
         }

@@ -11,10 +11,11 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
+use super::live::{LiveObserver, LivePage};
 use super::log::{self, JsonLog, LogTarget};
 use super::process::exit_code;
 use super::script_arguments::ScriptArguments;
-use crate::output::checkpoint;
+use crate::output::{LiveReport, checkpoint};
 use crate::script::{Checkpoints, Class, Diagnostic, Mode, Observer, Report, Session, Settings, home, processors};
 
 /// Arguments of `conserva run`.
@@ -46,6 +47,9 @@ pub struct CourseArguments {
     /// How often a checkpoint is written to resume from: a number of steps (`100`), a time (`30s`, `5min`, `2h`), or `never`
     #[arg(long, value_name = "EVERY", default_value = "1min", value_parser = every)]
     pub checkpoint: Checkpoints,
+    /// Show the run while it goes on, as a page of this machine whose address is told at the start; at a port if one is given
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "0")]
+    pub watch: Option<u16>,
 }
 
 /// How often a checkpoint is written.
@@ -93,7 +97,7 @@ pub fn run(arguments: Arguments) -> u8 {
             return exit_code(Class::Internal);
         }
     };
-    let watch = match Watch::new(&arguments.course) {
+    let watch = match Watch::new(&arguments.course, &out) {
         Ok(watch) => watch,
         Err(error) => {
             complain(&error.render(ink()));
@@ -113,6 +117,7 @@ pub fn run(arguments: Arguments) -> u8 {
         factorization: watch.console.factorization(),
         checkpoints: arguments.course.checkpoint,
         until: None,
+        live: watch.live(),
         interactive: false,
     };
     let report = match Session::new(settings, home(&script), watch.observer()) {
@@ -122,35 +127,63 @@ pub fn run(arguments: Arguments) -> u8 {
     watch.end(&report, &out)
 }
 
-/// Who watches a run: the terminal, and a log for programs.
+/// Who watches a run: the terminal, a log for programs, and a page.
 pub struct Watch {
     pub console: Rc<Console>,
     log: Option<Rc<JsonLog>>,
+    page: Option<LivePage>,
 }
 
 impl Watch {
-    /// As the arguments say.
+    /// As the arguments say, of a run with results in the folder `out`.
     ///
     /// # Errors
-    /// A log that cannot be written.
-    pub fn new(course: &CourseArguments) -> Result<Self, Box<Diagnostic>> {
+    /// A log that cannot be written, a page that cannot be shown.
+    pub fn new(course: &CourseArguments, out: &Path) -> Result<Self, Box<Diagnostic>> {
         let console = Rc::new(Console::new(course.quiet || course.log == Some(LogTarget::StandardError)));
         let log = course.log.as_ref().map(|target| JsonLog::open(target, console.clone())).transpose()?.map(Rc::new);
-        Ok(Watch { console, log })
+        let page = course.watch.map(|port| LivePage::open(port, out.display().to_string())).transpose()?;
+        Ok(Watch { console, log, page })
+    }
+
+    /// What the page shows, if there is one.
+    pub fn live(&self) -> Option<Arc<LiveReport>> {
+        self.page.as_ref().map(|page| page.report.clone())
     }
 
     /// Whom a session tells what happens.
     pub fn observer(&self) -> Rc<dyn Observer> {
-        self.log.clone().map_or(self.console.clone(), |log| log)
+        let observer: Rc<dyn Observer> = self.log.clone().map_or(self.console.clone(), |log| log);
+        match self.live() {
+            Some(live) => Rc::new(LiveObserver::new(live, observer)),
+            None => observer,
+        }
     }
 
-    /// Tells that a run begins.
+    /// Tells that a run begins, and where it is shown.
     pub fn begin(&self, script: &Path, out: &Path, threads: u16, overrides: &[(String, String)]) {
         self.log.iter().for_each(|log| log.start(script, out, threads, overrides));
+        let Some(page) = &self.page else { return };
+        self.log.iter().for_each(|log| log.shown(&page.address()));
+        if self.log.as_ref().is_none_or(|log| !log.is_alone()) {
+            complain(&format!("watch the run at {}\n", page.address()));
+        }
     }
 
     /// Tells how a run ended; the exit code.
     pub fn end(&self, report: &Report, out: &Path) -> u8 {
+        let code = self.tell_end(report, out);
+        self.show_end(report);
+        let lost = self.log.as_ref().is_some_and(|log| log.is_broken());
+        if lost && code == 0 { exit_code(Class::Output) } else { code }
+    }
+
+    /// Shows on the page how a run ended.
+    pub fn show_end(&self, report: &Report) {
+        self.page.iter().for_each(|page| page.end(report));
+    }
+
+    fn tell_end(&self, report: &Report, out: &Path) -> u8 {
         let code = report.error.as_ref().map_or(0, |error| exit_code(error.class));
         self.log.iter().for_each(|log| log.end(report, code));
         let Some(error) = &report.error else {

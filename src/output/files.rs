@@ -30,6 +30,12 @@ pub enum OutputError {
         /// The name as given.
         name: String,
     },
+    /// A file that was written is not there any more.
+    #[error("\"{}\" is gone: it was removed or replaced while the run went on", path.display())]
+    Gone {
+        /// The file.
+        path: PathBuf,
+    },
     /// The operating system refused.
     #[error("\"{}\" could not be written: {}", path.display(), reason(source))]
     Write {
@@ -44,15 +50,17 @@ impl OutputError {
     /// How to mend it, one sentence.
     pub fn cure(&self) -> String {
         use io::ErrorKind::{
-            DirectoryNotEmpty, IsADirectory, NotADirectory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull,
+            DirectoryNotEmpty, FileTooLarge, IsADirectory, NotADirectory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull,
         };
         let text = match self {
             OutputError::Outside { .. } => {
                 "name a file below the output directory, such as `plots/energy.svg`; choose the directory itself with `--out`"
             }
             OutputError::NoFileName { .. } => "end the path with the name of a file, such as `plots/energy.svg`",
+            OutputError::Gone { .. } => "leave the output directory alone until the run has ended; run the script again for what is lost",
             OutputError::Write { source, .. } => match source.kind() {
                 StorageFull | QuotaExceeded => "free some space, or choose a directory on another disk with `--out`",
+                FileTooLarge => "raise the limit of the size of files (`ulimit -f`), or write less",
                 PermissionDenied | ReadOnlyFilesystem => "choose a directory that you may write to with `--out`",
                 IsADirectory | NotADirectory | DirectoryNotEmpty => {
                     "choose another name: a file and a directory cannot share one, or remove what is in the way"
@@ -226,6 +234,15 @@ impl Stream {
         Ok(())
     }
 
+    /// Makes sure that the file is still at its place.
+    ///
+    /// # Errors
+    /// It was removed or replaced.
+    pub fn verify(&self) -> Result<(), OutputError> {
+        let is_there = fs::metadata(&self.path).is_ok_and(|there| self.file.metadata().is_ok_and(|own| are_same(&there, &own)));
+        if is_there { Ok(()) } else { Err(OutputError::Gone { path: self.path.clone() }) }
+    }
+
     /// Cuts the file back to its first `length` bytes.
     ///
     /// # Errors
@@ -235,6 +252,19 @@ impl Stream {
         self.length = length;
         Ok(())
     }
+}
+
+/// Whether both are of one file.
+#[cfg(unix)]
+fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (there.dev(), there.ino()) == (own.dev(), own.ino())
+}
+
+/// Whether both are of one file, as far as can be told.
+#[cfg(not(unix))]
+fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
+    there.len() == own.len()
 }
 
 #[cfg(test)]
@@ -249,6 +279,19 @@ mod tests {
         files.write("./plots/energy.svg", "new").unwrap();
         assert_eq!(fs::read_to_string(directory.join("plots/energy.svg")).unwrap(), "new");
         assert_eq!(fs::read_dir(directory.join("plots")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_file_that_grows_knows_when_it_is_gone() {
+        let (directory, files) = scratch("gone");
+        let mut stream = files.stream("history.csv").unwrap();
+        stream.append(b"a\n").unwrap();
+        stream.verify().unwrap();
+        files.write("history.csv", "another\n").unwrap();
+        assert!(matches!(stream.verify(), Err(OutputError::Gone { .. })), "replaced");
+        let stream = files.extend("history.csv").unwrap();
+        fs::remove_dir_all(&directory).unwrap();
+        assert!(matches!(stream.verify(), Err(OutputError::Gone { .. })), "removed");
     }
 
     #[test]

@@ -101,6 +101,14 @@ impl HistoryCsv {
         Ok(())
     }
 
+    /// Makes sure that the file is still at its place.
+    ///
+    /// # Errors
+    /// It was removed or replaced.
+    pub fn verify(&self) -> Result<(), OutputError> {
+        self.stream.verify()
+    }
+
     /// Drops all but the first `rows` rows, when a simulation goes back.
     ///
     /// # Errors

@@ -83,6 +83,20 @@ impl FieldSeries {
         self.files.write(&self.name, pvd(&self.frames)).map(drop)
     }
 
+    /// Makes sure that all frames of the list are still at their places.
+    ///
+    /// # Errors
+    /// One was removed.
+    pub fn verify(&self) -> Result<(), OutputError> {
+        for (_, frame) in &self.frames {
+            let path = self.files.place(&self.below(frame))?;
+            if !path.is_file() {
+                return Err(OutputError::Gone { path });
+            }
+        }
+        Ok(())
+    }
+
     /// Path of a frame, relative to the list.
     fn frame(&self, number: usize) -> String {
         format!("{0}/{0}_{number:06}.vtu", self.stem)

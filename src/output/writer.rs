@@ -102,6 +102,18 @@ impl FieldWriter {
         self.series.as_ref().map_or(Ok(()), FieldSeries::list)
     }
 
+    /// Makes sure that all frames are still at their places.
+    ///
+    /// # Errors
+    /// One was removed, or the operating system refused one.
+    ///
+    /// # Panics
+    /// The thread panicked.
+    pub fn verify(&mut self) -> Result<(), OutputError> {
+        self.wait()?;
+        self.series.as_ref().map_or(Ok(()), FieldSeries::verify)
+    }
+
     /// Tells what was refused so far, without waiting for the rest.
     ///
     /// # Errors

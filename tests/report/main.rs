@@ -1,6 +1,7 @@
 //! `report.html` as a reader sees it, in a headless Chromium: it loads without complaints, the picture changes when it is played and
 //! scrubbed, numbers are those of `history.csv`, names do no harm. Without a browser on the machine these tests say so and pass.
 
+#[path = "../common/browser.rs"]
 mod browser;
 
 use std::fs;

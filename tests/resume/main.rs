@@ -1,6 +1,5 @@
 //! Runs that are killed or interrupted and resumed: every file ends with the bytes of the run that nobody disturbed.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -11,9 +10,13 @@ mod splitmix;
 #[path = "../common/program.rs"]
 mod program;
 
+mod refused;
+#[path = "../common/run_files.rs"]
+mod run_files;
 mod studies;
 
 use program::{conserva, folder, stderr};
+use run_files::assert_same;
 use splitmix::SplitMix;
 
 /// Rings on a block and on a plane, with everything by which a script can look at them.
@@ -25,39 +28,6 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
 
 fn begun(folder: &Path, arguments: &[&str]) -> Child {
     conserva(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-}
-
-/// All files of a run by their paths; of a summary all but times and memory.
-fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
-    fn collect(folder: &Path, run: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.strip_prefix(run).unwrap().to_string_lossy().into_owned();
-            if path.is_dir() {
-                collect(&path, run, found);
-                continue;
-            }
-            let mut content = std::fs::read(&path).unwrap();
-            if name.ends_with("summary.json") {
-                let mut summary: serde_json::Value = serde_json::from_slice(&content).unwrap();
-                let members = summary.as_object_mut().unwrap();
-                assert!(members.remove("wall_seconds").is_some() && members.remove("peak_memory_bytes").is_some());
-                content = serde_json::to_vec(&summary).unwrap();
-            }
-            found.insert(name, content);
-        }
-    }
-    let mut found = BTreeMap::new();
-    collect(run, run, &mut found);
-    found
-}
-
-/// Fails where two runs differ, with the name of the first file that does.
-fn assert_same(expected: &Path, run: &Path, when: &str) {
-    let (expected, found) = (files(expected), files(run));
-    assert_eq!(expected.keys().collect::<Vec<_>>(), found.keys().collect::<Vec<_>>(), "{when}");
-    let differing: Vec<&String> = expected.iter().filter(|(name, content)| found[*name] != **content).map(|(name, _)| name).collect();
-    assert!(differing.is_empty(), "{when}: {differing:?}");
 }
 
 /// Waits until the histories of a run have so many lines together, or it has ended.
@@ -205,19 +175,4 @@ fn what_a_run_depends_on_must_be_as_it_was() {
     let output = run(&home, &["resume", "k"]);
     assert!(stderr(&output).contains("the frame of the fields at t = 0.02 is gone"), "{}", stderr(&output));
     assert!(newest(&home.join("k")).exists(), "nothing is lost");
-}
-
-#[test]
-fn results_that_cannot_be_written_end_the_run_with_code_3() {
-    let home = folder("removed", LOOKS);
-    let mut child = begun(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "3"]);
-    wait_for_lines(&home.join("k"), &mut child, 30);
-    // In the way of every further checkpoint.
-    let place = home.join("k/checkpoints");
-    while std::fs::remove_dir_all(&place).is_err() || std::fs::write(&place, "in the way").is_err() {}
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-    // What it says of the folder depends on the moment at which it was taken away.
-    assert!(stderr(&output).contains("could not be written") && stderr(&output).contains("= hint: "), "{}", stderr(&output));
-    assert!(home.join("k/history.csv").exists());
 }

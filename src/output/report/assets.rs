@@ -13,3 +13,7 @@ pub const PROGRAM: [&str; 6] = [
     include_str!("assets/tables.js"),
     include_str!("assets/main.js"),
 ];
+/// What a page has before the last part of its program where it follows a run.
+pub const FOLLOWING: &str = include_str!("assets/follow.js");
+/// What is shown before a run has a simulation to follow.
+pub const WAITING: &str = include_str!("assets/waiting.html");

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::assets::{PAGE, PROGRAM, STYLE};
+use super::assets::{FOLLOWING, PAGE, PROGRAM, STYLE};
 use super::blob::blob;
 use super::geometry::Surface;
+use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, PlacedObstacle};
 use crate::output::colormap::viridis;
 use crate::output::obstacles::{Surroundings, Wall};
@@ -18,17 +18,6 @@ use crate::output::recording::{Skin, Still};
 const CHUNK: usize = 2 << 20;
 /// How far a half plane is drawn, in extents of the bodies.
 const REACH: f64 = 50.0;
-
-/// A table of texts.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct ReportTable {
-    /// Its title.
-    pub title: String,
-    /// Names of its columns; none for a list of names with what they mean.
-    pub head: Vec<String>,
-    /// Its rows.
-    pub rows: Vec<Vec<String>>,
-}
 
 /// Everything that a report tells.
 pub struct Report<'a> {
@@ -68,19 +57,31 @@ pub struct Report<'a> {
 
 /// The page of a run.
 pub fn report(report: &Report) -> Vec<u8> {
+    page(report, Value::Null)
+}
+
+/// The page of a run; one that follows it where there is something in `live`, which tells it how.
+pub fn page(report: &Report, live: Value) -> Vec<u8> {
     let mut blobs: Vec<(String, String)> = Vec::new();
     let mut add = |name: &str, bytes: &[u8]| blobs.push((name.into(), blob(bytes)));
     let (geometry, bodies) = geometry(report);
     add("geometry", &geometry);
-    let numbers: Vec<u8> = report.columns.iter().flat_map(|(_, values)| values).flat_map(|value| value.to_le_bytes()).collect();
-    add("history", &numbers);
+    add("history", &bytes_of(report.columns.iter().flat_map(|(_, values)| values).copied()));
     let chunks = chunks(report.stills);
     for (number, stills) in chunks.iter().enumerate() {
         let bytes: Vec<u8> = stills.iter().flat_map(|still| still.bytes()).copied().collect();
         add(&format!("stills-{number}"), &bytes);
     }
-    let data = data(report, &bodies, &chunks.iter().map(|stills| stills.len()).collect::<Vec<_>>());
-    fill(report, &data, &blobs)
+    let mut data = data(report, &bodies, &chunks.iter().map(|stills| stills.len()).collect::<Vec<_>>());
+    if !live.is_null() {
+        data["live"] = live;
+    }
+    fill(&report.name, &data, &blobs)
+}
+
+/// Numbers as the page reads them.
+pub fn bytes_of(numbers: impl Iterator<Item = f64>) -> Vec<u8> {
+    numbers.flat_map(f64::to_le_bytes).collect()
 }
 
 /// The stills in groups of about the same size.
@@ -114,12 +115,6 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
         let wall = Wall::new(obstacle, &around, REACH);
         json!({ "name": wall.name, "border": wall.border, "back": wall.back, "closed": wall.is_closed })
     };
-    let fields = Field::ALL.iter().enumerate().filter(|(_, (name, ..))| dimension == 3 || !["stress_yz", "stress_xz"].contains(name));
-    let fields = fields.map(|(index, (name, words, _))| {
-        let ranges = report.stills.iter().map(|still| still.extremes[index]);
-        let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
-        json!({ "name": name, "words": words, "low": low, "high": high })
-    });
     let stills = report.stills.iter().map(|still| {
         let row = report.rows.binary_search(&still.row).unwrap_or_else(|place| place.min(report.rows.len().saturating_sub(1)));
         json!({ "time": still.time, "row": row, "obstacles": still.obstacles })
@@ -130,15 +125,32 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
         "scripts": scripts.collect::<Vec<_>>(), "parameters": report.parameters, "tables": report.tables, "warnings": report.warnings,
         "columns": report.columns.iter().map(|(name, _)| name).collect::<Vec<_>>(), "rows": report.rows.len(),
         "row_count": report.row_count, "contacts": report.contacts, "dimension": dimension, "bodies": bodies,
-        "fields": fields.collect::<Vec<_>>(), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
-        "pressing": report.stills.iter().map(|still| still.pressing).fold(0.0, f64::max),
+        "fields": fields(dimension, report.stills), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
+        "pressing": pressing(report.stills),
         "walls": report.obstacles.iter().map(wall).collect::<Vec<_>>(),
         "colors": (0..256).map(|k| viridis(f64::from(k) / 255.0).map(f64::round)).collect::<Vec<_>>(),
     })
 }
 
+/// The fields by which a picture may be colored, with their ranges in all stills.
+pub fn fields(dimension: usize, stills: &[&Still]) -> Vec<Value> {
+    let fields = Field::ALL.iter().enumerate().filter(|(_, (name, ..))| dimension == 3 || !["stress_yz", "stress_xz"].contains(name));
+    let field = |(index, (name, words, _)): (usize, &(&str, &str, _))| {
+        let ranges = stills.iter().map(|still| still.extremes[index]);
+        let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
+        json!({ "name": name, "words": words, "low": low, "high": high })
+    };
+    fields.map(field).collect()
+}
+
+/// Longest vector of contact pressure in all stills.
+pub fn pressing(stills: &[&Still]) -> f64 {
+    stills.iter().map(|still| still.pressing).fold(0.0, f64::max)
+}
+
 /// Puts everything into the template.
-fn fill(report: &Report, data: &Value, blobs: &[(String, String)]) -> Vec<u8> {
+fn fill(name: &str, data: &Value, blobs: &[(String, String)]) -> Vec<u8> {
+    let is_live = data.get("live").is_some();
     let json = data.to_string().replace('<', "\\u003c");
     let mut page = String::with_capacity(1 << 20);
     let mut rest = PAGE;
@@ -147,9 +159,16 @@ fn fill(report: &Report, data: &Value, blobs: &[(String, String)]) -> Vec<u8> {
         let Some(length) = rest[start..].find("}}") else { break };
         page.push_str(&rest[..start]);
         match &rest[start + 2..start + length] {
-            "title" => page.push_str(&escaped(&report.name)),
+            "title" => page.push_str(&escaped(name)),
             "style" => page.push_str(STYLE),
-            "program" => PROGRAM.iter().for_each(|part| page.push_str(part)),
+            // What follows a run asks the server that gave the page, and nobody else.
+            "connections" if is_live => page.push_str("; connect-src 'self'"),
+            "program" => {
+                let (last, parts) = PROGRAM.split_last().unwrap_or((&"", &[]));
+                parts.iter().for_each(|part| page.push_str(part));
+                page.push_str(if is_live { FOLLOWING } else { "" });
+                page.push_str(last);
+            }
             "data" => page.push_str(&json),
             "blobs" => {
                 for (name, text) in blobs {

@@ -3,7 +3,15 @@
 use crate::dynamics::LedgerRow;
 
 /// Rows that a report shows at most, besides those of its stills.
-const ROWS: usize = 4000;
+pub const ROWS: usize = 4000;
+/// Measures whose peaks are kept.
+pub const MEASURES: usize = 4;
+
+/// Sizes of a row by which it can be a peak: energy defect, iterations, halvings, contact force.
+pub fn measures(row: &LedgerRow) -> [f64; MEASURES] {
+    let force = row.contacts.iter().map(|contact| contact.normal_force).fold(0.0, f64::max);
+    [row.energy_defect.abs(), row.newton_iterations as f64, row.halvings as f64, force]
+}
 
 /// Numbers of the rows that a report shows, ascending: all, or of a long history those in `must`, the first and last, and of each stretch
 /// its last row and those with the largest energy defect, the most iterations, the most halvings and the largest contact force, so that no
@@ -16,19 +24,15 @@ fn thinned(rows: &[LedgerRow], must: &[usize], most: usize) -> Vec<usize> {
     if rows.len() <= most {
         return (0..rows.len()).collect();
     }
-    let measures: [fn(&LedgerRow) -> f64; 4] = [
-        |row| row.energy_defect.abs(),
-        |row| row.newton_iterations as f64,
-        |row| row.halvings as f64,
-        |row| row.contacts.iter().map(|contact| contact.normal_force).fold(0.0, f64::max),
-    ];
-    let stretch = rows.len().div_ceil(most / (measures.len() + 1)).max(1);
+    let sizes: Vec<[f64; MEASURES]> = rows.iter().map(measures).collect();
+    let stretch = rows.len().div_ceil(most / (MEASURES + 1)).max(1);
     let mut kept: Vec<usize> = must.iter().copied().filter(|&row| row < rows.len()).chain([0, rows.len() - 1]).collect();
     for start in (0..rows.len()).step_by(stretch) {
         let end = (start + stretch).min(rows.len());
         kept.push(end - 1);
         // The first of equal ones.
-        kept.extend(measures.iter().filter_map(|of| (start..end).rev().max_by(|&a, &b| of(&rows[a]).total_cmp(&of(&rows[b])))));
+        let peak = |measure: usize| (start..end).rev().max_by(|&a, &b| sizes[a][measure].total_cmp(&sizes[b][measure]));
+        kept.extend((0..MEASURES).filter_map(peak));
     }
     kept.sort_unstable();
     kept.dedup();

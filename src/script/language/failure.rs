@@ -105,8 +105,8 @@ impl Failure {
         Failure::new(Class::Script, title)
     }
 
-    /// The same of another class.
-    pub fn of(mut self, class: Class) -> Self {
+    /// The same as another kind of failure.
+    pub fn of_class(mut self, class: Class) -> Self {
         self.0.class = class;
         self
     }

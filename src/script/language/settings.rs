@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32};
 use std::time::Duration;
 
 use super::limits::MAX_OPERATIONS;
+use crate::output::LiveReport;
 
 /// What a session does with a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +53,8 @@ pub struct Settings {
     pub checkpoints: Checkpoints,
     /// Time at which simulations stop, as if interrupted.
     pub until: Option<f64>,
+    /// Those who follow the run while it goes on.
+    pub live: Option<Arc<LiveReport>>,
     /// Whether somebody sits at a prompt, who can ask further.
     pub interactive: bool,
 }
@@ -70,6 +73,7 @@ impl Default for Settings {
             factorization: Arc::default(),
             checkpoints: Checkpoints::Time(Duration::from_secs(60)),
             until: None,
+            live: None,
             interactive: false,
         }
     }

@@ -272,8 +272,9 @@ impl Session {
             Some(error) => error.title.clone(),
         };
         let written = ending::finish(host, self.begun + self.idle, &outcome).err().map(|failure| explain_failure(&failure));
-        let written = written.or(self.close_journal(error.as_ref()).map(|error| *error));
-        Report { error: error.or(written), findings: host.findings.borrow().clone(), checks: host.checks(), energy, is_conserving }
+        let error = error.or(written);
+        let closed = self.close_journal(error.as_ref()).map(|error| *error);
+        Report { error: error.or(closed), findings: host.findings.borrow().clone(), checks: host.checks(), energy, is_conserving }
     }
 
     /// Notes where `conserva check` stopped.

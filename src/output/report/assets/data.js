@@ -1,12 +1,19 @@
 // The data of the run: what is written in the page, unpacked.
 
-const inflate = async (id) => {
-  const text = atob($(id).textContent);
+// Bytes of what is packed in a text.
+const unpack = async (packed) => {
+  const text = atob(packed);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i += 1) bytes[i] = text.charCodeAt(i);
-  $(id).textContent = "";
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
+};
+
+// Those of an element of the page, which is not needed any more.
+const inflate = (id) => {
+  const packed = $(id).textContent;
+  $(id).textContent = "";
+  return unpack(packed);
 };
 
 // Columns of the history by name.
@@ -54,18 +61,22 @@ class Film {
   async load(ready) {
     let first = 0;
     for (let chunk = 0; chunk < this.data.chunks.length; chunk += 1) {
-      const bytes = await inflate(`stills-${chunk}`);
-      const view = new DataView(bytes.buffer);
-      let at = 0;
-      for (let k = 0; k < this.data.chunks[chunk]; k += 1) {
-        this.places[first + k] = { view, bytes, at };
-        for (const { nodes } of this.bodies) {
-          at += 8 * this.components + 2 * this.components * nodes;
-          at += 4 + view.getUint32(at, true) * 4 * (2 + this.dimension);
-        }
-      }
+      this.put(first, this.data.chunks[chunk], await inflate(`stills-${chunk}`));
       first += this.data.chunks[chunk];
       ready();
+    }
+  }
+
+  // Finds so many stills in their bytes, which are one after the other.
+  put(first, count, bytes) {
+    const view = new DataView(bytes.buffer);
+    let at = 0;
+    for (let k = 0; k < count; k += 1) {
+      this.places[first + k] = { view, bytes, at };
+      for (const { nodes } of this.bodies) {
+        at += 8 * this.components + 2 * this.components * nodes;
+        at += 4 + view.getUint32(at, true) * 4 * (2 + this.dimension);
+      }
     }
   }
 

@@ -20,9 +20,9 @@ class Page {
     this.slowest = 0;
     this.describe();
     this.listen();
-    const go = (time) => this.goToRow(this.rowAt(time));
-    this.plots = plotsOf(data, columns).map((plot) => new Plot(plot, this.time, go));
-    $("figures").append(...this.plots.map(({ figure }) => figure), this.chosen(go));
+    this.go = (time) => this.goToRow(this.rowAt(time));
+    this.own = this.chosen();
+    this.plot();
     this.ledger = new Ledger($("rows"), data, columns, (row) => this.goToRow(row));
     this.goToRow(this.row);
   }
@@ -34,44 +34,77 @@ class Page {
     outcome.textContent = data.outcome ?? `so far, t = ${brief(this.time[this.time.length - 1], 6)}`;
     outcome.className = `badge ${data.outcome === null ? "" : data.well ? "well" : "ill"}`;
     $("field").append(...data.fields.map(({ name, words: text }) => element("option", { value: name, textContent: text })));
-    $("moment").max = String(Math.max(data.stills.length - 1, 0));
     $("ramp").style.background = `linear-gradient(to right, ${data.colors.filter((_, k) => k % 15 === 0).map((color) => `rgb(${color.join(" ")})`).join(", ")})`;
-    $("arrows-label").hidden = data.dimension === 3 || !(data.pressing > 0);
     for (const id of ["turning", "turning-keys"]) $(id).hidden = data.dimension === 2;
+    $("made").textContent = `Made by Conserva ${data.version}.`;
+    this.state();
+    this.warn();
+    this.explain();
+  }
+
+  // What follows from the history and the stills as they are.
+  state() {
+    const { data } = this;
+    $("moment").max = String(Math.max(data.stills.length - 1, 0));
+    $("arrows-label").hidden = data.dimension === 3 || !(data.pressing > 0);
     $("ledger-note").textContent = data.rows === data.row_count
       ? `All ${data.rows} rows of history.csv with all their digits; a click goes to the row's time.`
       : `${data.rows} of the ${data.row_count} rows of history.csv, with all their digits: those of the animation, and of every stretch the last one and the peaks of defect, iterations, halvings and contact force. A click goes to the row's time.`;
-    $("tables").append(...data.tables.flatMap((table) => [element("h3", { textContent: table.title }), tableOf(table)]));
-    const warnings = data.warnings.map((text) => element("pre", { textContent: text.trimEnd() }));
-    $("warning-list").append(...(warnings.length ? warnings : [element("p", { textContent: "None." })]));
-    $("to-warnings").textContent = warnings.length ? `Warnings (${warnings.length})` : "Warnings";
-    const parameters = Object.entries(data.parameters).map(([name, value]) => [name, String(value)]);
-    if (parameters.length) $("parameters").append(tableOf({ head: ["parameter", "value"], rows: parameters }));
-    for (const { name, text } of data.scripts) $("sources").append(element("h3", { textContent: name }), element("pre", { tabIndex: 0, textContent: text }));
-    $("made").textContent = `Made by Conserva ${data.version}.`;
-    this.readings = data.columns.filter((name) => !isZero(this.columns.get(name)) || ["step", "time", "energy_defect"].includes(name)).map((name) => {
+    const shown = data.columns.filter((name) => !isZero(this.columns.get(name)) || ["step", "time", "energy_defect"].includes(name));
+    if (this.readings && shown.length === this.readings.length) return;
+    $("readout").replaceChildren();
+    this.readings = shown.map((name) => {
       const value = element("dd", { "data-column": name });
       $("readout").append(element("div", {}, element("dt", { textContent: words(name) }), value));
-      return [value, this.columns.get(name)];
+      return [value, name];
     });
   }
 
+  warn() {
+    const { data } = this;
+    const warnings = data.warnings.map((text) => element("pre", { textContent: text.trimEnd() }));
+    $("warning-list").replaceChildren(...(warnings.length ? warnings : [element("p", { textContent: "None." })]));
+    $("to-warnings").textContent = warnings.length ? `Warnings (${warnings.length})` : "Warnings";
+  }
+
+  // The problem and the script.
+  explain() {
+    const { data } = this;
+    $("tables").replaceChildren(...data.tables.flatMap((table) => [element("h3", { textContent: table.title }), tableOf(table)]));
+    const parameters = Object.entries(data.parameters).map(([name, value]) => [name, String(value)]);
+    $("parameters").replaceChildren(...(parameters.length ? [tableOf({ head: ["parameter", "value"], rows: parameters })] : []));
+    $("sources").replaceChildren(...data.scripts.flatMap(({ name, text }) => [element("h3", { textContent: name }), element("pre", { tabIndex: 0, textContent: text })]));
+  }
+
+  // The plots; those that are there already go on where they show the same quantities.
+  plot() {
+    const plots = plotsOf(this.data, this.columns);
+    const names = ({ title, curves }) => [title, ...curves.map(({ label }) => label)].join("\n");
+    if (this.plots && plots.map(names).join("\n\n") === this.plots.map(names).join("\n\n")) {
+      this.plots.forEach((plot, k) => plot.renew(plots[k].curves, this.time));
+    } else {
+      this.plots = plots.map((plot) => new Plot(plot, this.time, this.go));
+      $("figures").replaceChildren(...this.plots.map(({ figure }) => figure), this.own);
+    }
+  }
+
   // A plot of a column that the reader chooses.
-  chosen(go) {
+  chosen() {
     const names = this.data.columns.filter((name) => !["step", "time"].includes(name));
     const choice = element("select", { "aria-label": "Column" }, ...names.map((name) => element("option", { textContent: name })));
     choice.value = this.data.contacts.length ? `${this.data.contacts[0]}.max_pressure` : "dt";
     const box = element("div", {});
     let plot = null;
+    const curves = () => [{ label: choice.value, values: this.columns.get(choice.value) }];
     const make = () => {
-      plot = new Plot({ title: "A column of your choice", curves: [{ label: choice.value, values: this.columns.get(choice.value) }] }, this.time, go);
+      plot = new Plot({ title: "A column of your choice", curves: curves() }, this.time, this.go);
       plot.figure.append(element("label", {}, "Column ", choice));
       box.replaceChildren(plot.figure);
       plot.show(this.row);
     };
     choice.addEventListener("change", () => { make(); choice.focus(); });
     make();
-    this.ownPlot = { show: (row) => plot.show(row) };
+    this.ownPlot = { show: (row) => plot.show(row), renew: () => plot.renew(curves(), this.time) };
     return box;
   }
 
@@ -107,7 +140,7 @@ class Page {
 
   update() {
     const { row } = this;
-    for (const [value, column] of this.readings) value.textContent = exact(column[row]);
+    for (const [value, name] of this.readings) value.textContent = exact(this.columns.get(name)[row]);
     $("moment").value = String(this.still);
     $("clock").textContent = `t = ${brief(this.time[row], 6)}, step ${exact(this.columns.get("step")[row])}`;
     $("moment").setAttribute("aria-valuetext", $("clock").textContent);
@@ -299,9 +332,15 @@ class Page {
   // Unpacks the stills; the first picture is shown as soon as it is there, and the view fits all of them in the end.
   async load() {
     await this.film.load(() => this.redraw());
-    const count = this.data.stills.length, stride = Math.max(Math.floor(count / 24), 1);
+    this.widen(0);
+    document.documentElement.dataset.ready = "true";
+  }
+
+  // Makes room for the bodies in the stills from one on.
+  widen(first) {
+    const count = this.data.stills.length, stride = Math.max(Math.floor((count - first) / 24), 1);
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (let k = 0; k < count; k = k === count - 1 ? count : Math.min(k + stride, count - 1)) {
+    for (let k = first; k < count; k = k === count - 1 ? count : Math.min(k + stride, count - 1)) {
       this.film.show(k);
       this.bodies.forEach(({ points, nodes }, b) => {
         const { values } = this.film.now[b];
@@ -317,7 +356,6 @@ class Page {
     this.scene.widen(low, high);
     if (!this.isMoved) this.scene.fit();
     this.redraw();
-    document.documentElement.dataset.ready = "true";
   }
 }
 
@@ -329,6 +367,7 @@ const begin = async () => {
   // For those who look into the page with the tools of the browser.
   window.conserva = page;
   await page.load();
+  if (data.live) follow(page, data.live);
 };
 
 begin().catch((error) => {

@@ -13,6 +13,7 @@ class Plot {
     this.svg = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `${title} over time` });
     this.legend = element("ul", { className: "legend" });
     this.figure = element("figure", {}, element("figcaption", { textContent: title }), this.svg, this.legend);
+    this.title = title;
     this.draw();
     const pick = (event) => {
       const frame = this.svg.getBoundingClientRect();
@@ -24,6 +25,12 @@ class Plot {
       pick(event);
     });
     this.svg.addEventListener("pointermove", (event) => { if (event.buttons & 1) pick(event); });
+  }
+
+  // Shows other values of the same quantities.
+  renew(curves, time) {
+    [this.curves, this.time] = [curves, time];
+    this.draw();
   }
 
   x(time) { return this.t1 > this.t0 ? LEFT + (time - this.t0) / (this.t1 - this.t0) * (WIDTH - LEFT - RIGHT) : LEFT; }
@@ -68,6 +75,7 @@ class Plot {
     this.t1 = time[time.length - 1];
     this.range();
     this.svg.replaceChildren();
+    this.legend.replaceChildren();
     const text = (x, y, content, anchor) => this.svg.append(svg("text", { x, y, "text-anchor": anchor }, content));
     if (this.isLogarithmic) {
       const stride = Math.max(Math.ceil((this.high - this.low) / 5), 1);

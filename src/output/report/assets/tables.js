@@ -14,21 +14,30 @@ class Ledger {
   constructor(box, data, columns, go) {
     Object.assign(this, { box, data, columns, go, now: -1, first: -1, last: -1 });
     const names = data.columns.map((name) => element("th", { textContent: name, scope: "col" }));
+    this.names = names;
     this.body = element("tbody", {});
-    this.table = element("table", { "aria-rowcount": String(data.rows + 1) }, element("thead", {}, element("tr", { "aria-rowindex": "1" }, ...names)), this.body);
+    this.table = element("table", {}, element("thead", {}, element("tr", { "aria-rowindex": "1" }, ...names)), this.body);
     box.append(this.table);
     box.addEventListener("scroll", () => this.fill());
     this.body.addEventListener("click", (event) => {
       const row = event.target.closest("tr[data-row]");
       if (row) go(Number(row.getAttribute("data-row")));
     });
+    this.renew();
+  }
+
+  // After the history has changed.
+  renew() {
+    const { data, columns } = this;
     // Columns keep the width that their longest number needs.
-    names.forEach((cell, k) => {
+    this.names.forEach((cell, k) => {
       const values = columns.get(data.columns[k]);
       let longest = data.columns[k].length;
       for (let i = 0; i < values.length; i += Math.max(Math.floor(values.length / 200), 1)) longest = Math.max(longest, exact(values[i]).length);
       cell.style.minWidth = `${longest + 3}ch`;
     });
+    this.table.setAttribute("aria-rowcount", String(data.rows + 1));
+    this.first = -1;
     this.fill();
   }
 

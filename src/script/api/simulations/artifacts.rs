@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use super::columns::{further_values, model_columns};
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
-use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, OutputError, Recording, RunFiles, Still, Surroundings};
+use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings};
 use crate::script::api::asides::is_study;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::{Class, Failure};
@@ -37,6 +37,8 @@ pub struct Artifacts {
     /// Where there are contacts, the frames of their secondary surfaces.
     contacts: Option<FieldSeries>,
     recording: Recording,
+    /// Those who follow the run.
+    live: Option<LiveSimulation>,
     model: Model,
     every: Option<f64>,
     frames: usize,
@@ -85,7 +87,8 @@ impl Artifacts {
             let obstacles = obstacle_series(&files, model, open)?;
             let contacts = optional_series(&files, "contacts.pvd", has_surfaces(model), open)?;
             let (recording, every, model) = (Recording::new(model, keeping.stills), keeping.fields_every, model.clone());
-            Ok(Artifacts { files, csv, series, obstacles, contacts, recording, model, every, frames: 0, recalls, spent: begun.elapsed() })
+            let (live, frames, spent) = (None, 0, begun.elapsed());
+            Ok(Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, frames, recalls, spent })
         };
         open().map(Some).map_err(|error: OutputError| output_failure(&error))
     }
@@ -98,6 +101,7 @@ impl Artifacts {
         let begun = Instant::now();
         self.recording.begin(simulation, self.csv.rows() - 1);
         self.recording.expect(end.map_or(0.0, |end| (end - simulation.time()) / simulation.options().dt));
+        self.show_stills();
         self.spent += begun.elapsed();
         if self.frames == 0 { self.frame(simulation) } else { Ok(()) }
     }
@@ -109,10 +113,12 @@ impl Artifacts {
     pub fn accepted(&mut self, row: &LedgerRow, simulation: &mut Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
         self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
+        self.show_row(self.csv.rows() - 1, row);
         self.series.check().map_err(|error| output_failure(&error))?;
         // Only the last of several pieces of a step has fields, because the simulation stands there.
         if row.time == simulation.time() && !self.recalls {
             self.recording.advanced(simulation, self.csv.rows() - 1);
+            self.show_stills();
         }
         self.spent += begun.elapsed();
         let due = self.every.is_some_and(|every| {
@@ -140,11 +146,14 @@ impl Artifacts {
             after[same..].iter().try_for_each(|row| self.csv.append(row, &further_values(&self.model, row)))
         };
         rewrite().map_err(|error| output_failure(&error))?;
+        self.live.iter_mut().for_each(|live| live.cut(same));
+        after[same..].iter().enumerate().for_each(|(index, row)| self.show_row(same + index, row));
         if !self.recalls {
             self.recording.keep(same);
             if after.len() > same {
                 self.recording.advanced(simulation, after.len() - 1);
             }
+            self.show_stills();
         }
         self.spent += begun.elapsed();
         Ok(())
@@ -155,6 +164,7 @@ impl Artifacts {
     /// # Errors
     /// The file cannot be written.
     pub fn add_columns(&mut self, names: &[String]) -> Result<(), Failure> {
+        self.live.iter_mut().for_each(|live| live.add_columns(names));
         self.csv.add_columns(names).map_err(|error| output_failure(&error))
     }
 
@@ -175,7 +185,7 @@ impl Artifacts {
     /// A file that could not be written.
     pub fn wait(&mut self) -> Result<(), Failure> {
         let begun = Instant::now();
-        let waited = self.series.wait().map_err(|error| output_failure(&error));
+        let waited = self.series.wait().and(self.csv.verify()).map_err(|error| output_failure(&error));
         self.spent += begun.elapsed();
         waited
     }
@@ -188,7 +198,7 @@ impl Artifacts {
         if !std::mem::take(&mut self.recalls) {
             return Ok(());
         }
-        self.recording = recording;
+        self.record_behind(recording);
         let listed = self.csv.rename("history.csv").and(self.series.list());
         let beside = self.obstacles.iter().map(|(series, _)| series).chain(&self.contacts).try_for_each(FieldSeries::list);
         listed.and(beside).map_err(|error| output_failure(&error))
@@ -225,6 +235,7 @@ impl Artifacts {
             return self.recall(simulation.time());
         }
         let begun = Instant::now();
+        self.csv.verify().map_err(|error| output_failure(&error))?;
         self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
         if let Some((series, around)) = &mut self.obstacles {
             let frame = Frame::of_obstacles(simulation.time(), &simulation.obstacles(), around);
@@ -250,12 +261,41 @@ impl Artifacts {
         // A frame that was refused during the run is reported first; the last frame is written all the same.
         let refused = self.wait();
         let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
-        refused.and(frame).and(self.wait())
+        let waited = self.wait();
+        let beside = self.obstacles.iter().map(|(series, _)| series).chain(&self.contacts);
+        let kept = self.series.verify().and(beside.map(FieldSeries::verify).fold(Ok(()), Result::and));
+        refused.and(frame).and(waited).and(kept.map_err(|error| output_failure(&error)))
     }
 
     /// Goes on from what was kept before: that of the simulation from which this one branched off.
     pub fn record_behind(&mut self, recording: Recording) {
         self.recording = recording;
+        self.show_stills();
+    }
+
+    /// Shows everything from here on to those who follow the run; `history` is what there is so far.
+    pub fn show_to(&mut self, live: LiveSimulation, history: &[LedgerRow]) {
+        self.live = Some(live);
+        history.iter().enumerate().for_each(|(number, row)| self.show_row(number, row));
+        self.show_stills();
+    }
+
+    /// Those who follow the run.
+    pub fn live(&mut self) -> Option<&mut LiveSimulation> {
+        self.live.as_mut()
+    }
+
+    fn show_row(&mut self, number: usize, row: &LedgerRow) {
+        let Some(live) = &mut self.live else { return };
+        let names = LedgerRow::columns(self.model.dimension());
+        let own = names.iter().map(|name| row.column(name).unwrap_or(f64::NAN));
+        live.row(number, row, own.chain(further_values(&self.model, row)).collect());
+    }
+
+    fn show_stills(&mut self) {
+        if let Some(live) = &mut self.live {
+            live.stills(self.recording.stills());
+        }
     }
 
     /// What is kept for the animation.
@@ -320,7 +360,10 @@ fn file_name(name: &str) -> String {
 
 /// The failure of a file that could not be written.
 pub fn output_failure(error: &OutputError) -> Failure {
-    // A name that cannot be is the script's fault, a full disk is not.
-    let class = if matches!(error, OutputError::Write { .. }) { Class::Output } else { Class::Script };
-    Failure::new(class, error.to_string()).hint(error.cure())
+    Failure::new(output_class(error), error.to_string()).hint(error.cure())
+}
+
+/// Whose fault it is: a name that cannot be is the script's, a full disk is not.
+pub fn output_class(error: &OutputError) -> Class {
+    if matches!(error, OutputError::Write { .. } | OutputError::Gone { .. }) { Class::Output } else { Class::Script }
 }

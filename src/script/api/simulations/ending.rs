@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::artifacts::output_failure;
+use super::following;
 use super::handle::{SimulationHandle, Simulations};
 use super::journal::go_on;
 use super::reports::{Ending, json, write_at_end};
@@ -38,15 +39,17 @@ pub fn finish(host: &Host, begun: Instant, outcome: &str) -> Result<(), Failure>
     let Some(folder) = host.settings.output.as_ref().filter(|_| host.settings.mode == Mode::Run) else { return Ok(()) };
     let simulations = Simulations::of(host);
     let simulations = simulations.0.borrow();
+    // All that can be written is, whatever cannot.
+    let mut written = Ok(());
     for handle in simulations.iter() {
-        finish_simulation(host, handle, begun, outcome, &simulations)?;
+        written = written.and(finish_simulation(host, handle, begun, outcome, &simulations));
     }
     if simulations.is_empty() {
         let summary = Summary { wall_seconds: wall(begun, &[]), ..common(host, outcome) };
         let files = RunFiles::create(folder).map_err(|error| output_failure(&error))?;
         files.write("summary.json", summary.to_json()).map_err(|error| output_failure(&error))?;
     }
-    Ok(())
+    written
 }
 
 fn finish_simulation(
@@ -58,17 +61,22 @@ fn finish_simulation(
 ) -> Result<(), Failure> {
     let data = &handle.0;
     let (Ok(simulation), history) = (data.simulation.try_borrow(), data.history.borrow()) else { return Ok(()) };
-    {
+    let drawn = {
         let mut artifacts = data.artifacts.borrow_mut();
         // Before it has come to where the interrupted run was, nothing is to be told of it.
         let Some(artifacts) = artifacts.as_mut().filter(|artifacts| !artifacts.recalls()) else { return Ok(()) };
         let picture = svg(&energies(&data.name, &history).draw());
-        artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))?;
-    }
+        artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))
+    };
     let is_conserving = simulation.is_conserving(&history);
     let is_well = outcome == COMPLETED && is_conserving;
     let ended = if outcome == COMPLETED && !is_conserving { NOT_CONSERVING } else { outcome };
-    write_at_end(host, handle, Ending { outcome: ended.into(), is_well })?;
+    let refused = drawn.and(write_at_end(host, handle, Ending { outcome: ended.into(), is_well })).err();
+    let (ended, is_well) = match &refused {
+        Some(failure) if outcome == COMPLETED => (&*failure.title, false),
+        _ => (ended, is_well),
+    };
+    following::end(host, handle, ended, is_well);
     let mut summary = Summary {
         bodies: data.model.model.bodies.len(),
         unknowns: simulation.unknowns(),
@@ -82,7 +90,8 @@ fn finish_simulation(
     summary.judge(&drifts(&history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
     let mut artifacts = data.artifacts.borrow_mut();
     let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
-    artifacts.write("summary.json", summary.to_json().as_bytes()).map_err(|error| output_failure(&error))
+    let summarized = artifacts.write("summary.json", summary.to_json().as_bytes()).map_err(|error| output_failure(&error));
+    refused.map_or(summarized, Err)
 }
 
 fn common(host: &Host, outcome: &str) -> Summary {

@@ -8,6 +8,7 @@ pub mod contact_state;
 pub mod ending;
 pub mod events;
 pub mod fields;
+pub mod following;
 pub mod forensics;
 pub mod handle;
 pub mod history;

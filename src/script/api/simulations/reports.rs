@@ -1,5 +1,7 @@
 //! `report.html`: what a simulation, its model and its script are, put together for the page, and `report(sim, path)`.
 
+use std::collections::BTreeMap;
+
 use rhai::Dynamic;
 use serde_json::Value;
 
@@ -72,16 +74,14 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
     let stills = artifacts.stills(simulation, last);
     let stills: Vec<&Still> = stills.iter().map(|still| &**still).collect();
     let rows = kept_rows(&history, &stills.iter().map(|still| still.row).collect::<Vec<_>>());
-    let found = simulation.findings(&history);
-    let warnings = host.warnings().into_iter().chain(found.iter().map(|finding| format!("{finding}: {}", finding.explanation)));
-    let parameters = host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value)));
+    let warnings = host.warnings().into_iter().chain(findings(simulation, &history));
     report(&Report {
         name: data.name.clone(),
         is_well: ending.as_ref().is_none_or(|ending| ending.is_well),
         outcome: ending.map(|ending| ending.outcome),
         version: env!("CARGO_PKG_VERSION").into(),
         scripts: scripts(host),
-        parameters: parameters.collect(),
+        parameters: parameters(host),
         tables: tables(data, simulation),
         warnings: warnings.collect(),
         columns: columns(data, &history, &rows),
@@ -95,6 +95,16 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
     })
 }
 
+/// What is remarkable about a run, in words.
+pub fn findings(simulation: &Simulation, history: &[LedgerRow]) -> Vec<String> {
+    simulation.findings(history).iter().map(|finding| format!("{finding}: {}", finding.explanation)).collect()
+}
+
+/// Values of `param(...)` by name.
+pub fn parameters(host: &Host) -> BTreeMap<String, Value> {
+    host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value))).collect()
+}
+
 /// The value of a parameter for a file.
 pub fn json(value: &Dynamic) -> Value {
     match (value.as_bool(), value.as_int(), value.as_float()) {
@@ -106,7 +116,7 @@ pub fn json(value: &Dynamic) -> Value {
 }
 
 /// The texts of the script and its modules by the names of their files: folders differ between machines.
-fn scripts(host: &Host) -> Vec<(String, String)> {
+pub fn scripts(host: &Host) -> Vec<(String, String)> {
     let main = host.main.borrow();
     let file = |name: &str| name.rsplit(['/', '\\']).next().unwrap_or(name).to_string();
     let mut all = host.sources.all();
@@ -132,7 +142,7 @@ fn columns(data: &SimulationData, history: &[LedgerRow], rows: &[usize]) -> Vec<
 }
 
 /// The different shapes of rigid obstacles where they are defined.
-fn placed(model: &Model) -> Vec<PlacedObstacle> {
+pub fn placed(model: &Model) -> Vec<PlacedObstacle> {
     let named = |shape| {
         let touching =
             model.interactions.iter().filter(|one| matches!(&one.partner, Partner::Obstacle { shape: other, .. } if *other == shape));
@@ -146,7 +156,8 @@ fn table(title: &str, head: &[&str], rows: Vec<Vec<String>>) -> ReportTable {
     ReportTable { title: title.into(), head: head.iter().map(|name| name.to_string()).collect(), rows }
 }
 
-fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable> {
+/// Tables of what there is, how it is held and loaded, how it is integrated.
+pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable> {
     let model = &data.model.model;
     let bodies = model.bodies.iter().map(|body| {
         let mesh = &body.mesh;

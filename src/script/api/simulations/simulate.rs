@@ -8,6 +8,7 @@ use rhai::Dynamic;
 
 use super::artifacts::{Artifacts, Keeping, Start};
 use super::columns::{Probe, probe_columns};
+use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::journal::Journal;
 use crate::dynamics::{LedgerRow, Model, Options, Simulation};
@@ -254,6 +255,7 @@ pub fn create(
         is_behind: Cell::new(false),
     };
     let handle = SimulationHandle(Rc::new(data));
+    following::begin(call.host, &handle);
     if call.host.is_check() {
         call.host.findings.borrow_mut().push(described_for_check(&handle));
         let at_start = handle.0.simulation.borrow().findings_at_start();

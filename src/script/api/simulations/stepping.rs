@@ -8,6 +8,7 @@ use std::time::Instant;
 use rhai::{Dynamic, EvalAltResult};
 
 use super::artifacts::Artifacts;
+use super::following;
 use super::handle::{Past, SimulationHandle, busy};
 use super::journal::Journal;
 use crate::dynamics::{LedgerRow, State, StepError};
@@ -226,6 +227,12 @@ impl SimulationHandle {
         if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
             let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
             artifacts.begin(&simulation, end)?;
+        }
+        // Single steps are many.
+        if end.is_some() {
+            following::tell(call.host, self);
+        } else {
+            following::tell_now_and_then(call.host, self);
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic};
 
-use super::artifacts::output_folder;
+use super::artifacts::{output_class, output_folder};
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use crate::output::{Drawing, RunFiles, png, svg};
@@ -64,7 +64,7 @@ pub fn write_at(call: &Call, into: Option<&SimulationHandle>, path: &str, bytes:
         None => output_folder(call.host).map(|folder| RunFiles::create(folder)?.write(path, bytes).map(drop)),
     };
     match written {
-        Some(written) => written.map_err(|error| argument.fail(error.to_string()).hint(error.cure()))?,
+        Some(written) => written.map_err(|error| argument.fail(error.to_string()).hint(error.cure()).of_class(output_class(&error)))?,
         None => call.host.observer.print(&format!("{path} is not written: this session has no output folder")),
     }
     Ok(())

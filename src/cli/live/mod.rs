@@ -1,0 +1,135 @@
+//! `--watch`: a page at an address of this machine that follows the run.
+//!
+//! What it shows is a matter of [`LiveReport`]; here are the address, the connections and what the run tells besides its rows.
+
+mod request;
+mod server;
+mod site;
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::output::{Doing, LiveOutcome, LiveReport, NOT_CONSERVING};
+use crate::script::{Class, Diagnostic, Event, Ink, Observer, Progress, Report};
+use site::Site;
+
+/// Bytes of the secret in the address.
+const SECRET: usize = 16;
+/// How long the end of the process waits for readers to hear of it, and how often it looks.
+const GRACE: [Duration; 2] = [Duration::from_millis(950), Duration::from_millis(5)];
+
+/// The page of a run that goes on.
+pub struct LivePage {
+    /// What it shows.
+    pub report: Arc<LiveReport>,
+    site: Arc<Site>,
+}
+
+impl LivePage {
+    /// Serves it at a port, 0 for any that is free; `folder` is that of the results.
+    ///
+    /// # Errors
+    /// The port cannot be had, or there are no random numbers.
+    pub fn open(port: u16, folder: String) -> Result<Self, Box<Diagnostic>> {
+        let refused = |cause: String| {
+            let error = Diagnostic::error(Class::Script, "the run cannot be shown while it goes on").cause(cause);
+            Box::new(error.hint("name another port with `--watch=PORT`, or take any that is free with `--watch`"))
+        };
+        let listener = server::open(port).map_err(|error| refused(format!("port {port} of this machine: {error}")))?;
+        let port = listener.local_addr().map_err(|error| refused(error.to_string()))?.port();
+        let mut bytes = [0; SECRET];
+        getrandom::fill(&mut bytes).map_err(|error| refused(format!("the system gives no random numbers: {error}")))?;
+        let secret = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        let report = Arc::new(LiveReport::new(folder));
+        let site = Arc::new(Site::new(report.clone(), port, secret));
+        server::serve(listener, site.clone()).map_err(|error| refused(format!("no thread could be started: {error}")))?;
+        Ok(LivePage { report, site })
+    }
+
+    /// Its address.
+    pub fn address(&self) -> String {
+        self.site.address()
+    }
+
+    /// Shows how the run ended, and waits for a moment until those who follow it know.
+    pub fn end(&self, report: &Report) {
+        let (words, is_well) = match &report.error {
+            None if report.is_conserving => ("completed".into(), true),
+            None => (NOT_CONSERVING.into(), false),
+            Some(error) if error.class == Class::Interrupted => ("interrupted".into(), false),
+            Some(error) => (error.title.clone(), false),
+        };
+        self.report.end(LiveOutcome { words, is_well });
+        let begun = Instant::now();
+        while self.site.has_readers() && begun.elapsed() < GRACE[0] {
+            thread::sleep(GRACE[1]);
+        }
+    }
+}
+
+/// An observer that tells a page what the run does, in front of another one.
+pub struct LiveObserver {
+    report: Arc<LiveReport>,
+    next: Rc<dyn Observer>,
+    doing: RefCell<Doing>,
+}
+
+impl LiveObserver {
+    /// In front of `next`.
+    pub fn new(report: Arc<LiveReport>, next: Rc<dyn Observer>) -> Self {
+        LiveObserver { report, next, doing: RefCell::default() }
+    }
+
+    fn does(&self, doing: Doing) {
+        if *self.doing.borrow() != doing {
+            *self.doing.borrow_mut() = doing.clone();
+            self.report.does(doing);
+        }
+    }
+}
+
+impl Observer for LiveObserver {
+    fn print(&self, line: &str) {
+        self.next.print(line);
+    }
+
+    fn passed(&self, line: &str) {
+        self.next.passed(line);
+    }
+
+    fn warn(&self, warning: &Diagnostic) {
+        let mut shown = warning.clone();
+        // As in the report: the script by its name.
+        if let Some(place) = &mut shown.place {
+            place.source = place.source.rsplit(['/', '\\']).next().unwrap_or_default().into();
+        }
+        self.report.warn(shown.render(Ink::Plain));
+        self.next.warn(warning);
+    }
+
+    fn advanced(&self, progress: &Progress) {
+        self.does(Doing { what: None, until: progress.until });
+        self.next.advanced(progress);
+    }
+
+    fn noticed(&self, event: &Event) {
+        self.next.noticed(event);
+    }
+
+    fn began(&self, what: &str) {
+        self.does(Doing { what: Some(what.into()), until: None });
+        self.next.began(what);
+    }
+
+    fn ended(&self) {
+        self.does(Doing::default());
+        self.next.ended();
+    }
+
+    fn ink(&self) -> Ink {
+        self.next.ink()
+    }
+}

@@ -1,0 +1,399 @@
+//! A report that follows a run: what the run hands over, and what readers get of it.
+//!
+//! The run's thread adds rows and stills through a [`LiveSimulation`]. It never waits for a reader: where one looks at that moment, it
+//! keeps what is new and hands it over later. Readers take references under the lock and encode without it. Memory is bounded: stills are
+//! those of the recording, and of a long history the peaks are kept as in a report ([`kept_rows`](super::kept_rows)).
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::followed::Followed;
+use super::rows::{MEASURES, ROWS, measures};
+use super::tables::ReportTable;
+use crate::dynamics::{BodyDefinition, LedgerRow, PlacedObstacle};
+use crate::output::recording::{Skin, Still};
+
+/// Least time between two looks at what is told of a simulation's problem.
+const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
+
+/// What of a simulation does not change while it runs.
+#[derive(Clone, Debug)]
+pub struct LiveModel {
+    /// Name of the simulation.
+    pub name: String,
+    /// Names of the contacts.
+    pub contacts: Vec<String>,
+    /// The bodies.
+    pub bodies: Vec<BodyDefinition>,
+    /// What is recorded of each.
+    pub skins: Vec<Skin>,
+    /// The different shapes of rigid obstacles.
+    pub obstacles: Vec<PlacedObstacle>,
+}
+
+/// What is told of a simulation's problem; a script may add to it while the run goes on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LiveProblem {
+    /// Names and texts of the script and its modules, the script first.
+    pub scripts: Vec<(String, String)>,
+    /// Values of `param(...)` by name.
+    pub parameters: BTreeMap<String, Value>,
+    /// What there is, how it is held and loaded, how it is integrated.
+    pub tables: Vec<ReportTable>,
+}
+
+/// How something ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LiveOutcome {
+    /// In words.
+    pub words: String,
+    /// Whether as it should.
+    pub is_well: bool,
+}
+
+/// A row of the history.
+#[derive(Debug)]
+pub struct LiveRow {
+    /// Its number among all.
+    pub number: usize,
+    /// Values of the history's columns; NaN where there is none.
+    pub values: Vec<f64>,
+    measures: [f64; MEASURES],
+}
+
+/// A simulation as readers see it.
+#[derive(Clone)]
+pub struct Course {
+    /// What does not change.
+    pub model: Arc<LiveModel>,
+    /// Names of the history's columns.
+    pub columns: Arc<Vec<String>>,
+    /// Change that made the model or its columns.
+    pub shaped: u64,
+    /// The problem, and the change that told it.
+    pub problem: (u64, Arc<LiveProblem>),
+    /// Rows that are kept.
+    pub rows: Followed<Arc<LiveRow>>,
+    /// Rows of the whole history.
+    pub row_count: usize,
+    /// Rows of which the last and the peaks are kept, once there are too many.
+    stretch: usize,
+    /// The stills.
+    pub stills: Followed<Arc<Still>>,
+    /// What is remarkable about the run, and the change that told it.
+    pub findings: (u64, Vec<String>),
+    /// How it ended.
+    pub outcome: Option<LiveOutcome>,
+}
+
+/// What the run does now.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Doing {
+    /// A computation without steps.
+    pub what: Option<String>,
+    /// Time until which steps are taken.
+    pub until: Option<f64>,
+}
+
+/// All that readers look at.
+#[derive(Default)]
+pub struct Shared {
+    /// Number of the last change.
+    pub change: u64,
+    /// The simulations in the order in which the script made them.
+    pub courses: Vec<Course>,
+    /// What the user was warned of, and the change that told the last.
+    pub warnings: (u64, Vec<String>),
+    /// What the run does now.
+    pub doing: Doing,
+    /// How it ended.
+    pub outcome: Option<LiveOutcome>,
+}
+
+/// A report that follows a run, shared with those who read it.
+pub struct LiveReport {
+    shared: Mutex<Shared>,
+    /// Folder of the results, as the user named it.
+    pub folder: String,
+}
+
+impl fmt::Debug for LiveReport {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "report of the run in {}", self.folder)
+    }
+}
+
+impl LiveReport {
+    /// Of a run with results in a folder.
+    pub fn new(folder: String) -> Self {
+        LiveReport { shared: Mutex::default(), folder }
+    }
+
+    /// What there is now. It is held for moments only.
+    pub(super) fn look(&self) -> MutexGuard<'_, Shared> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The user was warned.
+    pub fn warn(&self, text: String) {
+        let mut shared = self.look();
+        let change = shared.next();
+        shared.warnings.0 = change;
+        shared.warnings.1.push(text);
+    }
+
+    /// What the run does from now on.
+    pub fn does(&self, doing: Doing) {
+        self.look().doing = doing;
+    }
+
+    /// Whether the run has ended.
+    pub fn is_over(&self) -> bool {
+        self.look().outcome.is_some()
+    }
+
+    /// The run has ended.
+    pub fn end(&self, outcome: LiveOutcome) {
+        let mut shared = self.look();
+        shared.next();
+        shared.doing = Doing::default();
+        shared.outcome = Some(outcome);
+    }
+}
+
+impl Shared {
+    fn next(&mut self) -> u64 {
+        self.change += 1;
+        self.change
+    }
+
+    fn apply(&mut self, number: usize, what: Handed) {
+        let change = self.next();
+        let Some(course) = self.courses.get_mut(number) else { return };
+        match what {
+            Handed::Row(row) => {
+                course.row_count = row.number + 1;
+                course.rows.push(change, Arc::new(row));
+                course.thin(change);
+            }
+            Handed::Cut(rows) => {
+                course.row_count = course.row_count.min(rows);
+                course.rows.retain(change, |row| row.number < rows);
+            }
+            Handed::Columns(names) => {
+                course.shaped = change;
+                course.columns = Arc::new(course.columns.iter().cloned().chain(names).collect());
+            }
+            Handed::Stills(stills) => {
+                let mut known = 0;
+                course.stills.retain(change, |still| {
+                    let stays = stills.get(known).is_some_and(|new| Arc::ptr_eq(new, still));
+                    known += usize::from(stays);
+                    stays
+                });
+                for still in stills.into_iter().skip(known) {
+                    let change = self.change + 1;
+                    self.change = change;
+                    course.stills.push(change, still);
+                }
+            }
+            Handed::Problem(problem) => course.problem = (change, Arc::new(problem)),
+            Handed::End(outcome, findings) => {
+                course.outcome = Some(outcome);
+                course.findings = (change, findings);
+            }
+        }
+    }
+}
+
+impl Course {
+    /// Keeps of each stretch of a long history its last row and its peaks, and the rows of stills; stretches double as it grows.
+    fn thin(&mut self, change: u64) {
+        if self.rows.entries().len() <= ROWS {
+            return;
+        }
+        loop {
+            self.stretch = if self.stretch == 0 { 4 * (MEASURES + 1) } else { self.stretch };
+            let kept = self.kept();
+            if kept.len() <= ROWS / 2 || self.stretch > self.row_count {
+                let mut kept = kept.into_iter().peekable();
+                self.rows.retain(change, |row| kept.next_if_eq(&row.number).is_some());
+                return;
+            }
+            self.stretch *= 2;
+        }
+    }
+
+    /// Numbers of the rows to keep, ascending.
+    fn kept(&self) -> Vec<usize> {
+        let entries = self.rows.entries();
+        let mut kept: Vec<usize> = self.stills.entries().iter().map(|(_, still)| still.row).chain([0]).collect();
+        for rows in entries.chunk_by(|(_, a), (_, b)| a.number / self.stretch == b.number / self.stretch) {
+            kept.extend(rows.last().map(|(_, row)| row.number));
+            let peak = |measure: usize| rows.iter().rev().max_by(|(_, a), (_, b)| a.measures[measure].total_cmp(&b.measures[measure]));
+            kept.extend((0..MEASURES).filter_map(peak).map(|(_, row)| row.number));
+        }
+        kept.retain(|number| entries.binary_search_by(|(_, row)| row.number.cmp(number)).is_ok());
+        kept.sort_unstable();
+        kept.dedup();
+        kept
+    }
+}
+
+/// What the run hands over of a simulation.
+enum Handed {
+    Row(LiveRow),
+    /// So many rows stay.
+    Cut(usize),
+    /// Names of further columns; rows so far have no values there.
+    Columns(Vec<String>),
+    Stills(Vec<Arc<Still>>),
+    Problem(LiveProblem),
+    End(LiveOutcome, Vec<String>),
+}
+
+/// The run's side of a simulation that is followed.
+pub struct LiveSimulation {
+    live: Arc<LiveReport>,
+    number: usize,
+    /// What could not be handed over yet.
+    waiting: Vec<Handed>,
+    /// Number and last of the stills that were handed over.
+    stills: (usize, Option<Arc<Still>>),
+    told: Option<(Instant, LiveProblem)>,
+}
+
+impl LiveSimulation {
+    /// A further simulation of the run, with the columns of its history.
+    pub fn begin(live: &Arc<LiveReport>, model: LiveModel, columns: Vec<String>) -> Self {
+        let mut shared = live.look();
+        let change = shared.next();
+        shared.courses.push(Course {
+            model: Arc::new(model),
+            columns: Arc::new(columns),
+            shaped: change,
+            problem: (change, Arc::default()),
+            rows: Followed::default(),
+            row_count: 0,
+            stretch: 0,
+            stills: Followed::default(),
+            findings: (change, Vec::new()),
+            outcome: None,
+        });
+        let number = shared.courses.len() - 1;
+        drop(shared);
+        LiveSimulation { live: live.clone(), number, waiting: Vec::new(), stills: (0, None), told: None }
+    }
+
+    /// A row of the history with the values of all columns.
+    pub fn row(&mut self, number: usize, row: &LedgerRow, values: Vec<f64>) {
+        self.hand(Handed::Row(LiveRow { number, values, measures: measures(row) }));
+    }
+
+    /// The history has so many rows only.
+    pub fn cut(&mut self, rows: usize) {
+        self.hand(Handed::Cut(rows));
+    }
+
+    /// The history has further columns.
+    pub fn add_columns(&mut self, names: &[String]) {
+        self.hand(Handed::Columns(names.to_vec()));
+    }
+
+    /// The stills as they are now.
+    pub fn stills(&mut self, stills: &[Arc<Still>]) {
+        let is_known = match (&self.stills, stills.last()) {
+            ((count, Some(known)), Some(last)) => *count == stills.len() && Arc::ptr_eq(known, last),
+            ((_, known), last) => known.is_none() && last.is_none(),
+        };
+        if !is_known {
+            self.stills = (stills.len(), stills.last().cloned());
+            self.hand(Handed::Stills(stills.to_vec()));
+        }
+    }
+
+    /// Whether it is time to tell the problem again.
+    pub fn wants_problem(&self) -> bool {
+        self.told.as_ref().is_none_or(|(at, _)| at.elapsed() >= BETWEEN_LOOKS)
+    }
+
+    /// The problem as it is now.
+    pub fn tell(&mut self, problem: LiveProblem) {
+        if self.told.as_ref().is_none_or(|(_, known)| *known != problem) {
+            self.hand(Handed::Problem(problem.clone()));
+        }
+        self.told = Some((Instant::now(), problem));
+    }
+
+    /// The simulation has ended, with these findings.
+    pub fn end(&mut self, outcome: LiveOutcome, findings: Vec<String>) {
+        self.waiting.push(Handed::End(outcome, findings));
+        let mut shared = self.live.look();
+        self.waiting.drain(..).for_each(|what| shared.apply(self.number, what));
+    }
+
+    /// Hands over what is new, unless somebody looks just now.
+    fn hand(&mut self, what: Handed) {
+        self.waiting.push(what);
+        let mut shared = match self.live.shared.try_lock() {
+            Ok(shared) => shared,
+            Err(TryLockError::Poisoned(shared)) => shared.into_inner(),
+            Err(TryLockError::WouldBlock) => return,
+        };
+        self.waiting.drain(..).for_each(|what| shared.apply(self.number, what));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn simulation(live: &Arc<LiveReport>) -> LiveSimulation {
+        let model = LiveModel { name: "a".into(), contacts: Vec::new(), bodies: Vec::new(), skins: Vec::new(), obstacles: Vec::new() };
+        LiveSimulation::begin(live, model, vec!["step".into()])
+    }
+
+    fn numbers(live: &LiveReport) -> Vec<usize> {
+        live.look().courses[0].rows.entries().iter().map(|(_, row)| row.number).collect()
+    }
+
+    #[test]
+    fn a_long_history_keeps_its_peaks_and_stays_bounded() {
+        let live = Arc::new(LiveReport::new("out".into()));
+        let mut simulation = simulation(&live);
+        for number in 0..100_000 {
+            let mut row = LedgerRow { newton_iterations: 3, ..LedgerRow::default() };
+            row.energy_defect = if number == 1234 { -1e-3 } else { 0.0 };
+            row.halvings = usize::from(number == 77_777);
+            simulation.row(number, &row, vec![number as f64]);
+            if number % 9999 == 0 {
+                assert!(live.look().courses[0].rows.entries().len() <= ROWS);
+            }
+        }
+        let kept = numbers(&live);
+        assert!(kept.len() <= ROWS && kept.len() > 500 && kept.windows(2).all(|pair| pair[0] < pair[1]), "{}", kept.len());
+        assert!([0, 1234, 77_777, 99_999].iter().all(|number| kept.contains(number)));
+        simulation.cut(50_000);
+        assert_eq!(live.look().courses[0].row_count, 50_000);
+        assert!(numbers(&live).iter().all(|&number| number < 50_000));
+    }
+
+    #[test]
+    fn what_is_handed_over_while_somebody_looks_comes_later_and_in_order() {
+        let live = Arc::new(LiveReport::new("out".into()));
+        let mut simulation = simulation(&live);
+        let looking = live.look();
+        simulation.row(0, &LedgerRow::default(), vec![0.0]);
+        simulation.row(1, &LedgerRow::default(), vec![1.0]);
+        simulation.cut(1);
+        drop(looking);
+        assert!(numbers(&live).is_empty(), "it did not wait");
+        simulation.row(1, &LedgerRow::default(), vec![2.0]);
+        assert_eq!(numbers(&live), [0, 1]);
+        assert_eq!(live.look().courses[0].rows.entries()[1].1.values, [2.0]);
+    }
+}

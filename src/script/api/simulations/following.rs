@@ -1,0 +1,62 @@
+//! A run while it goes on: what those who follow it are told of a simulation besides its rows and stills.
+
+use super::columns::{model_columns, probe_columns};
+use super::handle::SimulationHandle;
+use super::reports::{findings, parameters, placed, scripts, tables};
+use crate::dynamics::LedgerRow;
+use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation};
+use crate::script::language::host::Host;
+
+/// Shows a simulation that was just made, if anybody follows the run.
+pub fn begin(host: &Host, handle: &SimulationHandle) {
+    let data = &handle.0;
+    let (Some(live), mut artifacts) = (&host.settings.live, data.artifacts.borrow_mut()) else { return };
+    let Some(artifacts) = artifacts.as_mut() else { return };
+    let model = &data.model.model;
+    let shown = LiveModel {
+        name: data.name.clone(),
+        contacts: model.contact_names().into_iter().map(String::from).collect(),
+        bodies: model.bodies.clone(),
+        skins: artifacts.recording().bodies().to_vec(),
+        obstacles: placed(model),
+    };
+    let own = LedgerRow::columns(model.dimension()).into_iter().map(String::from);
+    let columns = own.chain(model_columns(model)).chain(probe_columns(model, &data.probes.borrow()));
+    artifacts.show_to(LiveSimulation::begin(live, shown, columns.collect()), &data.history.borrow());
+    tell_problem(host, handle, artifacts.live());
+}
+
+/// Tells how the problem is now, unless it was told a moment ago.
+pub fn tell_now_and_then(host: &Host, handle: &SimulationHandle) {
+    if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
+        tell_problem(host, handle, artifacts.live().filter(|live| live.wants_problem()));
+    }
+}
+
+/// Tells how the problem is now: a script may have read a parameter or a module since.
+pub fn tell(host: &Host, handle: &SimulationHandle) {
+    if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
+        tell_problem(host, handle, artifacts.live());
+    }
+}
+
+fn tell_problem(host: &Host, handle: &SimulationHandle, live: Option<&mut LiveSimulation>) {
+    if let (Some(live), Ok(simulation)) = (live, handle.0.simulation.try_borrow()) {
+        let tables = tables(&handle.0, &simulation);
+        live.tell(LiveProblem { scripts: scripts(host), parameters: parameters(host), tables });
+    }
+}
+
+/// Shows how a simulation ended.
+pub fn end(host: &Host, handle: &SimulationHandle, outcome: &str, is_well: bool) {
+    let data = &handle.0;
+    let (Ok(simulation), mut artifacts) = (data.simulation.try_borrow(), data.artifacts.borrow_mut()) else { return };
+    let Some(artifacts) = artifacts.as_mut().filter(|_| host.settings.live.is_some()) else { return };
+    let history = data.history.borrow();
+    let (found, stills) = (findings(&simulation, &history), artifacts.stills(&simulation, history.len() - 1));
+    if let Some(live) = artifacts.live() {
+        live.stills(&stills);
+        live.tell(LiveProblem { scripts: scripts(host), parameters: parameters(host), tables: tables(data, &simulation) });
+        live.end(LiveOutcome { words: outcome.into(), is_well }, found);
+    }
+}
