@@ -15,6 +15,7 @@
 use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::plan::{FORMAT, Plan, Point};
 use super::record::{Record, RecordOutcome};
@@ -26,6 +27,10 @@ const STUDY: &str = "study.json";
 const RECORD: &str = "point.json";
 const CLAIM: &str = ".claim";
 const LOCK: &str = ".lock";
+
+/// How often a lock is tried, and the time between.
+const ATTEMPTS: usize = 4;
+const MOMENT: Duration = Duration::from_millis(10);
 
 /// The folder of a study.
 #[derive(Clone, Debug)]
@@ -191,10 +196,14 @@ impl StudyFolder {
         let path = self.files.place(&format!("points/{}/{CLAIM}", point.id)).map_err(|error| unwritten(&error))?;
         let open = File::options().create(true).truncate(false).read(true).write(true).open(&path);
         let mut file = open.map_err(|error| unlocked(&path, &error))?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Ok(None),
-            Err(TryLockError::Error(error)) => return Err(unlocked(&path, &error)),
+        for attempt in 1.. {
+            match file.try_lock() {
+                Ok(()) => break,
+                // Whoever only looks at a point's state holds the lock for a moment.
+                Err(TryLockError::WouldBlock) if attempt < ATTEMPTS => std::thread::sleep(MOMENT),
+                Err(TryLockError::WouldBlock) => return Ok(None),
+                Err(TryLockError::Error(error)) => return Err(unlocked(&path, &error)),
+            }
         }
         // Who it is helps people only, so that a full disk may refuse it.
         let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder().as_bytes()));

@@ -274,7 +274,7 @@ impl Evaluations<'_> {
         };
         let class = self.rows.first().map_or(Class::Script, |row| row.class);
         let failure = failure.hint("begin where the closure can be computed, with `start` and a smaller `step`");
-        if class == Class::Script { failure } else { failure.of(class) }
+        if class == Class::Script { failure } else { failure.of_class(class) }
     }
 
     fn warn(&self, end: End, search: &Search) {
