@@ -37,7 +37,7 @@ const EVENTS: &[(&str, &str)] = &[
         "`settle` found equilibrium: `simulation`, `steps`, `newton_iterations`, `time`, `kinetic`, `strain`, `potential`, `total`, \
          `active`, `max_penetration`",
     ),
-    ("begin", "a computation without steps begins: `what`"),
+    ("begin", "a computation without steps begins, or a study has come further: `what`"),
     ("print", "a line of the script's: `text`"),
     ("check", "a check that holds: `text`"),
     ("warning", "`message`, `causes`, `hints`, and `file`, `line`, `column` (or null)"),

@@ -32,9 +32,9 @@ pub fn compare() -> Function {
         form: Form::Function,
         topic: Topic::Studies,
         summary: "how far two curves are apart where both are known, linear between their points: a map with the largest difference `max` \
-                  (its size) and where it is, `at`; `mean`, `mean_square` and `rms` of the difference over the range; `relative`, which is \
-                  `rms` over that of the first curve; the range, `from` and `to`. Of two simulations all columns of their histories are \
-                  compared over time: a map of such maps by their names",
+                  (its size, in the unit of y) and where it is, `at` (in that of x); `mean`, `mean_square` and `rms` of the difference \
+                  over the range; `relative`, which is `rms` over that of the first curve; the range, `from` and `to`. Of two \
+                  simulations all columns of their histories are compared over time: a map of such maps by their names",
         parameters: vec![
             Parameter::new("first", Kind::Either(CURVE), "the first curve, or a simulation; what is measured or exact"),
             Parameter::new("second", Kind::Either(CURVE), "the second curve, or a simulation"),

@@ -90,11 +90,20 @@ impl<'a> Crew<'a> {
         let host = self.call.host;
         match &mut self.form {
             Form::Threads(threads) => threads.compute(host, title, points, results),
-            Form::Here { callback, captured, reading } => points.iter().enumerate().try_for_each(|(index, point)| {
-                host.go_on()?;
-                let outcome = here(self.call, callback, captured, *reading, point);
-                accept(host, index, Computed::only(outcome), results)
-            }),
+            Form::Here { callback, captured, reading } => {
+                let outcome = points.iter().enumerate().try_for_each(|(index, point)| {
+                    host.go_on()?;
+                    if points.len() > 1 {
+                        host.observer.began(&format!("{title}: {index} of {} points, one after another", points.len()));
+                    }
+                    let outcome = here(self.call, callback, captured, *reading, point);
+                    accept(host, index, Computed::only(outcome), results)
+                });
+                if points.len() > 1 {
+                    host.observer.ended();
+                }
+                outcome
+            }
         }
     }
 }
