@@ -290,7 +290,7 @@ mod tests {
         files.write("history.csv", "another\n").unwrap();
         assert!(matches!(stream.verify(), Err(OutputError::Gone { .. })), "replaced");
         let stream = files.extend("history.csv").unwrap();
-        fs::remove_dir_all(&directory).unwrap();
+        fs::remove_dir_all(&*directory).unwrap();
         assert!(matches!(stream.verify(), Err(OutputError::Gone { .. })), "removed");
     }
 
