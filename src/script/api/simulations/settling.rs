@@ -5,6 +5,7 @@ use std::time::Instant;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 
 use super::handle::{SimulationHandle, busy, result_used};
+use super::journal::go_on;
 use crate::dynamics::{SettleReport, StepError};
 use crate::math::catalogue::Interval;
 use crate::output::checkpoint::{Computation, Outcome};
@@ -97,6 +98,7 @@ impl SimulationHandle {
         }
         rows.push(row);
         self.replace_history(rows)?;
+        go_on(call.host)?;
         let entries: [(&str, Dynamic); 4] = [
             ("steps", (report.steps as i64).into()),
             ("newton_iterations", (report.newton_iterations as i64).into()),

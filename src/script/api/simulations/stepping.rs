@@ -10,7 +10,7 @@ use rhai::{Dynamic, EvalAltResult};
 use super::artifacts::Artifacts;
 use super::following;
 use super::handle::{Past, SimulationHandle, busy};
-use super::journal::Journal;
+use super::journal::{Journal, go_on};
 use crate::dynamics::{LedgerRow, State, StepError};
 use crate::math::catalogue::Interval;
 use crate::output::checkpoint::{Computation, Outcome};
@@ -167,6 +167,8 @@ impl SimulationHandle {
         for row in rows {
             self.accept(call, row, from, end)?;
         }
+        // After the last step of an earlier program: what the script draws or restores now goes on from its recording.
+        go_on(call.host)?;
         if !data.is_behind.get() {
             self.warn_of_large_motion(call.host);
         }
