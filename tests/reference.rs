@@ -46,7 +46,7 @@ fn every_function_says_what_it_is() {
                 "{title}: `{}` has no dimension (`1` or `any` where it fits)",
                 parameter.name
             );
-            let known = matches!(parameter.dimension, "" | "any" | "pixels") || Dimension::parse(parameter.dimension).is_some();
+            let known = matches!(parameter.dimension, "" | "any" | "pixels" | "seconds") || Dimension::parse(parameter.dimension).is_some();
             assert!(known, "{title}: `{}` has the unknown dimension {}", parameter.name, parameter.dimension);
             if let Absent::Number(value) = parameter.absent {
                 assert!(parameter.range.contains(value), "{title}: the default of `{}` is out of its range", parameter.name);

@@ -87,7 +87,7 @@ pub fn option(name: &str) -> Option<&'static str> {
             Some("contact is frictionless here: leave the option out; nothing takes its place")
         }
         "timestep" | "time_step" | "step_size" => Some("write `dt`"),
-        "parameters" | "params" | "grid" | "points" => Some("what differs between points is `vary: #{ name: [values] }`"),
+        "varies" | "parameters" | "params" | "grid" | "points" => Some("what differs between points is `vary: #{ name: [values] }`"),
         "jobs" | "workers" | "parallel" | "processes" => Some("how many points are computed at a time is `threads`"),
         "maxiter" | "max_iterations" | "max_evaluations" | "maxfun" => Some("how often a closure is called at most is `evaluations`"),
         _ => None,

@@ -26,7 +26,7 @@ const KEYS: [&str; 3] = ["of", "x", "y"];
 
 /// `compare`.
 pub fn compare() -> Function {
-    let end = |name, summary| Parameter::number(name, "that of x", Interval::Finite, summary).or(Absent::Means("where both are known"));
+    let end = |name, summary| Parameter::number(name, "any", Interval::Finite, summary).or(Absent::Means("where both are known"));
     Function {
         name: "compare",
         form: Form::Function,
