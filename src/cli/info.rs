@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 use super::columns::{aligned, short};
 use super::console::{Console, complain, ink};
 use super::diff::Format;
+use super::drawn_files;
 use super::process::exit_code;
 use crate::mesh;
 use crate::output::checkpoint::{Checkpoint, MAGIC};
@@ -52,7 +53,12 @@ const KINDS: &[Kind] = &[
     Kind { name: "fields (VTU)", fits: |ending, _| ending == "vtu", describe: fields_file },
     Kind { name: "checkpoint", fits: |ending, head| ending == "checkpoint" || head.starts_with(MAGIC), describe: checkpoint_file },
     Kind { name: "log of a run", fits: |_, head| head.starts_with(b"{\"event\":"), describe: log_file },
-    Kind { name: "picture", fits: |ending, head| ending == "svg" || head.starts_with(PNG), describe: picture_file },
+    Kind { name: "report of a run", fits: |ending, _| ending == "html", describe: report_file },
+    Kind {
+        name: "picture",
+        fits: |ending, head| ending == "svg" || head.starts_with(drawn_files::PNG) || head.starts_with(drawn_files::GIF),
+        describe: picture_file,
+    },
     Kind { name: "script", fits: |ending, _| ending == "rhai", describe: script_file },
     Kind {
         name: "mesh",
@@ -60,9 +66,6 @@ const KINDS: &[Kind] = &[
         describe: mesh_file,
     },
 ];
-
-/// The first bytes of a PNG file.
-const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Bytes at the start of a file by which it is known.
 const HEAD: usize = 4096;
@@ -321,18 +324,12 @@ fn log_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 
 fn picture_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let bytes = std::fs::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
-    let size = if bytes.starts_with(PNG) {
-        // The size stands in the first chunk, behind its length and name.
-        let number = |at: usize| Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?).to_string());
-        number(16).zip(number(20)).map(|size| ("PNG", size))
-    } else {
-        let text = String::from_utf8_lossy(&bytes);
-        let tag = text.split("<svg").nth(1).and_then(|rest| rest.split('>').next()).unwrap_or_default();
-        let value = |key: &str| Some(tag.split(&format!(" {key}=\"")).nth(1)?.split('"').next()?.to_string());
-        value("width").zip(value("height")).map(|size| ("SVG", size))
-    };
-    let Some((format, (width, height))) = size else { return Err(refused(&ReadError::damaged(path, "it is no picture"))) };
-    Ok(vec![("format", format.into()), ("size", format!("{width} x {height}").into())])
+    drawn_files::picture(&bytes).ok_or_else(|| refused(&ReadError::damaged(path, "it is no whole picture")))
+}
+
+fn report_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let bytes = std::fs::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    drawn_files::report(&String::from_utf8_lossy(&bytes)).ok_or_else(|| refused(&ReadError::damaged(path, "it is no report of a run")))
 }
 
 fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {

@@ -6,6 +6,7 @@ mod complaint;
 mod console;
 mod diff;
 mod doc;
+mod drawn_files;
 mod export;
 mod info;
 mod junit;

@@ -48,7 +48,7 @@ pub struct CourseArguments {
     #[arg(long, value_name = "EVERY", default_value = "1min", value_parser = every)]
     pub checkpoint: Checkpoints,
     /// Show the run while it goes on, as a page of this machine whose address is told at the start; at a port if one is given
-    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "0")]
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "0", value_parser = port)]
     pub watch: Option<u16>,
 }
 
@@ -73,6 +73,14 @@ fn every(text: &str) -> Result<Checkpoints, String> {
     }
     let time = digits.parse::<f64>().ok().map(|count| Duration::try_from_secs_f64(count * seconds));
     time.and_then(Result::ok).map(Checkpoints::Time).ok_or_else(|| how.into())
+}
+
+/// A port of this machine.
+///
+/// # Errors
+/// How it is written.
+fn port(text: &str) -> Result<u16, String> {
+    text.parse().map_err(|_| "write `--watch` for any port that is free, or one from 1 to 65535 such as `--watch=8000`".into())
 }
 
 /// A flag that becomes true at the first interrupt; the second one ends the process.

@@ -173,13 +173,13 @@ class Follower {
       ? `The run has ended. The page that stays is report.html in ${state.folder}.`
       : "This page follows the run; what is new appears by itself.";
     if (this.note.textContent !== note) this.note.textContent = note;
-    const others = state.simulations.join("\n");
+    const others = [state.over, ...state.simulations].join("\n");
     if (others !== this.others) {
       this.others = others;
       this.runs.hidden = state.simulations.length < 2;
       const link = (name, k) => k === live.simulation
         ? element("b", { textContent: name, "aria-current": "page" })
-        : element("a", { href: `?simulation=${k}`, textContent: name });
+        : state.over ? name : element("a", { href: `?simulation=${k}`, textContent: name });
       this.runs.replaceChildren("Simulations: ", ...state.simulations.flatMap((name, k) => [link(name, k), " "]));
     }
     if (state.over) {
