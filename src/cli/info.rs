@@ -21,6 +21,7 @@ use crate::output::{
     runs_below,
 };
 use crate::script::{Class, Diagnostic, Mode, Session, Settings, Silent, home};
+use crate::studies::StudyFolder;
 
 /// Arguments of `conserva info`.
 #[derive(Args)]
@@ -99,7 +100,7 @@ pub fn info(arguments: Arguments) -> u8 {
 fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
     let kind = std::fs::metadata(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     if kind.is_dir() {
-        return Ok(("run", run_folder(path)?));
+        return if StudyFolder::is_study(path) { Ok(("study", study_folder(path)?)) } else { Ok(("run", run_folder(path)?)) };
     }
     let mut head = Vec::new();
     let opened =
@@ -112,6 +113,25 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
         return Err(Box::new(error.hint(format!("known are the folder of a run, and: {}", names.join(", ")))));
     };
     Ok((kind.name, (kind.describe)(path)?))
+}
+
+/// What is computed, and how far it is.
+fn study_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
+    let study = StudyFolder::open(path)?;
+    let plan = study.plan()?;
+    let mut outcomes: BTreeMap<&str, usize> = BTreeMap::new();
+    for point in &plan.points {
+        *outcomes.entry(study.state(point).word()).or_default() += 1;
+    }
+    let fixed: Map<String, Value> = plan.scenario.fixed.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
+    let outcomes: Map<String, Value> = outcomes.into_iter().map(|(word, count)| (word.into(), count.into())).collect();
+    Ok(vec![
+        ("script", plan.scenario.script.display().to_string().into()),
+        ("varied", plan.names.into()),
+        ("fixed", fixed.into()),
+        ("points", plan.points.len().into()),
+        ("outcomes", outcomes.into()),
+    ])
 }
 
 /// A fact in lines: a list below its name, the rest beside it.

@@ -52,6 +52,16 @@ pub enum PointState {
 }
 
 impl PointState {
+    /// Its word in tables.
+    pub fn word(&self) -> &'static str {
+        match self {
+            PointState::Done(record) => record.outcome.word(),
+            PointState::UnderWay => "under way",
+            PointState::Stopped(_) => "stopped",
+            PointState::Missing => "missing",
+        }
+    }
+
     /// Whether it is to be computed.
     pub fn is_open(&self) -> bool {
         match self {

@@ -49,8 +49,8 @@ impl StudyColumn {
 /// The table of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyTable {
-    /// Its columns: `index`, `id`, parameters, results, `outcome`, `cause`, `warnings`, `steps`, the balance of energy and momenta, `version`,
-    /// `scripts`, `command`, `wall_seconds`.
+    /// Its columns: `index`, `id`, parameters, results, `outcome`, `cause`, `warnings`, `steps`, the balance of energy and momenta,
+    /// `version`, `scripts`, `command`, `wall_seconds`.
     pub columns: Vec<StudyColumn>,
     /// Which of them are parameters.
     pub parameters: std::ops::Range<usize>,
@@ -172,13 +172,13 @@ fn texts(name: &str, values: Vec<Option<String>>) -> StudyColumn {
 
 /// How a point stands, and why it is not done.
 fn told(state: &PointState) -> (Option<String>, Option<String>) {
-    let (outcome, cause) = match state {
-        PointState::Done(record) => (record.outcome.word(), record.cause.clone()),
-        PointState::UnderWay => ("under way", None),
-        PointState::Stopped(who) => ("stopped", Some(format!("begun and not finished by {who}"))),
-        PointState::Missing => ("missing", Some("not begun".into())),
+    let cause = match state {
+        PointState::Done(record) => record.cause.clone(),
+        PointState::UnderWay => None,
+        PointState::Stopped(who) => Some(format!("begun and not finished by {who}")),
+        PointState::Missing => Some("not begun".into()),
     };
-    (Some(outcome.into()), cause)
+    (Some(state.word().into()), cause)
 }
 
 /// A parameter's column: numbers if all are.

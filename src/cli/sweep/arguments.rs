@@ -24,9 +24,9 @@ Examples:
   conserva sweep seal.rhai --vary gap=0..0.1 --vary stiffness=1e3..1e6:log --sample sobol:256
   conserva sweep out/seal-sweep --retry failed
 
-A script yields what the table shows with `result(\"peak pressure\", p)`. Each point is a run in a folder of its own; one that fails
-is a row with its cause. `conserva sweep` again computes what is missing. Exit code: 0 all points completed, 1 some did not, 3 files could not be
-written, 130 interrupted.
+A script yields what the table shows with `result(\"peak pressure\", p)`. Each point is a run in a folder of its own; one that fails is a
+row with its cause. `conserva sweep` again computes what is missing. Exit code: 0 all points completed, 1 some did not, 3 files could not
+be written, 130 interrupted.
 
 On a cluster: `--engine slurm`, or any engine around `conserva sweep plan`, `sweep point` and `sweep collect`, such as
   conserva sweep plan seal.rhai --vary gap=0..0.1:200 --out study
