@@ -45,7 +45,7 @@ enum Command {
     /// Go on with a run that was interrupted, to the same results
     Resume(resume::Arguments),
     /// Run a script for many values of its parameters, and make a table of what it yields
-    Sweep(sweep::Arguments),
+    Sweep(Box<sweep::Arguments>),
     /// Build a script's models and report what it would do and what is wrong; takes no step
     Check(check::Arguments),
     /// Run every function `test_…` of scripts, and scenarios as tests of their own checks
@@ -88,7 +88,7 @@ pub fn main() -> ExitCode {
     let work = move || match arguments.command {
         Command::Run(arguments) => run::run(arguments),
         Command::Resume(arguments) => resume::resume(arguments),
-        Command::Sweep(arguments) => sweep::sweep(arguments),
+        Command::Sweep(arguments) => sweep::sweep(*arguments),
         Command::Check(arguments) => check::check(arguments),
         Command::Test(arguments) => test::test(arguments),
         Command::Doc(arguments) => doc::doc(arguments),

@@ -43,9 +43,9 @@ pub fn read_study_file(path: &Path) -> Result<StudyFile, Box<Diagnostic>> {
         let line = error.span().map(|span| format!("line {}: ", text[..span.start.min(text.len())].matches('\n').count() + 1));
         refused(format!("{}{}", line.unwrap_or_default(), error.message()))
     })?;
-    let beside = |other: &PathBuf| path.parent().map_or(other.clone(), |folder| folder.join(other));
-    file.script = beside(&file.script);
-    file.values = file.values.as_ref().map(beside);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    file.script = folder.join(&file.script);
+    file.values = file.values.map(|values| folder.join(values));
     Ok(file)
 }
 

@@ -54,14 +54,14 @@ impl StudyProgress {
             }
         }
         if let Some(bar) = &self.bar {
-            if self.told.borrow().len() > 0 {
+            if !self.told.borrow().is_empty() {
                 bar.set_message(format!(", {} failed", self.told.borrow().len()));
             }
             bar.set_position(self.done.get() as u64);
         } else if !self.quiet && self.last.get().elapsed() >= BETWEEN_LINES {
             self.last.set(Instant::now());
             let left = self.begun.elapsed().mul_f64((self.count - self.done.get()) as f64 / self.done.get() as f64);
-            let failed = if self.told.borrow().len() > 0 { format!(", {} failed", self.told.borrow().len()) } else { String::new() };
+            let failed = if !self.told.borrow().is_empty() { format!(", {} failed", self.told.borrow().len()) } else { String::new() };
             complain(&format!("{} of {} points{failed}, about {:.0} s left\n", self.done.get(), self.count, left.as_secs_f64()));
         }
     }
