@@ -58,7 +58,7 @@ pub fn parquet(table: &Table) -> std::result::Result<Vec<u8>, String> {
 /// The bytes of the file of columns of equal length.
 ///
 /// # Errors
-/// As [`parquet`].
+/// As [`parquet()`].
 pub fn parquet_of(fields: &[Field]) -> std::result::Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     match write(fields, &mut bytes) {
