@@ -357,6 +357,7 @@ mod tests {
             "dt": 0.005,
             "held": true
           },
+          "results": {},
           "version": "",
           "bodies": 0,
           "unknowns": 0,

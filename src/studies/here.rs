@@ -166,6 +166,9 @@ impl Pool<'_> {
                 }
             };
             give(orders, &index.to_string());
+            if self.is_over.load(Ordering::Relaxed) {
+                give(orders, STOP);
+            }
             let mut answer = String::new();
             let read = running.answers.read_line(&mut answer);
             match (read, answer.trim()) {
@@ -235,7 +238,13 @@ impl Pool<'_> {
         }
         if code.is_some() {
             let error = Diagnostic::error(Class::Output, format!("the point {} could not be computed", point.id));
-            let error = said.lines().filter(|line| !line.trim().is_empty()).fold(error, |error, line| error.cause(line));
+            // Of its message, what is wrong and how to mend it.
+            let error =
+                said.lines().fold(error, |error, line| match (line.strip_prefix("error: "), line.trim().strip_prefix("= hint: ")) {
+                    (Some(title), _) => error.cause(title),
+                    (_, Some(hint)) => error.hint(hint),
+                    _ => error,
+                });
             let error = error.hint("`conserva sweep` again goes on with what is missing");
             let _ = sender.send(Message::Trouble(Box::new(error)));
             return false;

@@ -143,9 +143,9 @@ const FAILURES: [(&str, &str, &str); 7] = [
 fn points_that_fail_are_rows_and_harm_no_others() {
     let folder = folder("failures", BLOCK);
     let mut rows = vec!["spin,kind".to_string()];
-    for index in 0..30 {
-        let kind = if index % 4 == 1 { FAILURES.get(index / 4).map_or("well", |(kind, ..)| kind) } else { "well" };
-        rows.push(format!("{},{kind}", 1.0 + 0.125 * index as f64));
+    for index in 0..200 {
+        let kind = if index % 28 == 1 { FAILURES.get(index / 28).map_or("well", |(kind, ..)| kind) } else { "well" };
+        rows.push(format!("{},{kind}", 1.0 + index as f64 / 64.0));
     }
     std::fs::write(folder.join("points.csv"), rows.join("\n") + "\n").unwrap();
     let arguments = ["sweep", "main.rhai", "--values", "points.csv", "--point-time", "2s", "--max-operations", "100000", "--out", "study"];
@@ -153,7 +153,7 @@ fn points_that_fail_are_rows_and_harm_no_others() {
     assert_eq!(stderr(&output).lines().filter(|line| line.starts_with("point ")).count(), 7, "{}", stderr(&output));
     let study = folder.join("study");
     let table_of_all = table(&study);
-    assert_eq!(column(&table_of_all, "outcome").iter().filter(|outcome| **outcome == "completed").count(), 23);
+    assert_eq!(column(&table_of_all, "outcome").iter().filter(|outcome| **outcome == "completed").count(), 193);
     for (kind, outcome, said) in FAILURES {
         let row = table_of_all.iter().find(|row| row["kind"] == kind).unwrap();
         assert_eq!(row["outcome"], outcome, "{kind}");

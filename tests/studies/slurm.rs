@@ -77,9 +77,10 @@ fn slurm_computes_the_same_table_and_lost_tasks_are_made_up_for() {
     assert_eq!(nodes, [true, true], "both nodes compute");
 
     // Long points: one task is cancelled, one requeued while it runs, and the program that follows is ended.
-    let long = ["sweep", "main.rhai", "--vary", "spin=1..4:4", "--set", "steps=6000", "--out", "long", "--engine", "slurm"];
+    let long = ["sweep", "main.rhai", "--vary", "spin=1..4:4", "--set", "steps=20000", "--out", "long", "--engine", "slurm"];
     let mut follower = slurm.conserva(&folder, &long).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    slurm.wait("two running tasks", |queue| queue.matches("RUNNING").count() == 2);
+    let claim = |spin: &str| std::fs::read_to_string(folder.join(format!("long/points/spin={spin}/.claim"))).unwrap_or_default();
+    slurm.wait("two running points", |_| ["1", "2"].iter().all(|spin| claim(spin).contains("Slurm task")));
     let job = std::fs::read_to_string(folder.join("long/slurm/jobs.txt")).unwrap().trim().to_string();
     follower.kill().unwrap();
     follower.wait().unwrap();
