@@ -102,6 +102,12 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
     if kind.is_dir() {
         return if StudyFolder::is_study(path) { Ok(("study", study_folder(path)?)) } else { Ok(("run", run_folder(path)?)) };
     }
+    // A file of a study beside its plan tells what the study is; its rows have words, too.
+    if let Some(study) = path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
+        && StudyFolder::is_study(study)
+    {
+        return Ok(("file of a study", study_folder(study)?));
+    }
     let mut head = Vec::new();
     let opened =
         std::fs::File::open(path).and_then(|file| std::io::Read::read_to_end(&mut std::io::Read::take(file, HEAD as u64), &mut head));

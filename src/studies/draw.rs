@@ -22,7 +22,7 @@ const FAMILY: usize = 7;
 /// Pictures at most: a study of many results is looked at in its table.
 const MOST: usize = 60;
 /// From this ratio of the largest to the smallest value on, an axis is logarithmic.
-const WIDE: f64 = 90.0;
+const WIDE: f64 = 30.0;
 
 /// A column of numbers by its name.
 struct Named<'a> {
@@ -64,20 +64,21 @@ fn count_different(column: &StudyColumn) -> usize {
 /// A curve over one parameter for each combination of the others; none where these are too many to be told apart.
 fn family(parameters: &[&StudyColumn], axis: usize, result: &Named) -> Option<Vec<Curve>> {
     let xs = parameters[axis].numbers()?;
-    let mut curves: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
+    // Each with the row at which it begins.
+    let mut curves: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
+    let others = || parameters.iter().enumerate().filter(|(place, _)| *place != axis).map(|(_, column)| column);
     for (row, (x, y)) in xs.iter().zip(result.values).enumerate() {
-        let others = parameters.iter().enumerate().filter(|(place, _)| *place != axis);
-        let label = others.map(|(_, column)| format!("{} = {}", column.name(), column.cell(row))).collect::<Vec<_>>().join(", ");
         let (Some(x), Some(y)) = (*x, *y) else { continue };
-        match curves.iter().position(|(known, _)| *known == label) {
+        match curves.iter().position(|&(first, _)| others().all(|column| column.cell(first) == column.cell(row))) {
             Some(place) => curves[place].1.push([x, y]),
             None if curves.len() == FAMILY => return None,
-            None => curves.push((label, vec![[x, y]])),
+            None => curves.push((row, vec![[x, y]])),
         }
     }
     let is_family = curves.iter().any(|(_, points)| points.len() > 1);
-    let curve = |(label, mut points): (String, Vec<[f64; 2]>)| {
+    let curve = |(row, mut points): (usize, Vec<[f64; 2]>)| {
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let label = others().map(|column| format!("{} = {}", column.name(), column.shown(row))).collect::<Vec<_>>().join(", ");
         let label = if label.is_empty() { result.name.to_string() } else { label };
         Curve {
             label,

@@ -95,10 +95,7 @@ fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
         let cells: String = shown
             .iter()
             .map(|column| {
-                let words = match column {
-                    StudyColumn::Texts(texts) => texts.values[row].clone().unwrap_or_default(),
-                    StudyColumn::Numbers(numbers) => numbers.values[row].map_or_else(String::new, short),
-                };
+                let words = column.shown(row);
                 let kind = if column.numbers().is_some() { " class=\"number\"" } else { "" };
                 // The run of a point has a page of its own.
                 let report = study.point(&plan.points[row]).join("report.html");
@@ -111,12 +108,6 @@ fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
         text += &format!("<tr>{cells}</tr>\n");
     }
     text + "</tbody></table></div>\n"
-}
-
-/// A number in as many digits as a reader takes in; `table.csv` has all.
-fn short(value: f64) -> String {
-    let value: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    if value == 0.0 || (0.001..1e9).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// A text as HTML has it.

@@ -37,6 +37,14 @@ impl StudyColumn {
         }
     }
 
+    /// A cell for people: in as many digits as one takes in.
+    pub fn shown(&self, row: usize) -> String {
+        match self {
+            StudyColumn::Numbers(column) => column.values[row].map_or_else(String::new, short),
+            StudyColumn::Texts(column) => column.values[row].clone().unwrap_or_default(),
+        }
+    }
+
     /// Its numbers, if it has numbers.
     pub fn numbers(&self) -> Option<&[Option<f64>]> {
         match self {
@@ -155,6 +163,12 @@ impl StudyTable {
 /// A result of a point.
 fn value_of<'a>(record: Option<&'a Record>, name: &str) -> Option<&'a Value> {
     record?.results.iter().find(|result| result.name == name).map(|result| &result.value)
+}
+
+/// A number in six digits.
+fn short(value: f64) -> String {
+    let value: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if value == 0.0 || (0.001..1e9).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// A name that no column of the program has.
