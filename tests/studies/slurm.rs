@@ -77,7 +77,7 @@ fn slurm_computes_the_same_table_and_lost_tasks_are_made_up_for() {
     assert_eq!(nodes, [true, true], "both nodes compute");
 
     // Long points: one task is cancelled, one requeued while it runs, and the program that follows is ended.
-    let long = ["sweep", "main.rhai", "--vary", "spin=1..4:4", "--set", "steps=20000", "--out", "long", "--engine", "slurm"];
+    let long = ["sweep", "main.rhai", "--vary", "spin=1..4:4", "--set", "steps=120000", "--out", "long", "--engine", "slurm"];
     let mut follower = slurm.conserva(&folder, &long).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let claim = |spin: &str| std::fs::read_to_string(folder.join(format!("long/points/spin={spin}/.claim"))).unwrap_or_default();
     slurm.wait("two running points", |_| ["1", "2"].iter().all(|spin| claim(spin).contains("Slurm task")));
@@ -86,7 +86,8 @@ fn slurm_computes_the_same_table_and_lost_tasks_are_made_up_for() {
     follower.wait().unwrap();
     assert!(slurm.command("scontrol", &["requeue", &format!("{job}_0")]).status.success());
     assert!(slurm.command("scancel", &[&format!("{job}_1"), &format!("{job}_3")]).status.success());
-    // A requeued task waits for two minutes; it may as well start now.
+    // A requeued task waits for two minutes; it may as well start now, but not in the second in which it was ended: then Slurm revokes it.
+    std::thread::sleep(Duration::from_secs(3));
     slurm.wait("the requeued task", |queue| {
         let _ = slurm.command("scontrol", &["update", &format!("JobId={job}_0"), "StartTime=now"]);
         queue.lines().all(|line| !line.contains("PENDING"))
