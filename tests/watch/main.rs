@@ -7,6 +7,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -138,8 +139,15 @@ fn read(mut stream: TcpStream) -> (u16, String) {
     (status, text.split_once("\r\n\r\n").map(|(_, content)| content.to_string()).unwrap_or_default())
 }
 
+/// One test after another: readers of one would take the time that a process waits at its end for those of another.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 #[test]
 fn nobody_else_gets_an_answer() {
+    let _alone = alone();
     let run = Watched::endless("refused");
     run.wait();
     let (host, path) = (run.host().to_string(), run.path().to_string());
@@ -182,6 +190,7 @@ fn nobody_else_gets_an_answer() {
 
 #[test]
 fn who_is_slow_or_asks_too_much_is_left_behind() {
+    let _alone = alone();
     let run = Watched::endless("slow");
     run.wait();
     let request = format!("GET {} HTTP/1.1\r\nHost: {}\r\n\r\n", run.path(), run.host());
@@ -226,6 +235,7 @@ fn who_is_slow_or_asks_too_much_is_left_behind() {
 
 #[test]
 fn a_hundred_readers_change_nothing() {
+    let _alone = alone();
     let home = folder("crowd", BOUNCE);
     let quiet = |arguments: &[&str]| conserva(&home, arguments).output().unwrap().status.code();
     assert_eq!(quiet(&["run", "main.rhai", "--out", "alone", "--quiet", "--set", "end=10", "--set", "cells=8"]), Some(0));
@@ -292,6 +302,7 @@ impl Reader {
 
 #[test]
 fn readers_have_the_rows_of_the_history_when_it_has_ended() {
+    let _alone = alone();
     // More rows than a page shows, steps that are taken back, stills that are thinned.
     let home = folder("rows", BOUNCE);
     let mut run = Watched::start(&home, &["run", "main.rhai", "--out", "out", "--quiet", "--watch", "--set", "end=25", "--set", "cells=3"]);
@@ -342,6 +353,7 @@ fn readers_have_the_rows_of_the_history_when_it_has_ended() {
 
 #[test]
 fn ports_logs_and_resumed_runs() {
+    let _alone = alone();
     let home = folder("ports", BOUNCE);
     let run = Watched::start(&home, &["run", "main.rhai", "--out", "out", "--log", "json", "--watch", "--set", "end=1e6"]);
     run.wait();
@@ -374,6 +386,7 @@ fn ports_logs_and_resumed_runs() {
 
 #[test]
 fn the_page_follows_and_tells_the_end() {
+    let _alone = alone();
     let home = folder("browser", BOUNCE);
     let Some(mut page) = Browser::start(&home.join("profile")) else {
         return eprintln!("SKIPPED: no Chromium on this machine, so nobody has looked at the page that follows a run");
