@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 /// Whether a column of a history holds counts, which are written without a fraction.
 pub fn is_count(column: &str) -> bool {
-    ["step", "newton_iterations", "halvings", "active"].contains(&column)
+    ["step", "newton_iterations", "halvings", "active", "factorizations"].contains(&column)
 }
 
 /// A named column; `None` where there is no value.

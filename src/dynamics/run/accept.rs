@@ -42,7 +42,7 @@ where
         conditions: &Conditions,
         jump: Option<Jump>,
     ) -> Result<State, StepError> {
-        let Solution { at, active, iterations } = solution;
+        let Solution { at, active, preferred } = solution;
         let search = self.system.search();
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
         let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.is_closed() { lambda } else { 0.0 }).collect();
@@ -64,7 +64,6 @@ where
             kinetic: half_product(&v_1, &momenta),
             strain: system.strain_energy(&at.q_1),
             reserve: reserve.iter().sum(),
-            newton_iterations: iterations,
             active: system.touching(&active),
             momentum: system.nodes.resultant(&momenta),
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
@@ -109,6 +108,7 @@ where
             clock: self.state.clock,
             search,
             level: self.state.level,
+            preferred,
             loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
         };
         self.system.recycle(at);

@@ -14,7 +14,7 @@ use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::parts::contact_pair::RowState;
-use crate::dynamics::step::newton::Trace;
+use crate::dynamics::step::newton::{Preferred, Trace};
 use crate::dynamics::step::system::System;
 use crate::linear::Watch;
 
@@ -82,6 +82,7 @@ where
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
             search: system.search(),
             level: 0,
+            preferred: Preferred::default(),
             loads_ended: 0.0,
             positions,
             velocities,

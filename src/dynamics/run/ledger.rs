@@ -35,8 +35,11 @@ pub struct LedgerRow {
     pub momentum_defect: f64,
     /// Largest component of the angular momentum's change that neither loads nor reactions explain.
     pub angular_momentum_defect: f64,
-    /// Newton iterations of the accepted step.
+    /// Newton iterations of the step: those of the attempt that solved it, of attempts that failed before, and of steps that were refused
+    /// and halved.
     pub newton_iterations: usize,
+    /// Numeric factorisations of the step, counted in the same way.
+    pub factorizations: usize,
     /// How often the step was halved before it was accepted.
     pub halvings: usize,
     /// Number of active contact nodes.
@@ -163,6 +166,7 @@ impl LedgerRow {
             "max_penetration",
             "reserve",
             "dissipation",
+            "factorizations",
         ]);
         names
     }
@@ -194,6 +198,7 @@ impl LedgerRow {
             "momentum_defect" => self.momentum_defect,
             "angular_momentum_defect" => self.angular_momentum_defect,
             "newton_iterations" => self.newton_iterations as f64,
+            "factorizations" => self.factorizations as f64,
             "halvings" => self.halvings as f64,
             "active" => self.active as f64,
             "max_penetration" => self.max_penetration,

@@ -64,6 +64,8 @@ pub struct Statistics {
     pub halvings: usize,
     /// Numeric factorisations.
     pub factorizations: usize,
+    /// Those of attempts that failed and of steps that were taken back.
+    pub discarded: usize,
     /// What the linear solver has done, factorisations of refused steps included.
     pub linear: Work,
     /// Times that residual and tangent of all cells were computed.

@@ -66,12 +66,20 @@ where
             energy,
             tolerance: options.tolerance,
             at_least: 0,
+            preferred: state.preferred,
             interrupted: &|| options.interrupted(),
         };
+        let before = self.system.counters;
         let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
-        self.check_search(&outlook, MORE_MOTION, &solution)?;
-        if may_be_halved && let Some(motion) = self.system.came_through(&solution.at, &conditions) {
-            return Err(Failure::Foreseen(motion));
+        let taken_back = match self.check_search(&outlook, MORE_MOTION, &solution) {
+            Ok(()) if may_be_halved => self.system.came_through(&solution.at, &conditions).map(Failure::Foreseen),
+            outcome => outcome.err(),
+        };
+        if let Some(failure) = taken_back {
+            // What failed attempts have cost is counted already.
+            let counters = &mut self.system.counters;
+            counters.discarded = before.discarded + (counters.factorizations - before.factorizations);
+            return Err(failure);
         }
         let jump = self.velocity_jump(&start, &motion, &solution, &conditions)?;
         self.accept(&start, &motion, solution, &conditions, jump).map_err(Failure::Fatal)

@@ -10,6 +10,10 @@ use super::ledger::LedgerRow;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, SLIDING};
 
+/// Share of the factorizations that may be for nothing before it is told, of more than a few.
+const DISCARDED: f64 = 1.0 / 3.0;
+const FEW: usize = 100;
+
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunFindingKind {
@@ -33,6 +37,8 @@ pub enum RunFindingKind {
     TooFast(MotionKind),
     /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
     Failures(&'static str),
+    /// Much of the work went into attempts that failed and steps that were taken back; the value is its share of the factorisations.
+    Discarded,
 }
 
 impl RunFindingKind {
@@ -53,6 +59,7 @@ impl RunFindingKind {
         ),
         ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
+        ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
     ];
 
     /// Its stable name.
@@ -68,6 +75,7 @@ impl RunFindingKind {
             RunFindingKind::Motion(motion) => motion.name(),
             RunFindingKind::TooFast(_) => "motion_too_fast",
             RunFindingKind::Failures(_) => "failed_steps",
+            RunFindingKind::Discarded => "work_discarded",
         }
     }
 }
@@ -106,6 +114,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::Motion(motion) => write!(out, "steps are halved beforehand: fast {} in {contact}", motion.name()),
             RunFindingKind::TooFast(motion) => write!(out, "steps are too large: fast {} in {contact}", motion.name()),
             RunFindingKind::Failures(cause) => write!(out, "steps are taken back and halved: {cause}"),
+            RunFindingKind::Discarded => write!(out, "much of the work was for nothing"),
         }
     }
 }
@@ -132,6 +141,9 @@ impl RunFinding {
             RunFindingKind::Motion(_) => "nothing is lost but time; a smaller dt or coarser facets avoid it",
             RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
             RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
+            RunFindingKind::Discarded => {
+                "results are right, and only time is lost; a smaller dt helps, or facets of about the same size on both sides of a contact"
+            }
         }
     }
 
@@ -174,6 +186,9 @@ pub struct Measures<'a> {
     pub halvings: &'a [Halving],
     /// Why they would have to be, but could not.
     pub refused: &'a [Halving],
+    /// Factorisations so far, and those among them of attempts that failed and of steps that were taken back.
+    pub factorizations: usize,
+    pub discarded: usize,
 }
 
 /// Everything found about a run with these rows, in a fixed order.
@@ -243,6 +258,15 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
             }
         }
     }
+    let &Measures { factorizations, discarded, .. } = measures;
+    let share = discarded as f64 / factorizations.max(1) as f64;
+    if share > DISCARDED && factorizations > FEW {
+        let explanation = format!(
+            "of {factorizations} factorizations {discarded} belong to attempts of Newton's method that failed or to steps that were taken back"
+        );
+        let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
+        found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
+    }
     found
 }
 
@@ -297,6 +321,8 @@ mod tests {
             integrator: "midpoint",
             halvings: &[],
             refused: &[],
+            factorizations: 1000,
+            discarded: 10,
         }
     }
 

@@ -23,7 +23,7 @@ use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::contact_set::meets;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::newton::{Solution, Task, solve};
+use crate::dynamics::step::newton::{Preferred, Solution, Task, solve};
 use crate::dynamics::step::predictor::follow_prescribed;
 use crate::dynamics::step::start::{Course, REST_WEIGHT, StepStart};
 use crate::math::tolerances;
@@ -314,6 +314,7 @@ where
             energy: self.system.strain_energy(positions).max(floor),
             tolerance: options.tolerance,
             at_least: 1,
+            preferred: Preferred::default(),
             interrupted: &|| options.interrupted(),
         };
         solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ledger::LedgerRow;
 use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::step::newton::Preferred;
 use crate::dynamics::step::search_history::SearchHistory;
 
 /// Everything that the future of a simulation depends on. A value: keep it, restore it, branch from it.
@@ -35,6 +36,8 @@ pub struct State {
     pub(super) search: Arc<SearchHistory>,
     /// Halvings with which the next nominal step begins.
     pub(super) level: usize,
+    /// Which attempt of Newton's method the next step tries first.
+    pub(super) preferred: Preferred,
     /// End of the last step in which a load acted.
     pub(super) loads_ended: f64,
 }

@@ -11,6 +11,7 @@ pub struct Tally {
     pub(super) newton_iterations: usize,
     pub(super) halvings: usize,
     pub(super) factorizations: usize,
+    pub(super) discarded: usize,
     pub(super) assemblies: usize,
     pub(super) causes: Halvings,
 }

@@ -67,15 +67,16 @@ where
     }
 
     fn tally(&self) -> Tally {
-        let Statistics { steps, newton_iterations, halvings, factorizations, assemblies, .. } = self.statistics();
-        Tally { steps, newton_iterations, halvings, factorizations, assemblies, causes: self.halvings.clone() }
+        let Statistics { steps, newton_iterations, halvings, factorizations, discarded, assemblies, .. } = self.statistics();
+        Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes: self.halvings.clone() }
     }
 
     fn count_from(&mut self, tally: &Tally) {
-        let Tally { steps, newton_iterations, halvings, factorizations, assemblies, causes } = tally;
+        let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes } = tally;
         let counted = Statistics { steps: *steps, newton_iterations: *newton_iterations, halvings: *halvings, ..self.statistics };
         (self.statistics, self.halvings) = (counted, causes.clone());
-        (self.system.counters.factorizations, self.system.counters.assemblies) = (*factorizations, *assemblies);
+        let counters = &mut self.system.counters;
+        (counters.factorizations, counters.discarded, counters.assemblies) = (*factorizations, *discarded, *assemblies);
     }
 
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
@@ -157,6 +158,8 @@ where
             defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
             halvings: self.halvings.all(),
             refused: self.halvings.refused(),
+            factorizations: system.counters.factorizations,
+            discarded: system.counters.discarded,
         }
     }
 
@@ -169,6 +172,7 @@ where
     fn statistics(&self) -> Statistics {
         Statistics {
             factorizations: self.system.counters.factorizations,
+            discarded: self.system.counters.discarded,
             linear: self.system.work(),
             assemblies: self.system.counters.assemblies,
             cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),
@@ -183,6 +187,11 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
+    /// Newton iterations and factorisations so far.
+    fn work(&self) -> [usize; 2] {
+        [self.statistics.newton_iterations, self.system.counters.factorizations]
+    }
+
     /// A nominal step, in pieces where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         if self.options.integrator.remembers_force() && self.state.row.step == 0 {
@@ -197,6 +206,8 @@ where
         let (target, whole) = match end {
             Some(end) if end < nominal_end - tolerances::SAME_MOMENT * self.options.dt => (end, false),
             Some(end) if end < nominal_end + tolerances::SAME_MOMENT * self.options.dt => (end, true),
+            // A rest that is shorter than half a step is shared with the step before it.
+            Some(end) if end < nominal_end + 0.5 * self.options.dt => (from + 0.5 * (end - from), false),
             _ => (nominal_end, true),
         };
         let dt = if whole { self.options.dt } else { target - from };
@@ -205,6 +216,7 @@ where
         let (mut done, mut halvings) = (0usize, 0);
         let mut all = 1usize << level;
         self.tries.clear();
+        let mut booked = self.work();
         while done < all {
             if self.options.interrupted() {
                 return Err(StepError::Interrupted { time: self.state.row.time });
@@ -214,6 +226,9 @@ where
                     done += 1;
                     state.row.time = if done == all { target } else { from + dt * (done as f64 / all as f64) };
                     state.row.halvings = std::mem::take(&mut halvings);
+                    let [iterations, factorizations] = std::mem::replace(&mut booked, self.work());
+                    state.row.newton_iterations = booked[0] - iterations;
+                    state.row.factorizations = booked[1] - factorizations;
                     if done == all {
                         state.level = level.saturating_sub(1);
                         let (origin, count) = if whole { (origin, count + 1) } else { (target, 0) };

@@ -87,7 +87,7 @@ impl<const D: usize> System<D> {
                     members[row] = pair.equality || gap_n[row] <= held + closed;
                     targets[row] = gap_n[row];
                 } else if !pair.equality {
-                    targets[row] = if gap_n[row] < held - closed { gap_n[row] } else { held };
+                    targets[row] = gap_n[row].min(held);
                 }
             }
         }

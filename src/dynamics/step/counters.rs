@@ -24,6 +24,8 @@ pub struct Counters {
     pub times: PhaseTimes,
     /// Numeric factorisations.
     pub factorizations: usize,
+    /// Those of attempts that failed and of steps that were taken back.
+    pub discarded: usize,
     /// Times that forces were computed.
     pub assemblies: usize,
 }

@@ -4,6 +4,7 @@ pub mod assembly;
 pub mod conditions;
 pub mod constraints;
 pub mod contact_set;
+pub mod convergence;
 pub mod counters;
 pub mod failure;
 pub mod foresight;

@@ -4,8 +4,11 @@
 //! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap sit out the step; convergence is decided by the
 //! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
+use serde::{Deserialize, Serialize};
+
 use super::conditions::Conditions;
 use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, starting_set, violation, worst_violation};
+use super::convergence::{Convergence, Judgement};
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::StepStart;
@@ -24,8 +27,18 @@ pub struct Solution {
     pub at: Linearization,
     /// What every constraint row is.
     pub active: Vec<RowState>,
-    /// Newton iterations.
-    pub iterations: usize,
+    /// The attempt that a later step tries first.
+    pub preferred: Preferred,
+}
+
+/// The attempt that succeeded where the usual first one failed: the steps that follow try it first, because what made the usual one fail
+/// lasts for some steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Preferred {
+    /// Its place in the list of attempts.
+    attempt: u8,
+    /// Steps in a row that it has solved.
+    steps: u8,
 }
 
 /// The course of Newton's method, kept for the report of a failure.
@@ -87,17 +100,21 @@ pub struct Task<'a> {
     pub tolerance: f64,
     /// Iterations before it may be done: a step that starts at its own solution moves no energy, whatever its residual.
     pub at_least: usize,
+    /// What the last steps tell of the order of attempts.
+    pub preferred: Preferred,
     /// Whether the user wants the run to end.
     pub interrupted: &'a dyn Fn() -> bool,
 }
 
 const MAX_ITERATIONS: usize = 25;
 const MAX_BACKTRACKING_ITERATIONS: usize = 40;
-const MAX_INNER: usize = 20;
 
-/// Growth of the energy, over what is tolerated, up to which a residual that falls no longer may be round-off, and what counts as falling.
-const STALLED: f64 = 100.0;
-const FALLING: f64 = 0.5;
+/// Sets that the inner loop tries on one linearisation: a solution is found within a few, or not at all, and then the next linearisation
+/// is worth more than a further set.
+const MAX_INNER: usize = 6;
+
+/// Steps after which the usual attempt goes first again.
+const PREFERRED_STEPS: u8 = 8;
 
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
@@ -111,7 +128,25 @@ const ATTEMPTS: [(Strategy, Correction); 5] = [
     (Strategy::Backtracking, Correction::PerNode),
 ];
 
-/// Solves one step by the first attempt that converges; `iterations` counts, `trace` tells their course.
+impl Preferred {
+    /// The attempts in the order in which they are tried.
+    fn order(self) -> impl Iterator<Item = usize> {
+        let first = if self.steps < PREFERRED_STEPS { usize::from(self.attempt) } else { 0 };
+        std::iter::once(first).chain((0..ATTEMPTS.len()).filter(move |&attempt| attempt != first))
+    }
+
+    /// After a step that an attempt has solved.
+    fn after(self, attempt: usize) -> Preferred {
+        let attempt = attempt as u8;
+        match attempt {
+            0 => Preferred::default(),
+            _ if attempt == self.attempt && self.steps < PREFERRED_STEPS => Preferred { attempt, steps: self.steps + 1 },
+            _ => Preferred { attempt, steps: 1 },
+        }
+    }
+}
+
+/// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` tells their course.
 ///
 /// # Errors
 /// Why the last attempt did not converge.
@@ -119,23 +154,26 @@ pub fn solve<const D: usize>(system: &mut System<D>, task: &Task, iterations: &m
 where
     Space<D>: Elements<D>,
 {
-    let before = system.counters.factorizations;
     trace.earlier.clear();
     let mut outcome = Err(Failure::Iterations);
-    for (number, (strategy, correction)) in ATTEMPTS.into_iter().enumerate() {
+    for (number, index) in task.preferred.order().enumerate() {
+        let ((strategy, correction), before) = (ATTEMPTS[index], system.counters.factorizations);
         if number > 0 {
             trace.earlier.push(std::mem::take(&mut trace.iterations));
         }
         system.set_correction(correction);
-        outcome = attempt(system, task, strategy, trace).map_err(|failure| failure.or_end(task.start.time));
+        outcome = attempt(system, task, strategy, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
         system.set_correction(Correction::default());
+        match &mut outcome {
+            Ok(solution) => solution.preferred = task.preferred.after(index),
+            Err(_) => system.counters.discarded += system.counters.factorizations - before,
+        }
         // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
         let is_hopeless = number == 0 && matches!(outcome, Err(Failure::Inverted { .. }));
         if system.multipliers == 0 || is_hopeless || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
         }
     }
-    *iterations += outcome.as_ref().map_or(system.counters.factorizations - before, |solution| solution.iterations);
     outcome
 }
 
@@ -152,7 +190,13 @@ struct Attempt<'a, const D: usize> {
 }
 
 /// Solves one step in one way; `trace` tells its course.
-fn attempt<const D: usize>(system: &mut System<D>, task: &Task, strategy: Strategy, trace: &mut Trace) -> Result<Solution, Failure>
+fn attempt<const D: usize>(
+    system: &mut System<D>,
+    task: &Task,
+    strategy: Strategy,
+    iterations: &mut usize,
+    trace: &mut Trace,
+) -> Result<Solution, Failure>
 where
     Space<D>: Elements<D>,
 {
@@ -166,34 +210,31 @@ where
         system,
         task,
     };
-    let mut last_energy = f64::INFINITY;
-    let iterations = if strategy == Strategy::InnerLoop { MAX_ITERATIONS } else { MAX_BACKTRACKING_ITERATIONS };
+    let mut convergence = Convergence::new(if strategy == Strategy::InnerLoop { MAX_ITERATIONS } else { MAX_BACKTRACKING_ITERATIONS });
     let mut at = attempt.system.linearize(task.start, task.predicted, &lambda)?;
-    for iteration in 0..=iterations {
+    for iteration in 0.. {
         if (task.interrupted)() {
             return Err(Failure::Fatal(StepError::Interrupted { time: task.start.time }));
         }
         if iteration > 0 {
             at = attempt.without_slivers(at)?;
         }
-        let (mut record, moved) = attempt.measure(&at);
-        let small = task.tolerance * task.energy.max(at.forces.internal_work.abs());
-        record.energy = moved / small;
-        // Round-off: the energy no longer falls although everything else has converged.
-        let stalled = (moved <= STALLED * small || record.residual <= record.floor) && moved > FALLING * last_energy;
-        let is_met = record.residual <= record.target && record.violation <= 1.0;
-        if iteration >= task.at_least && is_met && (moved <= small || stalled) {
-            // With a penalty every covered node is in the system: in contact are those that press.
-            let mut active = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
-            active.iter_mut().zip(&at.lambda).filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
-            return Ok(Solution { at, active, iterations: iteration });
+        let mut record = attempt.measure(&at);
+        match convergence.judge(iteration, task.at_least, &record) {
+            Judgement::Done => {
+                // With a penalty every covered node is in the system: in contact are those that press.
+                let mut active = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
+                active.iter_mut().zip(&at.lambda).filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
+                return Ok(Solution { at, active, preferred: Preferred::default() });
+            }
+            Judgement::GivesUp => {
+                record.active = attempt.active.iter().filter(|row| row.is_closed()).count();
+                trace.iterations.push(record);
+                break;
+            }
+            Judgement::GoesOn => {}
         }
-        last_energy = moved;
-        if iteration == iterations {
-            record.active = attempt.active.iter().filter(|row| row.is_closed()).count();
-            trace.iterations.push(record);
-            break;
-        }
+        *iterations += 1;
         let (mut set, increment, new_lambda);
         set = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
         (increment, new_lambda) = match strategy {
@@ -207,6 +248,7 @@ where
         record.active = set.iter().filter(|row| row.is_closed()).count();
         attempt.active = set;
         trace.iterations.push(record);
+        convergence.is_limited = largest_size(&increment) > attempt.limit;
         at = attempt.moved(strategy, at, &increment, &new_lambda, &mut trace.q_1)?;
     }
     Err(Failure::Iterations)
@@ -279,8 +321,8 @@ where
         Ok(best)
     }
 
-    /// The iterate in numbers, and the energy that its residual can still move.
-    fn measure(&self, at: &Linearization) -> (Iteration, f64) {
+    /// The iterate in numbers.
+    fn measure(&self, at: &Linearization) -> Iteration {
         let (system, task, forces) = (&*self.system, self.task, &at.forces);
         let mut record = Iteration::default();
         let mut work = 0.0;
@@ -315,7 +357,9 @@ where
         record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
         let contact_work;
         (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);
-        (record, momentum.max(work.abs() + contact_work.abs()))
+        let small = task.tolerance * task.energy.max(forces.internal_work.abs());
+        record.energy = momentum.max(work.abs() + contact_work.abs()) / small;
+        record
     }
 
     /// Finishes the set on the frozen linearisation: active nodes that pull leave, inactive nodes that would overlap enter.

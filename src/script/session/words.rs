@@ -40,7 +40,10 @@ const COLUMNS: &[(&str, &str)] = &[
     ("angular_momentum_z", "the angular momentum about the z axis [length * momentum]"),
     ("momentum_defect", "the largest change of linear momentum in this step that neither loads nor supports explain"),
     ("angular_momentum_defect", "the largest change of angular momentum in this step that neither loads nor supports explain"),
-    ("newton_iterations", "the Newton iterations of the step"),
+    (
+        "newton_iterations",
+        "the Newton iterations of the step, those of attempts that failed and of larger steps that were refused included",
+    ),
     ("halvings", "how often the step was tried and halved before it was accepted; what is halved untried is not counted"),
     ("active", "the number of closed contact nodes"),
     ("max_penetration", "the largest depth of a node of either side in the other body, point by point [length]"),

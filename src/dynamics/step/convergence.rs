@@ -1,0 +1,75 @@
+//! When the iterations of one attempt are done, go on or are given up.
+
+use super::newton::Iteration;
+
+/// Growth of the energy, over what is tolerated, up to which a residual that falls no longer may be round-off.
+const STALLED: f64 = 100.0;
+
+/// The part of the last iteration's energy above which it falls no longer: an iteration with an inexact tangent may take as little as a
+/// tenth, and what still falls is no round-off.
+const FALLING: f64 = 0.9;
+
+/// Residuals below their floor may be round-off however much energy they can move; then it must have stopped falling this many times in a
+/// row.
+const STALLS: usize = 2;
+
+/// Growth of the number of iterations while all is met but the energy, which still falls.
+const LONGER: usize = 3;
+
+/// The part of the least distance from a solution that counts as nearer, and the iterations without coming nearer after which an attempt
+/// is given up: what cycles does so until the last iteration.
+const NEARER: f64 = 0.7;
+const MAX_IDLE: usize = 4;
+
+/// What the iterations so far tell.
+pub struct Convergence {
+    /// Usual number of iterations.
+    most: usize,
+    /// Energy of the last iterate, and how often in a row it has not fallen.
+    last_energy: f64,
+    stalls: usize,
+    /// Least distance from a solution, and iterations since.
+    nearest: f64,
+    idle: usize,
+    /// Whether the last increment was not taken whole: then nothing can be expected of the residual yet.
+    pub is_limited: bool,
+}
+
+/// What comes after an iterate.
+pub enum Judgement {
+    /// It is the solution.
+    Done,
+    /// Another one.
+    GoesOn,
+    /// Another attempt.
+    GivesUp,
+}
+
+impl Convergence {
+    /// Nothing is known yet of an attempt of that many iterations.
+    pub fn new(most: usize) -> Self {
+        Convergence { most, last_energy: f64::INFINITY, stalls: 0, nearest: f64::INFINITY, idle: 0, is_limited: false }
+    }
+
+    /// Judges an iterate; not before the iteration `at_least` is it a solution.
+    pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> Judgement {
+        let falls = record.energy <= FALLING * self.last_energy;
+        self.last_energy = record.energy;
+        self.stalls = if falls { 0 } else { self.stalls + 1 };
+        let is_round_off = (record.energy <= STALLED && self.stalls > 0) || (record.residual <= record.floor && self.stalls >= STALLS);
+        let is_met = record.residual <= record.target && record.violation <= 1.0;
+        if iteration >= at_least && is_met && (record.energy <= 1.0 || is_round_off) {
+            return Judgement::Done;
+        }
+        let distance = (record.residual / record.target).max(record.violation);
+        if distance <= NEARER * self.nearest {
+            (self.nearest, self.idle) = (distance, 0);
+        } else if !self.is_limited {
+            self.idle += 1;
+        }
+        // What is met has only its energy to lose.
+        let is_idle = self.idle > MAX_IDLE && !(is_met && falls);
+        let is_over = iteration >= if is_met && falls { LONGER * self.most } else { self.most };
+        if is_idle || is_over { Judgement::GivesUp } else { Judgement::GoesOn }
+    }
+}
