@@ -48,7 +48,7 @@ where
         let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.is_closed() { lambda } else { 0.0 }).collect();
         let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
         let felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
-        let mut v_1 = motion.velocities(start.q_0, &at.q_1, &system.supports.prescribed);
+        let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let remembered =
             if scheme.remembers_force() { Arc::new(self.remembered(motion, &at.forces, &v_1)) } else { self.state.remembered.clone() };
         let outside = self.outside(start, motion, &at, &lambda, &v_1)?;

@@ -21,7 +21,7 @@ use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::push::Push;
-use crate::dynamics::step::start::{Motion, StepStart};
+use crate::dynamics::step::start::Motion;
 use crate::linear::LinearError;
 
 /// A change of the velocities at the end of a step.
@@ -68,19 +68,13 @@ where
     Space<D>: Elements<D>,
 {
     /// The velocity jump of a converged step; nothing where no constraint of the rule has closed or holds a reserve.
-    pub fn velocity_jump(
-        &mut self,
-        start: &StepStart,
-        motion: &Motion,
-        solution: &Solution,
-        conditions: &Conditions,
-    ) -> Result<Option<Jump>, Failure> {
+    pub fn velocity_jump(&mut self, motion: &Motion, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {
         let Rows { ours, hold, reserve, is_closing } = self.rows_at_end(solution, conditions);
         if !is_closing && reserve.iter().all(|reserve| *reserve == 0.0) {
             return Ok(None);
         }
         let unknowns = solution.at.q_1.len();
-        let mut v = motion.velocities(start.q_0, &solution.at.q_1, &self.system.supports.prescribed);
+        let mut v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
         let mut jump = Jump {
             velocity: vec![0.0; unknowns],
             impulse: vec![0.0; unknowns],

@@ -81,7 +81,7 @@ where
             counters.discarded = before.discarded + (counters.factorizations - before.factorizations);
             return Err(failure);
         }
-        let jump = self.velocity_jump(&start, &motion, &solution, &conditions)?;
+        let jump = self.velocity_jump(&motion, &solution, &conditions)?;
         self.accept(&start, &motion, solution, &conditions, jump).map_err(Failure::Fatal)
     }
 
@@ -133,7 +133,7 @@ where
         if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {
             return Err(self.failed(&Failure::Linear(error), 0.0, 0));
         }
-        match self.system.linearize(&start, &state.positions, &state.lambda) {
+        match self.system.linearize(&start, &state.positions, &vec![0.0; state.positions.len()], &state.lambda) {
             Ok(at) => {
                 let share = (1.0 - self.options.integrator.weight) / REST_WEIGHT;
                 let forces = at.forces.without_contact.iter().zip(&at.forces.contact);

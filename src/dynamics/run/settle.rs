@@ -175,7 +175,7 @@ where
         let undamped = vec![0.0; self.system.bodies.len()];
         let memory = self.state.memory.clone();
         let start = StepStart { time: self.state.row.time, q_0: &positions, memory: &memory, course: Course::Rest { damping: &undamped } };
-        let at = match self.system.linearize(&start, &positions, &self.state.lambda) {
+        let at = match self.system.linearize(&start, &positions, &vec![0.0; positions.len()], &self.state.lambda) {
             Ok(at) => at,
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => return Err(self.failed(&failure, 0.0, 0)),

@@ -25,16 +25,16 @@ where
         self.spare.recycle(at);
     }
 
-    /// The equations of a step at `q_1` and `lambda`.
+    /// The equations of a step at `q_1`, after a displacement `moved` in the step, and `lambda`.
     ///
     /// # Errors
     /// The iterate is no configuration, a time function failed, or forces are no numbers.
-    pub fn linearize(&mut self, start: &StepStart, q_1: &[f64], lambda: &[f64]) -> Result<Linearization, Failure> {
+    pub fn linearize(&mut self, start: &StepStart, q_1: &[f64], moved: &[f64], lambda: &[f64]) -> Result<Linearization, Failure> {
         let (mut at, is_probably_last) = self.spare.next();
-        at.q_1.clear();
-        at.q_1.extend_from_slice(q_1);
-        at.lambda.clear();
-        at.lambda.extend_from_slice(lambda);
+        for (own, values) in [(&mut at.q_1, q_1), (&mut at.moved, moved), (&mut at.lambda, lambda)] {
+            own.clear();
+            own.extend_from_slice(values);
+        }
         at.tangent_of = None;
         self.counters.assemblies += 1;
         self.sum_parts(start, &mut at, !is_probably_last)?;
@@ -57,7 +57,7 @@ where
     /// Forces of all parts and of inertia, and their tangent where it is wanted.
     fn sum_parts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) -> Result<(), Failure> {
         let clock = Instant::now();
-        let Linearization { q_1, forces, tangent, tangent_of, storage_of, .. } = at;
+        let Linearization { q_1, moved, forces, tangent, tangent_of, storage_of, .. } = at;
         let (unknowns, weight, derivative) = (q_1.len(), start.weight(), start.derivative());
         let generation = Some(self.matrix.generation);
         if wants_tangent && *storage_of != generation {
@@ -90,7 +90,7 @@ where
             *tangent_of = generation;
         }
 
-        start.opposed_into(q_1, &self.supports.prescribed, &mut motion);
+        start.opposed_into(moved, &self.supports.prescribed, &mut motion);
         let residual = &mut forces.without_contact;
         residual.clear();
         residual.resize(unknowns, 0.0);
@@ -100,7 +100,7 @@ where
             for k in body.nodes.start * D..body.nodes.end * D {
                 let inertial = inertia * residual[k];
                 forces.load[k] *= weight;
-                internal_work += internal[k] * (q_1[k] - start.q_0[k]);
+                internal_work += internal[k] * moved[k];
                 let external = forces.load[k] + weight * self.nodes.weight[k];
                 scale = scale.max(inertial.abs().max(internal[k].abs()).max(external.abs()));
                 residual[k] = inertial + internal[k] - external;

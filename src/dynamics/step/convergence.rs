@@ -19,7 +19,10 @@ const LONGER: usize = 3;
 /// The part of the least distance from a solution that counts as nearer, and the iterations without coming nearer after which an attempt
 /// is given up: what cycles does so until the last iteration.
 const NEARER: f64 = 0.7;
-const MAX_IDLE: usize = 4;
+const MAX_IDLE: usize = 6;
+
+/// Iterations without coming nearer after which increments are taken in part: two linearisations of a kink lead to each other for ever.
+const CYCLING: usize = 2;
 
 /// What the iterations so far tell.
 pub struct Convergence {
@@ -49,6 +52,11 @@ impl Convergence {
     /// Nothing is known yet of an attempt of that many iterations.
     pub fn new(most: usize) -> Self {
         Convergence { most, last_energy: f64::INFINITY, stalls: 0, nearest: f64::INFINITY, idle: 0, is_limited: false }
+    }
+
+    /// Whether iterates come no nearer.
+    pub fn is_cycling(&self) -> bool {
+        self.idle >= CYCLING
     }
 
     /// Judges an iterate; not before the iteration `at_least` is it a solution.

@@ -9,6 +9,8 @@ use crate::contact::Evaluation;
 pub struct Linearization {
     /// Positions.
     pub q_1: Vec<f64>,
+    /// Displacement in the step: `q_1 - q_0`, with the accuracy of its own size. Velocities follow from it, however short the step.
+    pub moved: Vec<f64>,
     /// Multipliers.
     pub lambda: Vec<f64>,
     /// Forces there.

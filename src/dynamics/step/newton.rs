@@ -114,8 +114,9 @@ const MAX_BACKTRACKING_ITERATIONS: usize = 40;
 const MAX_INNER: usize = 6;
 
 /// Proximal term of a multiplier over the compliance of its own node: small enough for few more iterations, large enough against what the
-/// neighbours' gradients lack to be independent.
+/// neighbours' gradients lack to be independent. Where that is not enough, the next iteration has ten times as much, up to the largest.
 const PROXIMAL: f64 = 0.1;
+const LARGEST_PROXIMAL: f64 = 10.0;
 
 /// Steps after which the usual attempt goes first again.
 const PREFERRED_STEPS: u8 = 8;
@@ -191,8 +192,8 @@ struct Attempt<'a, const D: usize> {
     active: Vec<RowState>,
     /// Largest component of an increment that is taken whole.
     limit: f64,
-    /// Whether no set solved the last linearisation.
-    is_proximal: bool,
+    /// Proximal term of the multipliers over the compliance of their nodes, where no set solved the last linearisation without one.
+    proximal: Option<f64>,
 }
 
 /// Solves one step in one way; `trace` tells its course.
@@ -209,16 +210,21 @@ where
     *trace = Trace { iterations: Vec::new(), q_1: task.predicted.to_vec(), earlier: std::mem::take(&mut trace.earlier) };
     let members = &task.conditions.members;
     let lambda: Vec<f64> = task.lambda.iter().zip(members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
+    let facet = system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min);
     let mut attempt = Attempt {
         dropped: members.iter().map(|member| !member).collect(),
         active: vec![RowState::Open; system.multipliers],
-        is_proximal: false,
-        limit: system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min) * tolerances::STEP_LIMIT,
+        proximal: None,
+        limit: match strategy {
+            Strategy::InnerLoop => facet * tolerances::STEP_LIMIT,
+            Strategy::Backtracking => f64::INFINITY,
+        },
         system,
         task,
     };
     let mut convergence = Convergence::new(if strategy == Strategy::InnerLoop { MAX_ITERATIONS } else { MAX_BACKTRACKING_ITERATIONS });
-    let mut at = attempt.system.linearize(task.start, task.predicted, &lambda)?;
+    let moved: Vec<f64> = task.predicted.iter().zip(task.start.q_0).map(|(predicted, q_0)| predicted - q_0).collect();
+    let mut at = attempt.system.linearize(task.start, task.predicted, &moved, &lambda)?;
     for iteration in 0.. {
         if (task.interrupted)() {
             return Err(Failure::Fatal(StepError::Interrupted { time: task.start.time }));
@@ -256,7 +262,8 @@ where
         attempt.active = set;
         trace.iterations.push(record);
         convergence.is_limited = largest_size(&increment) > attempt.limit;
-        at = attempt.moved(strategy, at, &increment, &new_lambda, &mut trace.q_1)?;
+        let searches = strategy == Strategy::Backtracking || convergence.is_cycling();
+        at = attempt.moved(searches, at, &increment, &new_lambda, &mut trace.q_1)?;
     }
     Err(Failure::Iterations)
 }
@@ -271,15 +278,16 @@ where
         if !drop_slivers(self.system, &at, &mut self.dropped, &mut lambda) {
             return Ok(at);
         }
-        let q_1 = at.q_1.clone();
+        let (q_1, moved) = (at.q_1.clone(), at.moved.clone());
         self.system.recycle(at);
-        self.system.linearize(self.task.start, &q_1, &lambda)
+        self.system.linearize(self.task.start, &q_1, &moved, &lambda)
     }
 
-    /// The next iterate, whose positions `q_1` tells even where forces cannot be computed.
+    /// The next iterate, by the limited increment or by the part of it that backtracking finds, whose positions `q_1` tells even where
+    /// forces cannot be computed.
     fn moved(
         &mut self,
-        strategy: Strategy,
+        searches: bool,
         at: Linearization,
         increment: &[f64],
         lambda: &[f64],
@@ -289,25 +297,25 @@ where
         if !largest.is_finite() {
             return Err(Failure::Diverged);
         }
-        let moved_to = |at: &Linearization, alpha: f64| -> (Vec<f64>, Vec<f64>) {
-            (
-                at.q_1.iter().zip(increment).map(|(q, d)| q + alpha * d).collect(),
-                at.lambda.iter().zip(lambda).map(|(old, new)| old + alpha * (new - old)).collect(),
-            )
+        let moved_to = |at: &Linearization, alpha: f64| -> [Vec<f64>; 3] {
+            let by_increment = |values: &[f64]| values.iter().zip(increment).map(|(q, d)| q + alpha * d).collect();
+            let multipliers = at.lambda.iter().zip(lambda).map(|(old, new)| old + alpha * (new - old)).collect();
+            [by_increment(&at.q_1), by_increment(&at.moved), multipliers]
         };
-        if strategy == Strategy::InnerLoop {
-            let alpha = if largest > self.limit { self.limit / largest } else { 1.0 };
-            let (q, lambda) = moved_to(&at, alpha);
+        let first = if largest > self.limit { self.limit / largest } else { 1.0 };
+        if !searches {
+            let alpha = first;
+            let [q, moved, lambda] = moved_to(&at, alpha);
             self.system.recycle(at);
             *q_1 = q;
-            return self.system.linearize(self.task.start, q_1, &lambda);
+            return self.system.linearize(self.task.start, q_1, &moved, &lambda);
         }
         let merit_before = self.merit(&at);
         let mut best: Option<(f64, Linearization)> = None;
         let mut refused = None;
-        for alpha in FRACTIONS {
-            let (q, lambda) = moved_to(&at, alpha);
-            let trial = match self.system.linearize(self.task.start, &q, &lambda) {
+        for alpha in FRACTIONS.map(|fraction| first * fraction) {
+            let [q, moved, lambda] = moved_to(&at, alpha);
+            let trial = match self.system.linearize(self.task.start, &q, &moved, &lambda) {
                 Ok(trial) => trial,
                 Err(failure) => {
                     refused = Some(failure);
@@ -347,7 +355,7 @@ where
                 if r.abs() > record.residual {
                     (record.residual, record.worst) = (r.abs(), k);
                 }
-                work += r * (at.q_1[k] - task.start.q_0[k]);
+                work += r * at.moved[k];
             }
             add_force(&mut resultant, &unbalanced);
             add_moment(&mut turning, &at.q_1[node * D..][..D], &unbalanced);
@@ -356,11 +364,11 @@ where
         let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let kick = size(resultant) + size(turning) / system.nodes.extent;
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
-        // Positions carry round-off in proportion to their size; stiffness and inertia turn it into force.
+        // Positions carry round-off in proportion to their size, displacements of a step to theirs; stiffness and inertia turn it into force.
         let reach = largest_size(&at.q_1).max(system.nodes.extent);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
-        let stiffness = system.nodes.modulus * system.nodes.extent.powi(D as i32 - 2) + inertia * system.nodes.largest_nodal_mass;
-        record.floor = tolerances::FORCE_FLOOR * stiffness * reach;
+        let (stiffness, mass) = (system.nodes.modulus * system.nodes.extent.powi(D as i32 - 2), system.nodes.largest_nodal_mass);
+        record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
         record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
         let contact_work;
         (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);
@@ -376,15 +384,18 @@ where
     /// conditions solvable, and nothing is left of it where multipliers do not change any more.
     fn inner_loop(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<(Vec<f64>, Vec<f64>), Failure> {
         let begun = set.clone();
-        let rounds = if self.is_proximal { 1 } else { MAX_INNER };
+        let rounds = if self.proximal.is_some() { 1 } else { MAX_INNER };
         let (is_solved, solution) = self.find_set(at, set, rounds, None)?;
-        self.is_proximal = !is_solved;
         if is_solved {
+            self.proximal = None;
             return Ok(solution);
         }
         *set = begun;
-        let proximal = self.proximal_terms(at);
-        Ok(self.find_set(at, set, MAX_INNER, Some(&proximal))?.1)
+        let factor = self.proximal.unwrap_or(PROXIMAL);
+        let terms = self.proximal_terms(at, factor);
+        let (is_solved, solution) = self.find_set(at, set, MAX_INNER, Some(&terms))?;
+        self.proximal = Some(if is_solved { PROXIMAL } else { (10.0 * factor).min(LARGEST_PROXIMAL) });
+        Ok(solution)
     }
 
     /// Changes a set, some rounds long, until it solves the frozen linearisation; whether it does, and the last solution.
@@ -428,11 +439,11 @@ where
     }
 
     /// Weighted gap per change of the multiplier of every row: a part of what the row's own node gives way by.
-    fn proximal_terms(&self, at: &Linearization) -> Vec<f64> {
+    fn proximal_terms(&self, at: &Linearization, factor: f64) -> Vec<f64> {
         let mut terms = self.system.row_stiffness(self.task.start);
         for (pair, evaluation) in pairs_at(self.system, at) {
             for (term, coverage) in terms[pair.rows.clone()].iter_mut().zip(&evaluation.coverage) {
-                *term = PROXIMAL * coverage * coverage / *term;
+                *term = factor * coverage * coverage / *term;
             }
         }
         terms

@@ -82,14 +82,14 @@ impl StepStart<'_> {
         self.time + self.derivative().placement().share * self.dt()
     }
 
-    /// What the mass opposes in a step to `q_1`: by the factor of [`Self::inertia`] a force `[length]`.
-    pub fn opposed_into(&self, q_1: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
+    /// What the mass opposes in a step with that displacement: by the factor of [`Self::inertia`] a force `[length]`.
+    pub fn opposed_into(&self, moved: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
         out.clear();
         let Course::Motion(motion) = &self.course else {
-            out.extend(q_1.iter().zip(self.q_0).map(|(q_1, q_0)| q_1 - q_0));
+            out.extend_from_slice(moved);
             return;
         };
-        out.extend(q_1.iter().zip(self.q_0).zip(motion.v_0).map(|((q_1, q_0), v_0)| q_1 - q_0 - motion.dt * v_0));
+        out.extend(moved.iter().zip(motion.v_0).map(|(moved, v_0)| moved - motion.dt * v_0));
         for (prescribed, v_1) in prescribed.iter().zip(motion.prescribed_v_1) {
             out[prescribed.unknown] = motion.scheme.kinematics.motion(v_1 - motion.v_0[prescribed.unknown], motion.dt);
         }
@@ -97,10 +97,10 @@ impl StepStart<'_> {
 }
 
 impl Motion<'_> {
-    /// Velocities of a step from `q_0` to `q_1`.
-    pub fn velocities(&self, q_0: &[f64], q_1: &[f64], prescribed: &[PrescribedUnknown]) -> Vec<f64> {
-        let velocity = |k: usize| self.scheme.kinematics.velocity(q_1[k] - q_0[k], self.v_0[k], self.dt);
-        let mut v_1: Vec<f64> = (0..q_1.len()).map(velocity).collect();
+    /// Velocities after a step with that displacement.
+    pub fn velocities(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Vec<f64> {
+        let velocity = |(moved, v_0): (&f64, &f64)| self.scheme.kinematics.velocity(*moved, *v_0, self.dt);
+        let mut v_1: Vec<f64> = moved.iter().zip(self.v_0).map(velocity).collect();
         for (prescribed, v) in prescribed.iter().zip(self.prescribed_v_1) {
             v_1[prescribed.unknown] = *v;
         }
