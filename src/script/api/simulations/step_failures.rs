@@ -3,9 +3,14 @@
 use super::handle::SimulationHandle;
 use crate::dynamics::{FailureCause, Interaction, Missing, StepError};
 use crate::script::api::time_functions::ClosureError;
-use crate::script::language::digits::brief;
+use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::{Class, Failure, interrupted};
 use crate::script::language::function::Call;
+
+/// `by 0.02, 0.21 facets, at [1.0, 2.0]`.
+pub(super) fn overlap_text(depth: f64, facets: f64, at: [f64; 2]) -> String {
+    format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(&at))
+}
 
 impl SimulationHandle {
     /// The failure of a call that took the step.
@@ -13,6 +18,7 @@ impl SimulationHandle {
         let (title, cure) = (error.to_string(), error.cure());
         match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(cure),
+            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, at)).hint(cure),
             StepError::OutOfMemory { .. } => Failure::new(Class::Numerics, title).hint(cure),
             StepError::Amplitude { source, .. } => match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
                 Some(inner) => call.fail(title).caused_by(inner),
