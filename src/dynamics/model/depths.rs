@@ -191,7 +191,8 @@ fn nearest(point: &Point, surface: &Surface, q: &[f64]) -> Option<(f64, usize)> 
         let length = t[0].hypot(t[1]);
         let outward = [t[1] / length, -t[0] / length];
         let looks_away = point.normal.is_some_and(|normal| normal[0] * outward[0] + normal[1] * outward[1] > OPPOSITE);
-        if looks_away || outward[0] * d[0] + outward[1] * d[1] >= 0.0 {
+        // A node that lies on the facet, as those of equal meshes do, is as near as can be.
+        if looks_away || outward[0] * d[0] + outward[1] * d[1] > 2.0 * BESIDE * length.max(point.size) {
             return None;
         }
         let share = ((t[0] * d[0] + t[1] * d[1]) / (length * length)).clamp(0.0, 1.0);

@@ -205,12 +205,12 @@ pub enum StepError {
         /// How to mend it.
         cure: String,
     },
-    /// Sides of a contact are inside each other although the model is at rest.
-    #[error("the sides of contact \"{contact}\" still overlap at rest, at t = {time}")]
+    /// Sides of a contact are inside each other, and nothing holds them apart.
+    #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
     StillOverlaps {
         /// Name of the contact.
         contact: String,
-        /// Time of the equilibrium.
+        /// Time of the state.
         time: f64,
         /// How deep `[length]`.
         depth: f64,
@@ -242,8 +242,8 @@ impl StepError {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
             StepError::NotConverged { cure, .. } => cure.clone(),
             StepError::StillOverlaps { .. } => {
-                "start with a smaller overlap, or let it grow over several calls of `settle` with times; see that the boundaries of the contact \
-                 face each other where the bodies overlap"
+                "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it grow \
+                 over several calls of `settle` with times; in motion, try a smaller `dt`"
                     .into()
             }
             StepError::Interrupted { .. } => "everything up to this time is kept".into(),

@@ -104,7 +104,7 @@ where
     ///
     /// # Errors
     /// There are such sides: the deepest of them.
-    pub fn check_apart(&self, closing: &Closing) -> Result<(), StepError> {
+    pub fn check_overlaps(&self, closing: &Closing) -> Result<(), StepError> {
         let is_left = |found: &Depth| {
             let Some(pair) = pair_of(&self.system, found).map(|index| &self.system.pairs[index]) else { return false };
             let presses = |row: usize| self.state.lambda[row] > 0.0;

@@ -173,7 +173,7 @@ where
         row.active = self.system.touching(active);
         row.max_penetration = contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
         (row.contacts, row.reactions, row.probes) = (contacts, reactions, probes);
-        self.check_apart(&course.closing)?;
+        self.check_overlaps(&course.closing)?;
         Ok(SettleReport {
             steps: course.steps,
             newton_iterations: self.statistics.newton_iterations - iterations_before,
@@ -245,8 +245,12 @@ where
         self.begin_at_rest(&outlook, &present.reaches)?;
         let mut predicted = present.predicted.clone();
         balance.shift(&self.system, &plan.shift, &mut predicted);
-        let mut closes_in_part = false;
-        let outcome = self.damped_step(positions, &predicted, &plan.damping, &course.closing, &mut closes_in_part);
+        let memory = self.state.memory.clone();
+        let rest = Course::Rest { damping: &plan.damping };
+        let start = StepStart { time: self.state.row.time, q_0: positions, memory: &memory, course: rest };
+        let mut conditions = self.conditions_at_rest(&start);
+        let closes_in_part = course.closing.limit(&self.system, positions, &mut conditions);
+        let outcome = self.damped_step(&start, &predicted, &conditions);
         let is_part = closes_in_part || (present.prescribed > 0.0 && course.share < 1.0);
         let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
@@ -337,27 +341,15 @@ where
         }
     }
 
-    /// Solves a damped step, and tells whether overlaps are closed in part only.
-    fn damped_step(
-        &mut self,
-        positions: &[f64],
-        predicted: &[f64],
-        damping: &[f64],
-        closing: &Closing,
-        closes_in_part: &mut bool,
-    ) -> Result<Solution, Failure> {
-        let memory = self.state.memory.clone();
-        let start = StepStart { time: self.state.row.time, q_0: positions, memory: &memory, course: Course::Rest { damping } };
-        let mut conditions = self.conditions_at_rest(&start);
-        *closes_in_part = closing.limit(&self.system, positions, &mut conditions);
+    fn damped_step(&mut self, start: &StepStart, predicted: &[f64], conditions: &Conditions) -> Result<Solution, Failure> {
         let floor = tolerances::FORCE_FLOOR * self.system.nodes.modulus * self.system.nodes.extent.powi(D as i32);
         let options = &self.options;
         let task = Task {
-            start: &start,
+            start,
             predicted,
             lambda: &self.state.lambda,
-            conditions: &conditions,
-            energy: self.system.strain_energy(positions).max(floor),
+            conditions,
+            energy: self.system.strain_energy(start.q_0).max(floor),
             tolerance: options.tolerance,
             at_least: 1,
             interrupted: &|| options.interrupted(),

@@ -35,6 +35,19 @@ impl SimulationHandle {
         }
     }
 
+    /// The failure of a run that has come to its end with sides of a contact inside each other, although the script has not accepted that.
+    pub fn overlap_left(&self) -> Option<Failure> {
+        let has_stepped = self.0.history.borrow().len() > 1;
+        if !has_stepped || self.0.accepts_overlap.get() {
+            return None;
+        }
+        let error = self.0.simulation.try_borrow().ok()?.check_apart().err()?;
+        let (title, cure) = (error.to_string(), error.cure());
+        let StepError::StillOverlaps { contact, depth, facets, at, .. } = error else { return None };
+        let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, at)).hint(cure);
+        Some(failure.placed(self.0.model.place_of_contact(&contact)))
+    }
+
     fn no_equilibrium(&self, cause: String, cure: String) -> Failure {
         let failure = self.not_converged("no static equilibrium was found".into(), cause, cure);
         // The gaps of this method jump where a node passes the end of the other surface or settles in one of its corners.
