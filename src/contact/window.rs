@@ -369,4 +369,27 @@ mod tests {
         assert!(!window.is_overlooked([0, 3], &sides, &q_0, &lowered(0.55), 1e-12), "still open");
         assert!(!window.is_overlooked([2, 1], &sides, &q_0, &lowered(0.65), 1e-12), "looks through both plates");
     }
+
+    /// What is told to be deep at rest takes part as deep, but never the far sides of thin bodies: the plates are 0.1 and 0.2 thick.
+    #[test]
+    fn at_rest_pairs_take_part_as_deep_as_is_told() {
+        for (distance, depth, meet) in [(-0.14, 0.0, true), (-0.16, 0.0, false), (-0.14, 0.2, true), (-0.16, 0.2, false)] {
+            let (sides, q) = sides(distance);
+            let mut window = Window::new(&sides, &q);
+            let outlook = Outlook { depth, ..Outlook::within(&q, 0.0) };
+            window.begin(depth);
+            assert_eq!(window.admits([0, 3], &sides, &outlook), meet, "{distance} {depth}");
+            assert!(!meet || !window.admits([2, 0], &sides, &outlook), "far sides: {distance} {depth}");
+        }
+        // The near faces alone are deep inside each other by three facets.
+        let (upper, mut q) = plate(0, 0.0, -3.0, 4.0);
+        let (lower, below) = plate(6, 0.3, -4.0, 4.0);
+        q.extend(below);
+        let sides = Sides::new(&upper[..2], &lower[2..], &q);
+        let mut window = Window::new(&sides, &q);
+        for (depth, meet) in [(0.0, false), (2.9, false), (3.1, true)] {
+            window.begin(depth);
+            assert_eq!(window.admits([0, 1], &sides, &Outlook { depth, ..Outlook::within(&q, 0.0) }), meet, "{depth}");
+        }
+    }
 }

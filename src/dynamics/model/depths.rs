@@ -1,16 +1,16 @@
 //! How deep the sides of contacts are inside the bodies, or the obstacles inside the sides, at any positions. In the plane only.
 //!
 //! A node of one side counts that is inside the body of the other side, by its distance from the nearest facet of that side that looks at
-//! it; so do corners of a rigid polyline inside a body. Unlike a contact's own gaps this looks however far, and through no body: a node in
+//! it; so do corners of a rigid polyline inside a body. Beside the hull of another body, whatever way that looks there, nothing is deep. Unlike a contact's own gaps this looks however far, and through no body: a node in
 //! the free has no depth, wherever facets behind it may be.
 
 use super::amplitude::Amplitude;
 use super::boundaries::{boundary_facets, facets_of_all};
 use super::definitions::Model;
-use super::hulls::hull_ends;
+use super::hulls::{distance, hull_ends};
 use super::interactions::{BodyBoundary, Partner};
 use crate::contact::{Obstacle, Surface};
-use crate::math::tolerances::{BESIDE, OPPOSITE};
+use crate::math::tolerances::{BESIDE, DEPTH, OPPOSITE};
 use crate::mesh::is_inside;
 
 /// Sides of the contacts of a model and hulls of their bodies.
@@ -110,17 +110,22 @@ impl Depths {
     pub fn at(&self, q: &[f64], time: f64, counts: &dyn Fn(&Depth) -> bool) -> Vec<Depth> {
         let mut found: Vec<Depth> = Vec::new();
         for meeting in &self.meetings {
-            let deepest = |points: Vec<Point>, side: &Side| self.deepest(meeting.contact, points, side, q, counts);
+            let deepest = |own: Option<usize>, points: Vec<Point>, side: &Side| {
+                // A node is always beside the hull of its own body.
+                let asks_for_room = own != Some(side.body);
+                self.deepest(points, side, q, asks_for_room, meeting.contact, counts)
+            };
+            let (first, body) = (&meeting.first, Some(meeting.first.body));
             let depths = match &meeting.other {
                 Other::Side(other) => {
-                    [deepest(points(&meeting.first.surface, q), other), deepest(points(&other.surface, q), &meeting.first)]
+                    [deepest(body, points(&first.surface, q), other), deepest(Some(other.body), points(&other.surface, q), first)]
                 }
-                Other::Itself => [deepest(points(&meeting.first.surface, q), &meeting.first), None],
+                Other::Itself => [deepest(body, points(&first.surface, q), first), None],
                 Other::Corners { points, motion } => {
                     // A time function that fails does so again, with its error, in the next step.
                     let by = motion.each_ref().map(|motion| motion.as_ref().and_then(|motion| motion.value(time).ok()).unwrap_or(0.0));
                     let at = |point: &[f64; 2]| Point { at: [point[0] + by[0], point[1] + by[1]], normal: None, size: 0.0, node: None };
-                    [deepest(points.iter().map(at).collect(), &meeting.first), None]
+                    [deepest(None, points.iter().map(at).collect(), first), None]
                 }
             };
             for depth in depths.into_iter().flatten() {
@@ -135,7 +140,15 @@ impl Depths {
     }
 
     /// The deepest of some points inside the body of a side.
-    fn deepest(&self, contact: usize, points: Vec<Point>, side: &Side, q: &[f64], counts: &dyn Fn(&Depth) -> bool) -> Option<Depth> {
+    fn deepest(
+        &self,
+        points: Vec<Point>,
+        side: &Side,
+        q: &[f64],
+        asks_for_room: bool,
+        contact: usize,
+        counts: &dyn Fn(&Depth) -> bool,
+    ) -> Option<Depth> {
         let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
         let hull: Vec<[[f64; 2]; 2]> = self.hulls[side.body].iter().map(|ends| ends.map(at)).collect();
         let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1].map(|i| hull.iter().flatten().fold(start, |best, x| pick(best, x[i])));
@@ -151,8 +164,11 @@ impl Depths {
             if deepest.as_ref().is_some_and(|known| known.depth >= depth) || !is_inside(hull.iter().copied(), x) {
                 continue;
             }
-            let nodes = point.node.into_iter().chain(side.surface.facets()[facet]).collect();
             let size = point.size.max(side.surface.facet_length(facet, q));
+            if asks_for_room && hull.iter().any(|&facet| distance(point.at, facet) <= DEPTH * size) {
+                continue;
+            }
+            let nodes = point.node.into_iter().chain(side.surface.facets()[facet]).collect();
             let found = Depth { contact, depth, size, at: point.at, nodes, is_corner: point.node.is_none() };
             if counts(&found) {
                 deepest = Some(found);
@@ -182,7 +198,7 @@ fn points(surface: &Surface, q: &[f64]) -> Vec<Point> {
 /// The nearest facet of a surface that looks at a point from in front of it, and how far it is.
 fn nearest(point: &Point, surface: &Surface, q: &[f64]) -> Option<(f64, usize)> {
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
-    let distance = |(index, &facet): (usize, &[u32; 2])| {
+    let to_facet = |(index, &facet): (usize, &[u32; 2])| {
         if point.node.is_some_and(|node| facet.contains(&node)) {
             return None;
         }
@@ -198,5 +214,55 @@ fn nearest(point: &Point, surface: &Surface, q: &[f64]) -> Option<(f64, usize)> 
         let share = ((t[0] * d[0] + t[1] * d[1]) / (length * length)).clamp(0.0, 1.0);
         Some(((d[0] - share * t[0]).hypot(d[1] - share * t[1]), index))
     };
-    surface.facets().iter().enumerate().filter_map(distance).min_by(|a, b| a.0.total_cmp(&b.0))
+    surface.facets().iter().enumerate().filter_map(to_facet).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::model::interactions::Interaction;
+    use crate::materials::NeoHookean;
+    use crate::mesh::rectangle;
+
+    /// A block of 8 by 8 cells on a wider one of 16 by 4, its bottom at that height.
+    fn blocks(height: f64, side: &str) -> (Model, Vec<f64>) {
+        let rubber = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
+        let mut model = Model::new("blocks");
+        let upper = model.add_body("upper", rectangle([1.0, 1.0], [8, 8], [0.5, height]).expect("the mesh is sound"), &rubber);
+        let lower = model.add_body("lower", rectangle([2.0, 1.0], [16, 4], [0.0, -1.0]).expect("the mesh is sound"), &rubber);
+        let sides = [model.boundary(upper, side), model.boundary(lower, "top")].map(|side| side.expect("it has one"));
+        let [secondary, primary] = sides;
+        model.add_interaction(Interaction::contact("touch", secondary, primary));
+        let q = model.bodies.iter().flat_map(|body| body.mesh.points.iter().flat_map(|point| [point[0], point[1]])).collect();
+        (model, q)
+    }
+
+    #[test]
+    fn depth_is_that_of_sides_that_look_at_each_other() {
+        for height in [-0.5, -0.3, -0.05] {
+            let (model, q) = blocks(height, "bottom");
+            let found = Depths::of(&model).at(&q, 0.0, &|_| true);
+            assert!(found.len() == 1 && (found[0].depth + height).abs() < 1e-12 && (found[0].size - 0.125).abs() < 1e-12, "{found:?}");
+        }
+        // Touching, apart, and with a side in the contact that looks elsewhere.
+        for (height, side) in [(0.0, "bottom"), (0.2, "bottom"), (-0.3, "left"), (-0.3, "top")] {
+            let (model, q) = blocks(height, side);
+            let found = Depths::of(&model).at(&q, 0.0, &|_| true);
+            assert!(found.iter().all(|found| found.depth < 1e-12), "{height} {side}: {found:?}");
+        }
+        let (model, q) = blocks(-0.3, "bottom");
+        assert_eq!(Depths::of(&model).at(&q, 0.0, &|found| found.depth > 0.31), []);
+    }
+
+    /// Nodes of equal meshes on each other lie on the hull, on one side or the other by round-off.
+    #[test]
+    fn nodes_upon_nodes_are_not_a_facet_deep() {
+        let (model, mut q) = blocks(0.0, "bottom");
+        for shift in [-1e-15, 1e-15, -1e-9, 1e-9, -1e-7, 1e-7] {
+            q.iter_mut().take(2 * 81).skip(1).step_by(2).for_each(|y| *y += shift);
+            let found = Depths::of(&model).at(&q, 0.0, &|_| true);
+            assert!(found.iter().all(|found| found.depth < 1e-6), "{shift}: {found:?}");
+            q.iter_mut().take(2 * 81).skip(1).step_by(2).for_each(|y| *y -= shift);
+        }
+    }
 }
