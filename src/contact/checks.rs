@@ -119,6 +119,11 @@ impl std::fmt::Display for Finding {
 }
 
 impl Finding {
+    /// Whether it is that sides look at each other from behind.
+    pub fn is_behind(&self) -> bool {
+        matches!(self, Finding::FacingAway { cosine, .. } if *cosine < 0.0)
+    }
+
     /// How to mend it, one sentence.
     pub fn cure(&self) -> String {
         match self {

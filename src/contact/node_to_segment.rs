@@ -191,10 +191,10 @@ impl NodeToSegment {
         let is_opposite = |normal: &[f64; 2]| normal[0] * seen.along[1] - normal[1] * seen.along[0] <= SAME_WAY;
         // Beside a facet the distance from its line says nothing of how deep the node is.
         let depth = if seen.end.is_none() || seen.gap > 0.0 { seen.gap } else { -seen.distance };
-        seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends)
+        seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends) + outlook.depth
             && normals.iter().any(is_opposite)
             && self.window.admits_depth(0, self.own_facets(point), facet, depth)
-            && (self.corners.is_none() || seen.gap > -SUNK * self.sides.facet_size)
+            && (self.corners.is_none() || seen.gap > -(SUNK * self.sides.facet_size).max(self.window.depth()))
     }
 
     /// What takes part of a patch in a step.
@@ -275,6 +275,7 @@ impl ContactKernel for NodeToSegment {
 
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
         let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.search_margin(&self.sides));
+        self.window.begin(outlook.depth);
         self.find_bends(outlook.q);
         if changed {
             self.list_patches();
@@ -285,7 +286,8 @@ impl ContactKernel for NodeToSegment {
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
-        let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
+        let outlook =
+            Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0, depth: self.window.depth() };
         let deepest = self.window.deepest(&self.sides, q_1);
         let at_end = self.candidates.pairs_within(&self.points, &self.sides.primary, q_1, deepest);
         at_end.iter().any(|&[point, facet]| {
@@ -325,6 +327,7 @@ impl ContactKernel for NodeToSegment {
         self.find_bends(q);
         self.list_patches();
         let outlook = Outlook::within(q, 0.0);
+        self.window.begin(outlook.depth);
         self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, &outlook)).collect();
         self.begin_step(q);
     }

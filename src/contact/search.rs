@@ -168,6 +168,7 @@ impl PairSearch {
 
     /// Decides which pairs take part in a step.
     fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
+        self.window.begin(outlook.depth);
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
     }
 

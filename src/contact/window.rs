@@ -11,6 +11,10 @@
 //! its facets look at each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 travel` of each other, which every search sees.
 //! All of it is known at the start of the step, and of the pair alone: neither the reach of the search nor a fast node elsewhere changes
 //! what takes part.
+//!
+//! At rest bodies may be pressed together that overlap by many facets. There whoever begins a step says how deep its contact overlaps
+//! ([`Outlook::depth`]), and that takes the place of `|t|/2`; both boxes may be as much farther apart, and thickness is measured to twice
+//! that depth, so that far sides stay out.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -37,6 +41,9 @@ pub struct Outlook<'a> {
     pub travel: Travel<'a>,
     /// Multiple of the reach with which pairs are searched for; results do not depend on it.
     pub reach: f64,
+    /// Overlap up to which pairs take part at rest, where bodies are pressed apart; 0 in motion, where no pair comes to be so deep
+    /// `[length]`.
+    pub depth: f64,
 }
 
 /// Motion of nodes relative to each other within a step.
@@ -63,7 +70,7 @@ pub enum Travel<'a> {
 impl<'a> Outlook<'a> {
     /// A step from `q` in which nodes move relative to each other by no more than `travel` `[length]`.
     pub fn within(q: &'a [f64], travel: f64) -> Self {
-        Outlook { q, travel: Travel::UpTo(travel), reach: 1.0 }
+        Outlook { q, travel: Travel::UpTo(travel), reach: 1.0, depth: 0.0 }
     }
 
     /// Distance within which a pair of surfaces is searched `[length]`.
@@ -91,7 +98,7 @@ impl<'a> Outlook<'a> {
                 factor * displacements.map(largest).into_iter().fold(0.0, f64::max)
             }
         };
-        sides.facet_size + DIAGONAL * travel
+        sides.facet_size + DIAGONAL * travel + self.depth
     }
 
     /// Relative motion of nodes of two facets, or of a node and a facet `[length]`.
@@ -124,10 +131,18 @@ pub struct Window {
     /// Thickness of the bodies behind the facets of both sides in the reference positions, as far as their far sides are in the contact
     /// `[length]`.
     thickness: [Vec<f64>; 2],
-    /// Lengths of the facets there `[length]`.
+    /// How far thickness has been measured on each side, infinite beyond `[length]`.
+    measured: [f64; 2],
+    /// Ends of the facets there, and their lengths `[length]`.
+    ends: [Vec<Ends>; 2],
     lengths: [Vec<f64>; 2],
     facet_size: f64,
+    /// Overlap up to which pairs take part in this step, where that is more than in motion `[length]`.
+    depth: f64,
 }
+
+/// Ends of a facet.
+type Ends = [[f64; 2]; 2];
 
 /// Least and largest gap of a pair on its overlap, and the overlap that is too deep for it.
 #[derive(Clone, Copy, Debug)]
@@ -140,15 +155,41 @@ struct Gaps {
 impl Window {
     /// The window of two surfaces, their bodies measured in the reference positions.
     pub fn new(sides: &Sides, reference: &[f64]) -> Self {
-        let both = [&sides.secondary, &sides.primary];
-        let lengths = |surface: &Surface| (0..surface.facets().len()).map(|facet| surface.facet_length(facet, reference)).collect();
-        Window { thickness: both.map(|surface| thickness(surface, reference)), lengths: both.map(lengths), facet_size: sides.facet_size }
+        let at = |node: u32| [reference[2 * node as usize], reference[2 * node as usize + 1]];
+        let ends =
+            [&sides.secondary, &sides.primary].map(|surface| surface.facets().iter().map(|facet| facet.map(at)).collect::<Vec<Ends>>());
+        let lengths = [0, 1].map(|side| ends[side].iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).collect::<Vec<f64>>());
+        // In motion only what is thinner than a facet matters.
+        let measured = [0, 1].map(|side| lengths[side].iter().copied().fold(0.0, f64::max));
+        let thickness = [0, 1].map(|side| thickness(&ends[side], measured[side]));
+        Window { thickness, measured, ends, lengths, facet_size: sides.facet_size, depth: 0.0 }
+    }
+
+    /// Makes ready for a step in which pairs may be so deep at the start `[length]`.
+    pub fn begin(&mut self, depth: f64) {
+        self.depth = depth;
+        let needed = depth / DEEP;
+        for side in 0..2 {
+            if self.measured[side] < needed {
+                (self.thickness[side], self.measured[side]) = (thickness(&self.ends[side], needed), needed);
+            }
+        }
+    }
+
+    /// Overlap from which on facets of that length, or bodies so thick between their sides, are too deep for each other `[length]`.
+    fn deep(&self, length: f64, thickness: f64) -> f64 {
+        (DEEP * length.min(thickness)).max(self.depth.min(DEEP * thickness))
+    }
+
+    /// Overlap up to which a node takes part in this step, where that is more than in motion `[length]`.
+    pub(super) fn depth(&self) -> f64 {
+        self.depth
     }
 
     /// Whether a pair (secondary facet, primary facet) takes part in a step.
     pub fn admits(&self, pair: [u32; 2], sides: &Sides, outlook: &Outlook) -> bool {
         let travel = outlook.travel(&sides.secondary.facets()[pair[0] as usize], &sides.primary.facets()[pair[1] as usize]);
-        if !self.is_within(pair, sides, outlook.q, self.facet_size + DIAGONAL * travel) {
+        if !self.is_within(pair, sides, outlook.q, self.facet_size + DIAGONAL * travel + self.depth) {
             return false;
         }
         let gaps = self.gaps(pair, sides, outlook.q, travel);
@@ -171,7 +212,7 @@ impl Window {
     /// Distance within which all pairs are that overlap at `q` and are not too deep for it `[length]`.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
         let now = (0..sides.secondary.facets().len()).map(|facet| sides.secondary.facet_length(facet, q));
-        DEEP * self.lengths.iter().flatten().copied().chain(now).fold(0.0, f64::max)
+        self.depth.max(DEEP * self.lengths.iter().flatten().copied().chain(now).fold(0.0, f64::max))
     }
 
     /// Whether a pair that took no part in the step from `q_0` to `q_1`, because it was open, overlaps at its end.
@@ -181,7 +222,7 @@ impl Window {
             return false;
         }
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
-        let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0 };
+        let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0, depth: 0.0 };
         let travel = outlook.travel(&sides.secondary.facets()[pair[0] as usize], &sides.primary.facets()[pair[1] as usize]);
         self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
     }
@@ -192,7 +233,7 @@ impl Window {
         let (thickness, lengths, other) = (&self.thickness[side], &self.lengths[side], other as usize);
         let own = own_facets.iter().map(|&facet| thickness[facet as usize]).fold(f64::INFINITY, f64::min);
         let length = own_facets.iter().map(|&facet| lengths[facet as usize]).fold(self.lengths[1 - side][other], f64::max);
-        gap > -DEEP * length.min(own + self.thickness[1 - side][other])
+        gap > -self.deep(length, own + self.thickness[1 - side][other])
     }
 
     /// Gaps of a pair where the facets are opposite each other, or would be after sliding by `spare`; nothing where they never are.
@@ -218,26 +259,22 @@ impl Window {
         }
         let gap = |s: f64| g_2 + (g_1 - g_2) * (s - s_2) / (s_1 - s_2);
         let (at_a, at_b) = (gap(a), gap(b));
-        let deep = DEEP * length.min(self.thickness[0][own as usize] + self.thickness[1][other as usize]);
+        let deep = self.deep(length, self.thickness[0][own as usize] + self.thickness[1][other as usize]);
         Some(Gaps { least: at_a.min(at_b), largest: at_a.max(at_b), deep })
     }
 }
 
-/// Distance from the middle of each facet to the nearest facet of the surface behind it that looks the other way, as far as it is below
-/// the longest facet; infinite beyond.
-fn thickness(surface: &Surface, q: &[f64]) -> Vec<f64> {
-    let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
-    let facets: Vec<[[f64; 2]; 2]> = surface.facets().iter().map(|facet| facet.map(at)).collect();
-    // Only what is thinner than a facet matters.
-    let reach = (0..facets.len()).map(|facet| surface.facet_length(facet, q)).fold(0.0, f64::max);
+/// Distance from the middle of each facet of a surface to the nearest one behind it that looks the other way, as far as it is below
+/// `reach`; infinite beyond.
+fn thickness(facets: &[Ends], reach: f64) -> Vec<f64> {
     let boxes = facets.iter().map(|&[c, d]| GeomWithData::new(Rectangle::from_corners(c, d), [c, d]));
     let tree = RTree::bulk_load(boxes.collect());
-    let through = |[a, b]: &[[f64; 2]; 2]| {
+    let through = |[a, b]: &Ends| {
         let (middle, t) = ([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], [b[0] - a[0], b[1] - a[1]]);
         let length = t[0].hypot(t[1]);
         let inward = [-t[1] / length, t[0] / length];
         let end = [middle[0] + reach * inward[0], middle[1] + reach * inward[1]];
-        let distance = |[c, d]: [[f64; 2]; 2]| -> Option<f64> {
+        let distance = |[c, d]: Ends| -> Option<f64> {
             // middle + r inward = c + k (d - c); the ray leaves a body where a facet's outward normal (u_y, -u_x) has a part along it.
             let (u, from) = ([d[0] - c[0], d[1] - c[1]], [c[0] - middle[0], c[1] - middle[1]]);
             let cross = inward[0] * u[1] - inward[1] * u[0];
@@ -313,7 +350,7 @@ mod tests {
         // The whole lower plate and the upper one move together, but for the left end of the upper plate.
         u.chunks_exact_mut(2).for_each(|u| u[1] = -5.0);
         let together = [&u[..]; 2];
-        let outlook = Outlook { q: &q, travel: Travel::Guessed { displacements: together, factor: 1.0 }, reach: 1.0 };
+        let outlook = Outlook { q: &q, travel: Travel::Guessed { displacements: together, factor: 1.0 }, reach: 1.0, depth: 0.0 };
         assert!(!window.admits([1, 3], &sides, &outlook));
         let mut v = u.clone();
         v[1] = -5.2;
@@ -331,5 +368,28 @@ mod tests {
         assert!(window.is_overlooked([0, 3], &sides, &q_0, &lowered(0.65), 1e-12));
         assert!(!window.is_overlooked([0, 3], &sides, &q_0, &lowered(0.55), 1e-12), "still open");
         assert!(!window.is_overlooked([2, 1], &sides, &q_0, &lowered(0.65), 1e-12), "looks through both plates");
+    }
+
+    /// What is told to be deep at rest takes part as deep, but never the far sides of thin bodies: the plates are 0.1 and 0.2 thick.
+    #[test]
+    fn at_rest_pairs_take_part_as_deep_as_is_told() {
+        for (distance, depth, meet) in [(-0.14, 0.0, true), (-0.16, 0.0, false), (-0.14, 0.2, true), (-0.16, 0.2, false)] {
+            let (sides, q) = sides(distance);
+            let mut window = Window::new(&sides, &q);
+            let outlook = Outlook { depth, ..Outlook::within(&q, 0.0) };
+            window.begin(depth);
+            assert_eq!(window.admits([0, 3], &sides, &outlook), meet, "{distance} {depth}");
+            assert!(!meet || !window.admits([2, 0], &sides, &outlook), "far sides: {distance} {depth}");
+        }
+        // The near faces alone are deep inside each other by three facets.
+        let (upper, mut q) = plate(0, 0.0, -3.0, 4.0);
+        let (lower, below) = plate(6, 0.3, -4.0, 4.0);
+        q.extend(below);
+        let sides = Sides::new(&upper[..2], &lower[2..], &q);
+        let mut window = Window::new(&sides, &q);
+        for (depth, meet) in [(0.0, false), (2.9, false), (3.1, true)] {
+            window.begin(depth);
+            assert_eq!(window.admits([0, 1], &sides, &Outlook { depth, ..Outlook::within(&q, 0.0) }), meet, "{depth}");
+        }
     }
 }

@@ -104,6 +104,17 @@ pub const CORNER_SLACK: f64 = 0.02;
 /// Depth of an overlap in shortest secondary facets from which on a run is said to have it: the promise of a tenth of a facet.
 pub const DEPTH: f64 = 0.1;
 
+/// Share of a facet by which a node is moved out of its own body to ask whether it is inside another one, or inside another part of its
+/// own: far more than round-off of positions, far less than any depth that matters.
+pub const BESIDE: f64 = 1e-6;
+
+/// Depth in the longest facets there from which on sides that no contact force holds apart are an error at rest. Up to half a facet every
+/// pair takes part always, so that what is left deeper was not seen; polygons that interlock and weighted gaps leave a tenth.
+pub const LEFT: f64 = 0.5;
+
+/// The same where a multiplier presses: no constraint that holds leaves as much.
+pub const LEFT_HELD: f64 = 1.0;
+
 /// Work that contact gives in a step, relative to the energy, from which on it is told: no rule gives any, but round-off does.
 pub const GIVEN: f64 = 1e-10;
 

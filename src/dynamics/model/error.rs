@@ -205,6 +205,20 @@ pub enum StepError {
         /// How to mend it.
         cure: String,
     },
+    /// Sides of a contact are inside each other, and nothing holds them apart.
+    #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
+    StillOverlaps {
+        /// Name of the contact.
+        contact: String,
+        /// Time of the state.
+        time: f64,
+        /// How deep `[length]`.
+        depth: f64,
+        /// The same over the longest facet there.
+        facets: f64,
+        /// Where.
+        at: [f64; 2],
+    },
     /// The user interrupted the run.
     #[error("interrupted at t = {time}")]
     Interrupted {
@@ -227,6 +241,11 @@ impl StepError {
         match self {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
             StepError::NotConverged { cure, .. } => cure.clone(),
+            StepError::StillOverlaps { .. } => {
+                "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it grow \
+                 over several calls of `settle` with times; in motion, try a smaller `dt`"
+                    .into()
+            }
             StepError::Interrupted { .. } => "everything up to this time is kept".into(),
             StepError::OutOfMemory { .. } => "use a coarser mesh, end other programs, or run it on a machine with more memory".into(),
         }

@@ -4,6 +4,7 @@
 
 use super::boundaries::{boundary_facets, facets_of_all, tie_reach};
 use super::definitions::Model;
+use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces};
 
@@ -30,13 +31,18 @@ impl Model {
         };
         let mut findings: Vec<(String, Finding)> = Vec::new();
         let mut add = |name: &String, found: Vec<Finding>| findings.extend(found.into_iter().map(|finding| (name.clone(), finding)));
-        for Interaction { name, secondary, partner, .. } in &self.interactions {
+        for (index, Interaction { name, secondary, partner, .. }) in self.interactions.iter().enumerate() {
             let primary = match partner {
                 Partner::Surfaces(primary) => primary,
                 Partner::Itself | Partner::Obstacle { .. } => std::slice::from_ref(secondary),
                 Partner::Tied { to, .. } => std::slice::from_ref(to),
             };
-            add(name, check(secondary, primary));
+            let mut found = check(secondary, primary);
+            // Sides that are far inside each other lie behind each other, too.
+            if found.iter().any(Finding::is_behind) && !Depths::of(self).at(&reference, 0.0, &|depth| depth.contact == index).is_empty() {
+                found.retain(|finding| !finding.is_behind());
+            }
+            add(name, found);
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
             let reach = reach.unwrap_or_else(|| tie_reach(&secondary, &reference));

@@ -145,7 +145,8 @@ fn length([a, b]: [[f64; 2]; 2]) -> f64 {
     (b[0] - a[0]).hypot(b[1] - a[1])
 }
 
-fn distance(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+/// Distance of a point from a facet.
+pub fn distance(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
     let share = ((along[0] * to[0] + along[1] * to[1]) / (along[0] * along[0] + along[1] * along[1])).clamp(0.0, 1.0);
     (to[0] - share * along[0]).hypot(to[1] - share * along[1])

@@ -4,6 +4,7 @@ pub mod amplitude;
 pub mod boundaries;
 pub mod builder;
 pub mod definitions;
+pub mod depths;
 pub mod error;
 pub mod findings;
 pub mod hulls;

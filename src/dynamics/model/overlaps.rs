@@ -8,7 +8,8 @@ use super::boundaries::boundary_facets;
 use super::definitions::Model;
 use super::hulls::{ALLOWED, Hull, Inside, hull_ends};
 use super::interactions::{Interaction, Partner};
-use crate::contact::{ContactKernel, Outlook, RigidContact};
+use crate::contact::{ContactKernel, Evaluation, Obstacle, Outlook, RigidContact};
+use crate::integrators::Derivative;
 
 /// An overlap in the undeformed bodies.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +35,7 @@ pub enum OverlapKind {
     Obstacle {
         /// `body.boundary`.
         boundary: String,
-        /// Whether all of it is behind the obstacle, some of it by more than a facet.
+        /// Whether all of its body is behind the obstacle, and looks away from it: the obstacle looks the wrong way.
         whole: bool,
     },
 }
@@ -121,13 +122,43 @@ impl Model {
             let covered = || (0..gaps.len()).filter(|&row| coverage[row] > 0.0).map(|row| (gaps[row] / weights[row], row));
             let (least, row) = covered().min_by(|a, b| a.0.total_cmp(&b.0))?;
             let node = 2 * kernel.secondary().nodes()[row] as usize;
-            let whole = -least > size && covered().all(|(gap, _)| gap < -ALLOWED * size);
+            let whole = self.is_behind(interaction.secondary.body, shape, translation, size) && looks_away(&kernel, &reference, -least);
             let kind = OverlapKind::Obstacle { boundary: self.boundary_name(&interaction.secondary), whole };
             let (contact, at) = (Some(interaction.name.clone()), [reference[node], reference[node + 1]]);
             (-least > ALLOWED * size).then(|| Overlap { kind, contact, depth: -least, facets: -least / size, at })
         };
         self.interactions.iter().filter_map(overlap).collect()
     }
+
+    /// Whether no node of a body's hull is in front of an obstacle, some are behind it, by more than a part of a facet of that size.
+    fn is_behind(&self, body: usize, shape: &Obstacle, translation: [f64; 2], size: f64) -> bool {
+        let reference: Vec<f64> = self.start(body).iter().flat_map(|point| [point[0], point[1]]).collect();
+        let mut hull = RigidContact::new(&hull_ends(&self.bodies[body].mesh), shape, &reference);
+        hull.move_obstacle(&[translation; 3]);
+        let (gaps, coverage) = (hull.gap(&reference), hull.coverage(&reference));
+        let mut covered = (0..gaps.len()).filter(|&row| coverage[row] > 0.0).map(|row| gaps[row] / hull.weights()[row]).peekable();
+        covered.peek().is_some() && covered.all(|gap| gap < -ALLOWED * size)
+    }
+}
+
+/// Whether a surface behind an obstacle has its body between itself and where the obstacle ends, as one pushed in too far has not. The skin
+/// of a whole body looks both ways: there it is so from a depth of a facet on.
+fn looks_away(kernel: &RigidContact, q: &[f64], depth: f64) -> bool {
+    if kernel.secondary().is_closed() {
+        return depth > kernel.facet_size();
+    }
+    let mut at = Evaluation::default();
+    kernel.evaluate(Derivative::AT_END, q, &vec![0.0; kernel.rows()], &mut at);
+    let along_obstacle = |&[a, b]: &[u32; 2]| {
+        let (from, to) = (2 * a as usize, 2 * b as usize);
+        let outward = [q[to + 1] - q[from + 1], q[from] - q[to]];
+        let of_end = |node: u32| {
+            let Some(row) = kernel.secondary().index(node) else { return 0.0 };
+            (outward[0] * at.gradient_end[2 * row] + outward[1] * at.gradient_end[2 * row + 1]) / kernel.weights()[row]
+        };
+        of_end(a) + of_end(b)
+    };
+    kernel.secondary().facets().iter().map(along_obstacle).sum::<f64>() > 0.0
 }
 
 #[cfg(test)]
@@ -137,7 +168,6 @@ mod tests {
     use super::super::definitions::BodyDefinition;
     use super::super::interactions::{BodyBoundary, Interaction};
     use super::*;
-    use crate::contact::Obstacle;
     use crate::materials::NeoHookean;
     use crate::mesh::{Mesh, disk, rectangle, ring};
 

@@ -31,7 +31,8 @@ pub struct Piece {
     /// Square of the frequency of its slowest elastic motion: wave speed over its extent.
     pub frequency_squared: f64,
     modulus: f64,
-    /// Largest modulus, for the round-off of forces.
+    /// Largest modulus times the cells' aspect ratio, for the round-off of forces: that of a strain is over the shortest edge, and its force
+    /// acts on the longest.
     stiffness: f64,
     extent: f64,
 }
@@ -81,12 +82,13 @@ impl Balance {
         let mut pieces: Vec<Piece> = Vec::new();
         for (body, definition) in model.bodies.iter().enumerate() {
             let first = pieces.len();
+            let aspect = definition.mesh.quality().aspect_ratio.max(1.0);
             let mut numbers: Vec<u32> = Vec::new();
             for node in system.bodies[body].nodes.clone() {
                 let number = system.nodes.pieces[node];
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
                     numbers.push(number);
-                    let (modulus, stiffness) = (definition.material.youngs_modulus(), definition.material.stiffness());
+                    let (modulus, stiffness) = (definition.material.youngs_modulus(), aspect * definition.material.stiffness());
                     pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0 });
                     numbers.len() - 1
                 });
@@ -132,7 +134,9 @@ impl Balance {
             }
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
-            let floor = tolerances::FORCE_FLOOR * piece.stiffness * reach * piece.extent.powi(D as i32 - 2);
+            // Forces around an axis are those of the circumference.
+            let around = if system.nodes.is_axisymmetric { std::f64::consts::TAU * reach } else { 1.0 };
+            let floor = tolerances::FORCE_FLOOR * piece.stiffness * reach * piece.extent.powi(D as i32 - 2) * around;
             let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
             imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));
             imbalance.of_nodes = imbalance.of_nodes.max(largest / target.max(f64::MIN_POSITIVE));

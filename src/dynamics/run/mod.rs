@@ -2,6 +2,7 @@
 
 pub mod accept;
 pub mod balance;
+pub mod closing;
 pub mod contact_quantities;
 pub mod diagnosis;
 pub mod energy_account;

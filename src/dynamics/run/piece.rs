@@ -42,7 +42,8 @@ where
         // What takes part: nodes may move by the prediction or by their velocities.
         let rigid: Vec<f64> = predicted.iter().zip(&state.positions).map(|(new, old)| new - old).collect();
         let elastic: Vec<f64> = state.velocities.iter().map(|v| dt * v).collect();
-        let outlook = Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach };
+        let outlook =
+            Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach, depth: 0.0 };
         self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
         self.system.begin_step(&outlook).map_err(Failure::Linear)?;
 

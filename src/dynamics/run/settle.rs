@@ -6,11 +6,15 @@
 //! with it the error that it leaves (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). `balance.rs` judges
 //! when the end is reached; damping does not count as a force there.
 //!
+//! Overlaps are pressed apart a part of a facet in a step (`closing.rs`), and prescribed motions go as far in a step as Newton's method
+//! follows.
+//!
 //! Does not promise which of several equilibria is found, nor that it is stable; but a step never goes against the unbalanced forces.
 
 use std::sync::Arc;
 
 use super::balance::{Balance, Imbalance};
+use super::closing::Closing;
 use super::engine::Engine;
 use super::options::SettleReport;
 use super::report::{FailureCause, Missing};
@@ -42,11 +46,19 @@ const GONE: f64 = 95.0;
 const MORE_DAMPING: f64 = 100.0;
 const LESS_DAMPING: f64 = 0.1;
 
+/// Change of the share of a prescribed motion after a step that failed, and after one that did not.
+const SHORTER: f64 = 0.25;
+const LONGER: f64 = 2.0;
+
+/// Steps at most that close a part of an overlap or follow a part of a prescribed motion: they do not count among the others.
+const MAX_PARTS: usize = 1000;
+
 /// Growth of the search's reach after bodies moved beyond it.
 const WIDER: f64 = 3.0;
 
-/// Times that a step is tried again.
+/// Times that a step is tried again, and those after which smaller parts alone are not expected to help.
 const MAX_TRIES: usize = 6;
+const PARTS_FIRST: usize = 3;
 
 /// Steps with more damping than the forces ask for that may go by without less imbalance: what buckles may pass, what slides off is given
 /// up.
@@ -62,6 +74,10 @@ const MAX_STOOD: usize = 3;
 /// What the steps so far tell of the next one.
 struct Progress {
     steps: usize,
+    /// Those among them that did a part of what is to be done, and how much of it they do.
+    parts: usize,
+    closing: Closing,
+    share: f64,
     /// Times that the present step was tried again.
     tries: usize,
     /// How much more damping than the forces ask for, and more motion than expected.
@@ -84,6 +100,8 @@ struct Present {
     /// Positions with prescribed motion, and how far that goes.
     predicted: Vec<f64>,
     prescribed: f64,
+    /// How deep the pairs take part.
+    reaches: Vec<f64>,
     at: Linearization,
     imbalance: Imbalance,
     /// Whether the contact conditions and the prescribed motions are met.
@@ -119,18 +137,18 @@ where
         let iterations_before = self.statistics.newton_iterations;
         let balance = Balance::new(&self.system, &self.model);
         let begun = self.state.positions.clone();
-        let mut course = Progress::new(begun.len());
+        let mut course = Progress::new(begun.len(), Closing::of(&self.model));
         let at = loop {
-            let present = self.look(&balance)?;
+            let present = self.look(&balance, &course)?;
             if present.is_closed && present.imbalance.excess() <= 1.0 {
                 break present.at;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut course.best) {
                 // Forces and pairs are those of the state that was taken back.
-                break self.look(&balance)?.at;
+                break self.look(&balance, &course)?.at;
             }
             let is_gone = present.positions.iter().zip(&begun).any(|(q, begun)| (q - begun).abs() > GONE * self.system.nodes.extent);
-            if is_gone || course.steps == MAX_STEPS || course.stuck == MAX_STUCK {
+            if is_gone || course.steps - course.parts == MAX_STEPS || course.parts == MAX_PARTS || course.stuck == MAX_STUCK {
                 return Err(self.no_equilibrium(&balance, &present.imbalance, &course));
             }
             self.step_to_rest(&balance, &present, &mut course)?;
@@ -153,25 +171,32 @@ where
         row.reserve = 0.0;
         (row.momentum, row.angular_momentum) = self.system.nodes.momenta(q, v);
         row.active = self.system.touching(active);
+        row.max_penetration = contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
         (row.contacts, row.reactions, row.probes) = (contacts, reactions, probes);
+        self.check_overlaps(&course.closing)?;
         Ok(SettleReport {
             steps: course.steps,
             newton_iterations: self.statistics.newton_iterations - iterations_before,
-            strain: row.strain,
-            active: row.active,
+            strain: self.state.row.strain,
+            active: self.state.row.active,
         })
     }
 
     /// Judges the present state, with the contact pairs of a state at rest.
-    fn look(&mut self, balance: &Balance) -> Result<Present, StepError> {
+    fn look(&mut self, balance: &Balance, course: &Progress) -> Result<Present, StepError> {
         let positions = self.state.positions.clone();
-        let (displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
+        let (mut displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
+        for (prescribed, displacement) in self.system.supports.prescribed.iter().zip(&mut displacement) {
+            let now = positions[prescribed.unknown] - self.system.nodes.reference[prescribed.unknown];
+            *displacement = if course.share < 1.0 { now + course.share * (*displacement - now) } else { *displacement };
+        }
         let mut predicted = positions.clone();
         follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
         let prescribed = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
         let still = vec![0.0; self.system.nodes.count()];
         let travel = Travel::Each { sizes: &still, besides: 2.0 * prescribed };
-        self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach })?;
+        let reaches = course.closing.reaches(&self.system, &positions, self.state.row.time);
+        self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach, depth: 0.0 }, &reaches)?;
         let undamped = vec![0.0; self.system.bodies.len()];
         let memory = self.state.memory.clone();
         let start = StepStart { time: self.state.row.time, q_0: &positions, memory: &memory, course: Course::Rest { damping: &undamped } };
@@ -182,7 +207,7 @@ where
         };
         let is_closed = prescribed == 0.0 && meets(&self.system, &at, &self.conditions_at_rest(&start));
         let imbalance = balance.judge(&self.system, &positions, &at.forces);
-        Ok(Present { positions, predicted, prescribed, at, imbalance, is_closed })
+        Ok(Present { positions, predicted, prescribed, reaches, at, imbalance, is_closed })
     }
 
     /// Whether only round-off is left and a further step halved the imbalance neither of sums nor of nodes. That step is taken back, so
@@ -215,17 +240,24 @@ where
         // Where something was overlooked, what was not expected to move did.
         let facet = self.shortest_facet();
         let unexpected = if course.leeway > 1.0 && facet.is_finite() { course.leeway * FALL * facet } else { 0.0 };
-        let travel = Travel::Each { sizes: &sizes, besides: 2.0 * present.prescribed + unexpected };
-        let outlook = Outlook { q: positions, travel, reach: self.options.reach };
-        self.begin_at_rest(&outlook)?;
+        let besides = 2.0 * present.prescribed + unexpected + course.closing.motion(&self.system, &present.reaches);
+        let outlook = Outlook { q: positions, travel: Travel::Each { sizes: &sizes, besides }, reach: self.options.reach, depth: 0.0 };
+        self.begin_at_rest(&outlook, &present.reaches)?;
         let mut predicted = present.predicted.clone();
         balance.shift(&self.system, &plan.shift, &mut predicted);
-        let outcome = self.damped_step(positions, &predicted, &plan.damping);
+        let memory = self.state.memory.clone();
+        let rest = Course::Rest { damping: &plan.damping };
+        let start = StepStart { time: self.state.row.time, q_0: positions, memory: &memory, course: rest };
+        let mut conditions = self.conditions_at_rest(&start);
+        let closes_in_part = course.closing.limit(&self.system, positions, &mut conditions);
+        let outcome = self.damped_step(&start, &predicted, &conditions);
+        let is_part = closes_in_part || (present.prescribed > 0.0 && course.share < 1.0);
         let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
             Ok(solution) if present.is_pushed_to(&solution.at.q_1, &self.system.supports.fixed) => {
                 let motion: Vec<f64> = solution.at.q_1.iter().zip(positions).map(|(new, old)| new - old).collect();
+                course.parts += usize::from(is_part);
                 course.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
                 let state = Arc::make_mut(&mut self.state);
                 (state.positions, state.lambda, state.active) = (solution.at.q_1.clone(), solution.at.lambda.clone(), solution.active);
@@ -244,7 +276,16 @@ where
         course.tries += 1;
         match refused {
             Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => course.leeway *= WIDER,
-            _ => course.excess *= MORE_DAMPING,
+            _ => {
+                let has_parts = closes_in_part || present.prescribed > 0.0;
+                if has_parts {
+                    course.closing.failed();
+                    course.share *= SHORTER;
+                }
+                if !has_parts || course.tries > PARTS_FIRST {
+                    course.excess *= MORE_DAMPING;
+                }
+            }
         }
         Ok(())
     }
@@ -282,9 +323,9 @@ where
         self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
-    fn begin_at_rest(&mut self, outlook: &Outlook) -> Result<(), StepError> {
+    fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
         self.system.move_obstacles(self.state.row.time, 0.0)?;
-        self.system.begin_step(outlook).map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))
+        self.system.begin_deep_step(outlook, reaches).map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))
     }
 
     /// At rest every rule closes the gaps.
@@ -300,18 +341,15 @@ where
         }
     }
 
-    fn damped_step(&mut self, positions: &[f64], predicted: &[f64], damping: &[f64]) -> Result<Solution, Failure> {
-        let memory = self.state.memory.clone();
-        let start = StepStart { time: self.state.row.time, q_0: positions, memory: &memory, course: Course::Rest { damping } };
-        let conditions = self.conditions_at_rest(&start);
+    fn damped_step(&mut self, start: &StepStart, predicted: &[f64], conditions: &Conditions) -> Result<Solution, Failure> {
         let floor = tolerances::FORCE_FLOOR * self.system.nodes.modulus * self.system.nodes.extent.powi(D as i32);
         let options = &self.options;
         let task = Task {
-            start: &start,
+            start,
             predicted,
             lambda: &self.state.lambda,
-            conditions: &conditions,
-            energy: self.system.strain_energy(positions).max(floor),
+            conditions,
+            energy: self.system.strain_energy(start.q_0).max(floor),
             tolerance: options.tolerance,
             at_least: 1,
             preferred: Preferred::default(),
@@ -341,9 +379,12 @@ where
 }
 
 impl Progress {
-    fn new(unknowns: usize) -> Self {
+    fn new(unknowns: usize, closing: Closing) -> Self {
         Progress {
             steps: 0,
+            parts: 0,
+            closing,
+            share: 1.0,
             tries: 0,
             excess: 1.0,
             leeway: 1.0,
@@ -366,6 +407,8 @@ impl Progress {
         self.stood += usize::from(travelled.iter().all(|&travelled| travelled < stands));
         (self.travelled, self.motion) = (Some(travelled), motion);
         (self.steps, self.tries) = (self.steps + 1, 0);
+        self.closing.succeeded();
+        self.share = (LONGER * self.share).min(1.0);
         (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 }

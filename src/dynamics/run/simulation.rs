@@ -97,6 +97,14 @@ impl Simulation {
         self.steps.settle(time)
     }
 
+    /// Whether the sides of all contacts are apart now, or held by contact forces. `settle` asks by itself.
+    ///
+    /// # Errors
+    /// Sides are inside each other by more than half a facet where nothing holds them apart: the deepest place.
+    pub fn check_apart(&self) -> Result<(), StepError> {
+        self.steps.check_apart()
+    }
+
     /// Lets every row of the ledger tell the motion of a node (bodies one after the other) from now on.
     pub fn watch(&mut self, node: usize) {
         self.steps.watch(node);

@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::closing::Closing;
 use super::engine::Engine;
 use super::failed::tried;
 use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
@@ -86,6 +87,10 @@ where
             self.restore_search();
         }
         outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
+    }
+
+    fn check_apart(&self) -> Result<(), StepError> {
+        self.check_overlaps(&Closing::of(&self.model))
     }
 
     fn settle(&mut self, time: f64) -> Result<SettleReport, StepError> {

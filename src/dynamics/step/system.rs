@@ -326,11 +326,19 @@ impl<const D: usize> System<D> {
     /// # Errors
     /// The equations do not fit into memory.
     pub fn begin_step(&mut self, outlook: &Outlook) -> Result<(), LinearError> {
+        self.begin_deep_step(outlook, &[])
+    }
+
+    /// The same at rest, where pairs take part up to a depth of their own; those beyond the list as they do in motion.
+    ///
+    /// # Errors
+    /// The equations do not fit into memory.
+    pub fn begin_deep_step(&mut self, outlook: &Outlook, depths: &[f64]) -> Result<(), LinearError> {
         self.spare.begin_step();
         let clock = Instant::now();
         let mut changed = false;
-        for pair in &mut self.pairs {
-            changed |= pair.kernel.update_candidates(outlook);
+        for (pair, depth) in self.pairs.iter_mut().zip(depths.iter().copied().chain(std::iter::repeat(0.0))) {
+            changed |= pair.kernel.update_candidates(&Outlook { depth, ..*outlook });
         }
         self.counters.times.search += clock.elapsed();
         if changed || self.matrix.is_stale {

@@ -261,6 +261,8 @@ impl Session {
             }
             warn_of_unseen_changes(host);
         }
+        let overlap_left = || Simulations::of(host).0.borrow().iter().find_map(SimulationHandle::overlap_left);
+        let error = error.or_else(|| overlap_left().map(|failure| explain_failure(&failure)));
         let refused = ending::last_frames(host).err().map(|failure| explain_failure(&failure));
         let error = error.or(refused);
         let simulations = Simulations::of(host).0.borrow().clone();

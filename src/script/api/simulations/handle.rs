@@ -34,6 +34,8 @@ pub struct SimulationData {
     pub place: Option<Place>,
     /// What overlaps at the start, until `settle` has pressed it apart or the script has accepted it.
     pub overlaps: RefCell<Vec<Overlap>>,
+    /// Whether the script has accepted it.
+    pub accepts_overlap: Cell<bool>,
     /// The kernels.
     pub simulation: RefCell<Simulation>,
     /// One row for each accepted step, after the row of the beginning.

@@ -74,6 +74,7 @@ impl SimulationHandle {
 
     fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
         let data = &self.0;
+        self.refuse_wrong_way(call)?;
         data.overlaps.borrow_mut().clear();
         if call.host.is_check() {
             return Ok(Dynamic::from(SettleToCome));

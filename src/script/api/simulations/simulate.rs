@@ -167,6 +167,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
     let handle = create(call, model, simulation, motion, Keeping { fields_every, stills }, course)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
+    handle.0.accepts_overlap.set(accepts_overlap);
     handle.note_contact();
     keep_model(call.host, &original);
     Ok(handle)
@@ -243,6 +244,7 @@ pub fn create(
         spent: Cell::new(spent),
         scale: Cell::new(simulation.row().total().abs()),
         overlaps: RefCell::default(),
+        accepts_overlap: Cell::default(),
         simulation: RefCell::new(simulation),
         history: RefCell::new(history),
         keeping,

@@ -3,9 +3,14 @@
 use super::handle::SimulationHandle;
 use crate::dynamics::{FailureCause, Interaction, Missing, StepError};
 use crate::script::api::time_functions::ClosureError;
-use crate::script::language::digits::brief;
+use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::{Class, Failure, interrupted};
 use crate::script::language::function::Call;
+
+/// `by 0.02, 0.21 facets, at [1.0, 2.0]`.
+pub(super) fn overlap_text(depth: f64, facets: f64, at: [f64; 2]) -> String {
+    format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(&at))
+}
 
 impl SimulationHandle {
     /// The failure of a call that took the step.
@@ -13,6 +18,7 @@ impl SimulationHandle {
         let (title, cure) = (error.to_string(), error.cure());
         match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(cure),
+            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, at)).hint(cure),
             StepError::OutOfMemory { .. } => Failure::new(Class::Numerics, title).hint(cure),
             StepError::Amplitude { source, .. } => match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
                 Some(inner) => call.fail(title).caused_by(inner),
@@ -27,6 +33,19 @@ impl SimulationHandle {
                 if call.host.settings.interactive { failure.hint("`sim.why()` shows the iterations") } else { failure }
             }
         }
+    }
+
+    /// The failure of a run that has come to its end with sides of a contact inside each other, although the script has not accepted that.
+    pub fn overlap_left(&self) -> Option<Failure> {
+        let has_stepped = self.0.history.borrow().len() > 1;
+        if !has_stepped || self.0.accepts_overlap.get() {
+            return None;
+        }
+        let error = self.0.simulation.try_borrow().ok()?.check_apart().err()?;
+        let (title, cure) = (error.to_string(), error.cure());
+        let StepError::StillOverlaps { contact, depth, facets, at, .. } = error else { return None };
+        let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, at)).hint(cure);
+        Some(failure.placed(self.0.model.place_of_contact(&contact)))
     }
 
     fn no_equilibrium(&self, cause: String, cure: String) -> Failure {

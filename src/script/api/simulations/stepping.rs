@@ -11,13 +11,14 @@ use super::artifacts::Artifacts;
 use super::following;
 use super::handle::{Past, SimulationHandle, busy};
 use super::journal::{Journal, go_on};
-use crate::dynamics::{LedgerRow, State, StepError};
+use super::step_failures::overlap_text;
+use crate::dynamics::{LedgerRow, Overlap, OverlapKind, State, StepError};
 use crate::math::catalogue::Interval;
 use crate::output::checkpoint::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
-use crate::script::language::digits::{brief, number_text, vector_text};
+use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::{Failure, interrupted};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -104,14 +105,23 @@ impl SimulationHandle {
 
     /// Bodies that overlap at the start are an error: they are hardly ever meant, and contact would hold them as they are.
     fn refuse_overlaps(&self, call: &Call) -> Result<(), Failure> {
+        self.refuse(call, |_| true)
+    }
+
+    /// What `settle` would only press farther in is an error there, too: bodies behind an obstacle that looks the wrong way.
+    pub(super) fn refuse_wrong_way(&self, call: &Call) -> Result<(), Failure> {
+        self.refuse(call, |overlap| matches!(overlap.kind, OverlapKind::Obstacle { whole: true, .. }))
+    }
+
+    fn refuse(&self, call: &Call, is_one: impl Fn(&Overlap) -> bool) -> Result<(), Failure> {
         let overlaps = self.0.overlaps.borrow();
-        let Some(worst) = overlaps.iter().max_by(|a, b| a.facets.total_cmp(&b.facets)) else { return Ok(()) };
-        let place = vector_text(&worst.at);
-        let others = match overlaps.len() - 1 {
+        let found: Vec<&Overlap> = overlaps.iter().filter(|overlap| is_one(overlap)).collect();
+        let Some(worst) = found.iter().max_by(|a, b| a.facets.total_cmp(&b.facets)) else { return Ok(()) };
+        let others = match found.len() - 1 {
             0 => String::new(),
             others => format!("; {others} more overlap"),
         };
-        let cause = format!("by {}, {:.2} facets, at {place}{others}", brief(worst.depth), worst.facets);
+        let cause = format!("{}{others}", overlap_text(worst.depth, worst.facets, worst.at));
         Err(call.fail(worst.to_string()).cause(cause).hint(worst.cure()))
     }
 

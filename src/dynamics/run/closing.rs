@@ -1,0 +1,138 @@
+//! Overlaps that `settle` presses apart: how deep they are, a part of them at a time, and none left.
+//!
+//! Pairs that overlap take part however deep they are ([`Outlook::depth`](crate::contact::Outlook)). What a damped step asks of their gaps
+//! is not all at once: Newton's method moves nodes by a part of a facet in an iteration, and with large strains it must not be sent too far
+//! astray. So a target is no farther above the gap at the start of the step than a share of a facet, which shrinks when a step fails.
+
+use super::engine::Engine;
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::depths::{Depth, Depths};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::step::conditions::Conditions;
+use crate::dynamics::step::system::System;
+use crate::math::tolerances::{LEFT, LEFT_HELD};
+
+/// Closing of a step in shortest secondary facets: of the first one, and at most. A step that takes 25 iterations of a tenth of a facet
+/// moves nodes by 2.5 facets.
+const FIRST: f64 = 0.4;
+const MOST: f64 = 1.6;
+
+/// Change of it after a step that failed, and after one that did not.
+const SHRINK: f64 = 0.25;
+const GROW: f64 = 2.0;
+
+/// Overlap in shortest secondary facets up to which nothing has to be done: half a facet takes part always.
+const SHALLOW: f64 = 0.25;
+
+/// What pairs are admitted to beyond the depth that was measured: gaps are measured along other lines than depths are, and elsewhere on the
+/// facets. A share of the depth, and a part of a facet.
+const DEEPER: f64 = 1.1;
+const ELSEWHERE: f64 = 0.5;
+
+/// Overlaps and how they are closed.
+pub struct Closing {
+    depths: Depths,
+    /// In shortest secondary facets in a step.
+    facets: f64,
+}
+
+impl Closing {
+    /// The overlaps of a model.
+    pub fn of(model: &Model) -> Closing {
+        Closing { depths: Depths::of(model), facets: FIRST }
+    }
+
+    /// How deep the pairs of the model take part at rest with the nodes at `q`, in their order `[length]`.
+    pub fn reaches<const D: usize>(&self, system: &System<D>, q: &[f64], time: f64) -> Vec<f64> {
+        let mut reaches = vec![0.0; system.pairs.len()];
+        for found in self.depths.at(q, time, &|_| true) {
+            let index = pair_of(system, &found);
+            if let Some(index) = index.filter(|&index| found.depth > SHALLOW * system.pairs[index].kernel.facet_size()) {
+                reaches[index] = DEEPER * found.depth + ELSEWHERE * found.size;
+            }
+        }
+        reaches
+    }
+
+    /// How far the next step moves sides apart that are so deep inside each other `[length]`.
+    pub fn motion<const D: usize>(&self, system: &System<D>, reaches: &[f64]) -> f64 {
+        let sizes = system.pairs.iter().zip(reaches).filter(|(_, reach)| **reach > 0.0).map(|(pair, _)| pair.kernel.facet_size());
+        self.facets * sizes.fold(0.0, f64::max)
+    }
+
+    /// Brings the targets of the step that has begun at `q` as near to its gaps as it closes them; returns whether any was farther.
+    pub fn limit<const D: usize>(&self, system: &System<D>, q: &[f64], conditions: &mut Conditions) -> bool {
+        let mut is_part = false;
+        for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie && pair.penalty().is_none()) {
+            let closing = self.facets * pair.kernel.facet_size();
+            let (gaps, coverage) = (pair.kernel.start_gap(), pair.kernel.coverage(q));
+            for (local, row) in pair.rows.clone().enumerate() {
+                let nearer = gaps[local] + closing * coverage[local] * pair.kernel.weights()[local];
+                if gaps[local] < 0.0 && nearer < conditions.targets[row] {
+                    conditions.targets[row] = nearer;
+                    is_part = true;
+                }
+            }
+        }
+        is_part
+    }
+
+    /// A step failed: the next one closes less.
+    pub fn failed(&mut self) {
+        self.facets *= SHRINK;
+    }
+
+    /// A step succeeded.
+    pub fn succeeded(&mut self) {
+        self.facets = (GROW * self.facets).min(MOST);
+    }
+}
+
+/// The pair whose constraints hold an overlap apart.
+fn pair_of<const D: usize>(system: &System<D>, found: &Depth) -> Option<usize> {
+    let is_corner = |pair: &ContactPair| pair.kind == PairKind::Obstacle && pair.corners.is_some_and(|of| of.pair == found.contact);
+    if found.is_corner { system.pairs.iter().position(is_corner) } else { Some(found.contact) }
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Sides of a contact that are so deep inside each other at the present state that it cannot be meant.
+    ///
+    /// # Errors
+    /// There are such sides: the deepest of them.
+    pub fn check_overlaps(&self, closing: &Closing) -> Result<(), StepError> {
+        let is_left = |found: &Depth| {
+            let Some(pair) = pair_of(&self.system, found).map(|index| &self.system.pairs[index]) else { return false };
+            let presses = |row: usize| self.state.lambda[row] > 0.0;
+            let stride = pair.kernel.rows_per_node();
+            let of_node = |&node: &u32| {
+                let index = pair.kernel.secondary().index(node)?;
+                Some((index * stride..(index + 1) * stride).map(|local| pair.rows.start + local))
+            };
+            let is_held = if found.is_corner {
+                pair.rows.clone().any(presses)
+            } else {
+                found.nodes.iter().filter_map(of_node).flatten().any(presses)
+            };
+            let facets = found.depth / found.size;
+            facets > LEFT && !(is_held && (pair.penalty().is_some() || facets <= LEFT_HELD))
+        };
+        let found = self.closing_depths(closing, &is_left);
+        let Some(worst) = found.into_iter().max_by(|a, b| (a.depth / a.size).total_cmp(&(b.depth / b.size))) else { return Ok(()) };
+        Err(StepError::StillOverlaps {
+            contact: self.model.interactions[worst.contact].name.clone(),
+            time: self.state.row.time,
+            depth: worst.depth,
+            facets: worst.depth / worst.size,
+            at: worst.at,
+        })
+    }
+
+    fn closing_depths(&self, closing: &Closing, counts: &dyn Fn(&Depth) -> bool) -> Vec<Depth> {
+        closing.depths.at(&self.state.positions, self.state.row.time, counts)
+    }
+}
