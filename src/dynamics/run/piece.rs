@@ -70,7 +70,7 @@ where
         };
         let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
         self.check_search(&outlook, MORE_MOTION, &solution)?;
-        if may_be_halved && let Some(motion) = self.system.came_through(&solution.at, &conditions) {
+        if may_be_halved && let Some(motion) = self.system.came_through(&state.positions, &solution.at, &conditions) {
             return Err(Failure::Foreseen(motion));
         }
         let jump = self.velocity_jump(&start, &motion, &solution, &conditions)?;
