@@ -180,13 +180,15 @@ impl Row {
         worst.depth = worst.depth.max(outcome.depth);
         worst.crossing = worst.crossing.max(outcome.crossing);
         worst.misread = worst.misread.max(outcome.misread);
+        worst.lost += outcome.lost;
     }
 
     fn print(&self, name: &str) {
         let count = |fault| self.counts.get(&fault).copied().unwrap_or(0);
         let worst = &self.worst;
         println!(
-            "{name:28} {:5} {:7} {:6} {:7} {:4} {:6} {:6} {:8} {:6} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:6.2} {:8.2} {:7.2} {:6.2} {:8}",
+            "{name:28} {:5} {:7} {:6} {:7} {:4} {:6} {:6} {:8} {:6} {:5} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:8.1e} {:6.2} \
+             {:8.2} {:7.2} {:6.2} {:8}",
             self.runs,
             self.touched,
             count(Fault::Failed),
@@ -198,6 +200,8 @@ impl Row {
             count(Fault::Ledger),
             count(Fault::Deep),
             self.deeper,
+            count(Fault::Apart),
+            worst.lost / self.runs.max(1) as f64,
             worst.gain,
             worst.defect,
             worst.momentum,
@@ -211,9 +215,9 @@ impl Row {
 }
 
 /// Columns of the table: runs, those in which anything touched, those with each fault, those deeper than one and a half times the
-/// limit; largest values; iterations of an accepted piece, halvings.
-const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained defect momentum ledger  deep >0.15      gain   \
-                      defect momentum  depth crossing misread  iter. halvings";
+/// limit; what contact loses in the mean, over the energy; largest values; iterations of an accepted piece, halvings.
+const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained defect momentum ledger  deep >0.15 apart      \
+                      lost     gain   defect momentum  depth crossing misread  iter. halvings";
 
 /// Seeds and numbers of axes that are asked for, and on how many threads.
 fn jobs(arguments: &Arguments, axes: usize) -> (Vec<(u64, usize)>, usize) {

@@ -97,6 +97,11 @@ fn nothing_is_deeper_than_a_tenth_of_a_facet() {
     assert_free_of(&[Fault::Deep]);
 }
 
+#[test]
+fn an_open_contact_keeps_nothing_and_presses_nowhere() {
+    assert_free_of(&[Fault::Apart]);
+}
+
 /// The scenes are worth something: bodies meet in nearly all of them, and every kind is there.
 #[test]
 fn bodies_meet_and_all_kinds_are_there() {

@@ -51,56 +51,96 @@ impl Chain {
     /// What measures the gap at the positions `z` of the patch; facets that are not `admitted` cannot be the closest. `None` where the
     /// function vanishes identically.
     pub fn measure(&self, z: &[f64], admitted: &[bool]) -> Option<Measure> {
+        let facets = (0..self.facets.len()).filter(|&index| admitted[index]);
+        let (index, s) = self.closest(facets.map(|index| (index, [0.0, 1.0])), z)?;
+        self.measure_at(index, s, z)
+    }
+
+    /// What measures the gap to the part of the chain on one side of a vertex at the positions `z`: the facet goes on as a straight line
+    /// beyond its end `vertex` (0 or 1), at the other end the chain as it is, as far as facets are `admitted`.
+    pub fn measure_branch(&self, [facet, vertex]: [u32; 2], z: &[f64], admitted: &[bool]) -> Option<Measure> {
+        let (first, end) = (facet as usize, vertex as usize);
+        let next = |&index: &usize| {
+            let next = self.neighbors[index][1 - end];
+            (next != NONE && next != facet && admitted[next as usize]).then_some(next as usize)
+        };
+        let mut range = [0.0, 1.0];
+        range[end] = if end == 1 { f64::INFINITY } else { f64::NEG_INFINITY };
+        let away = std::iter::successors(next(&first), next).take(self.facets.len()).map(|index| (index, [0.0, 1.0]));
+        let (index, s) = self.closest(std::iter::once((first, range)).chain(away), z)?;
+        if index == first && (if end == 1 { s >= 1.0 } else { s <= 0.0 }) {
+            Some(self.line(facet, z))
+        } else {
+            self.measure_at(index, s, z)
+        }
+    }
+
+    /// The closest of some facets, each with the range of its coordinate, and the coordinate of its closest point.
+    fn closest(&self, facets: impl Iterator<Item = (usize, [f64; 2])>, z: &[f64]) -> Option<(usize, f64)> {
         let mut closest = (f64::INFINITY, 0, 0.0);
-        for (index, _) in self.facets.iter().enumerate().filter(|(index, _)| admitted[*index]) {
+        for (index, [low, high]) in facets {
+            let s = self.coordinate(index, z).clamp(low, high);
             let (t, d) = self.offsets(index, z);
-            let square = t[0] * t[0] + t[1] * t[1];
-            let s = if square > 0.0 { ((t[0] * d[0] + t[1] * d[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
             let distance = (d[0] - s * t[0]).powi(2) + (d[1] - s * t[1]).powi(2);
             if distance < closest.0 {
                 closest = (distance, index, s);
             }
         }
-        let (distance, index, s) = closest;
-        if !distance.is_finite() {
-            return None;
-        }
-        let own = Measure { facet: index as u32, gap: self.gap(index, z), covered: true };
+        closest.0.is_finite().then_some((closest.1, closest.2))
+    }
+
+    /// Coordinate of the point's projection on a facet, 0 to 1 between its ends.
+    fn coordinate(&self, index: usize, z: &[f64]) -> f64 {
+        let (t, d) = self.offsets(index, z);
+        let square = t[0] * t[0] + t[1] * t[1];
+        if square > 0.0 { (t[0] * d[0] + t[1] * d[1]) / square } else { 0.0 }
+    }
+
+    /// What measures the gap where the closest point is that of coordinate `s` on a facet.
+    fn measure_at(&self, index: usize, s: f64, z: &[f64]) -> Option<Measure> {
+        let own = self.line(index as u32, z);
         if s > 0.0 && s < 1.0 {
             return Some(own);
         }
         let side = usize::from(s >= 1.0);
         let neighbor = self.neighbors[index][side];
         if neighbor == NONE {
-            let (t, d) = self.offsets(index, z);
-            let beyond = (t[0] * d[0] + t[1] * d[1]) / (t[0] * t[0] + t[1] * t[1]) - s;
-            let covered = beyond.abs() <= CHAIN_END;
+            let covered = (self.coordinate(index, z) - s).abs() <= CHAIN_END;
             return (covered || own.gap > 0.0).then_some(Measure { covered, ..own });
         }
-        let other = Measure { facet: neighbor, gap: self.gap(neighbor as usize, z), covered: true };
+        let other = self.line(neighbor, z);
         let (own_t, other_t) = (self.offsets(index, z).0, self.offsets(neighbor as usize, z).0);
         let turn = own_t[0] * other_t[1] - own_t[1] * other_t[0];
         let convex = if side == 1 { turn > 0.0 } else { turn < 0.0 };
         Some(if (other.gap > own.gap) == convex { other } else { own })
     }
 
+    /// Distance of the point from a facet, to its ends where it is beside it.
+    pub fn distance(&self, facet: u32, z: &[f64]) -> f64 {
+        let s = self.coordinate(facet as usize, z).clamp(0.0, 1.0);
+        let (t, d) = self.offsets(facet as usize, z);
+        (d[0] - s * t[0]).hypot(d[1] - s * t[1])
+    }
+
     /// The distance from the line of a facet.
-    pub fn line(&self, facet: u32, z: &[f64]) -> Measure {
+    fn line(&self, facet: u32, z: &[f64]) -> Measure {
         Measure { facet, gap: self.gap(facet as usize, z), covered: true }
     }
 
-    /// A facet and its neighbor at the end that is nearer to the point, ascending, where they meet in a concave corner that turns by more
-    /// than an angle of this sine.
-    pub fn pocket(&self, facet: u32, z: &[f64], sine: f64) -> Option<[u32; 2]> {
-        let (t, d) = self.offsets(facet as usize, z);
-        let side = usize::from(t[0] * d[0] + t[1] * d[1] >= 0.5 * (t[0] * t[0] + t[1] * t[1]));
+    /// A facet and its neighbor at the end that is nearer to the point, ascending, each with the end at which they meet, where that is a
+    /// concave corner that turns by more than an angle of this sine.
+    pub fn pocket(&self, facet: u32, z: &[f64], sine: f64) -> Option<[[u32; 2]; 2]> {
+        let t = self.offsets(facet as usize, z).0;
+        let side = usize::from(self.coordinate(facet as usize, z) >= 0.5);
         let neighbor = self.neighbors[facet as usize][side];
         if neighbor == NONE {
             return None;
         }
         let u = self.offsets(neighbor as usize, z).0;
         let turn = (t[0] * u[1] - t[1] * u[0]) / (t[0].hypot(t[1]) * u[0].hypot(u[1]));
-        (if side == 1 { turn < -sine } else { turn > sine }).then_some([facet.min(neighbor), facet.max(neighbor)])
+        let mut branches = [[facet, side as u32], [neighbor, 1 - side as u32]];
+        branches.sort_unstable();
+        (if side == 1 { turn < -sine } else { turn > sine }).then_some(branches)
     }
 
     /// Vector along a facet, and from its first node to the point.
@@ -244,6 +284,25 @@ mod tests {
         // Concave: body y < 0 or x < 0.
         assert!((gap(-quarter, [0.1, 0.3]) - 0.1).abs() < 1e-16);
         assert!((gap(-quarter, [-0.1, -0.3]) + 0.3).abs() < 1e-16);
+    }
+
+    /// A dent of two facets that turn by a right angle, the chain going on flat on the right: a branch knows nothing of the other one, goes on
+    /// as a line beyond the vertex, and follows the chain at its far end.
+    #[test]
+    fn a_branch_goes_on_as_a_line_beyond_its_vertex() {
+        let chain = Chain::new(vec![[1, 2], [2, 3], [3, 4]]);
+        // From right to left: (2, 1) to (1, 1), down to the vertex (0, 0), up to (-1, 1).
+        let at = |x: [f64; 2]| [x[0], x[1], 2.0, 1.0, 1.0, 1.0, 0.0, 0.0, -1.0, 1.0];
+        let root = std::f64::consts::FRAC_1_SQRT_2;
+        assert_eq!(chain.pocket(1, &at([0.1, 0.2]), 0.1), Some([[1, 1], [2, 0]]));
+        let right = |x: [f64; 2]| chain.measure_branch([1, 1], &at(x), &[true; 3]).unwrap();
+        let near = |measure: Measure, facet: u32, gap: f64| measure.facet == facet && (measure.gap - gap).abs() < 1e-15;
+        assert!(near(right([0.1, 0.3]), 1, 0.2 * root), "within the facet");
+        assert!(near(right([-0.3, 0.1]), 1, 0.4 * root), "beyond the vertex");
+        assert!(near(right([1.5, 0.9]), 0, -0.1), "on the next facet");
+        let left = chain.measure_branch([2, 0], &at([0.3, 0.1]), &[true; 3]).unwrap();
+        assert!(near(left, 2, 0.4 * root));
+        assert!((chain.distance(2, &at([0.3, 0.1])) - 0.3f64.hypot(0.1)).abs() < 1e-15);
     }
 
     #[test]

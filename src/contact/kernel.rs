@@ -51,6 +51,11 @@ pub trait ContactKernel: Send + Sync {
         1
     }
 
+    /// Whether a constraint is a node's own gap times its weight, and not an integral over the surface.
+    fn is_nodal(&self) -> bool {
+        false
+    }
+
     /// The nodes that own constraints, in the order of the rows: all secondary nodes; none where the constraints are those of an obstacle's
     /// corners.
     fn row_nodes(&self) -> &[u32] {

@@ -86,25 +86,34 @@ impl Mortar {
     /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
     ///
     /// They are negative in places, where a facet that is covered in part would take an opening for a penetration: facets that are not
-    /// wholly covered at the start of a step, with their neighbors, have the standard ones in it.
+    /// wholly covered at the start of a step, or are next to the end of what is opposite, have the standard ones in it.
     pub fn with_dual_multipliers(self) -> Self {
         Mortar { dual: true, ..self }
     }
 
-    /// Shape functions of each pair's secondary facet, from the pairs' overlaps.
-    fn shapes(&self, overlaps: &[Option<Overlap>]) -> Vec<Shape> {
-        let pairs = self.search.candidates.pairs();
-        let mut covered = vec![0.0; self.sides.secondary.facets().len()];
-        if self.dual {
-            for ((pair, overlap), _) in pairs.iter().zip(overlaps).zip(&self.search.near).filter(|(_, near)| **near) {
-                covered[pair[0] as usize] += overlap.as_ref().map_or(0.0, |overlap| overlap.coverage().iter().sum::<f64>());
+    /// Shape functions of each pair's secondary facet in a step from `q_0`, from the pairs' overlaps: dual ones where the pairs that take part
+    /// cover a facet wholly, and something is opposite all of its neighbors, if only a facet away. Would these have to take part, the shape
+    /// functions, and with them the constraints that are closed, would change wherever two bodies roll on each other.
+    fn shapes(&self, overlaps: &[Option<Overlap>], q_0: &[f64]) -> Vec<Shape> {
+        let (pairs, secondary) = (self.search.candidates.pairs(), &self.sides.secondary);
+        // Of each facet the share that is covered by pairs that take part, and by these and open ones.
+        let mut covered = vec![[0.0; 2]; secondary.facets().len()];
+        for (p, (pair, overlap)) in pairs.iter().zip(overlaps).enumerate().filter(|_| self.dual) {
+            let Some(overlap) = overlap else { continue };
+            let share = overlap.coverage().iter().sum::<f64>();
+            let is_open = || overlap.value().iter().sum::<f64>() > 0.0 && self.search.is_beside(p, &self.sides, q_0);
+            let [taking_part, seen] = &mut covered[pair[0] as usize];
+            if self.search.near[p] {
+                *taking_part += share;
+                *seen += share;
+            } else if is_open() {
+                *seen += share;
             }
         }
-        let whole: Vec<bool> = covered.iter().map(|covered| *covered > 1.0 - WHOLE).collect();
-        let secondary = &self.sides.secondary;
+        let is_whole = |share: f64| share > 1.0 - WHOLE;
         let inside = |facet: u32| {
-            let ends = secondary.local_facets()[facet as usize];
-            ends.into_iter().all(|node| secondary.adjacent_facets(node as usize).iter().all(|&other| whole[other as usize]))
+            let around = secondary.local_facets()[facet as usize].into_iter().flat_map(|node| secondary.adjacent_facets(node as usize));
+            is_whole(covered[facet as usize][0]) && around.into_iter().all(|&other| is_whole(covered[other as usize][1]))
         };
         pairs.iter().map(|pair| if inside(pair[0]) { DUAL } else { STANDARD }).collect()
     }
@@ -340,7 +349,7 @@ impl ContactKernel for Mortar {
         start.clear();
         let offsets: Vec<Offsets> = (0..self.sides.patches.len()).map(|p| self.offsets(p, q_0)).collect();
         let overlaps: Vec<Option<Overlap>> = offsets.iter().map(|offsets| Overlap::new(&invariants(offsets))).collect();
-        let shapes = self.shapes(&overlaps);
+        let shapes = self.shapes(&overlaps, q_0);
         start.extend(offsets.into_iter().zip(overlaps).zip(shapes).map(|((offsets, overlap), shape)| Start {
             offsets,
             invariants: invariants(&offsets),

@@ -15,8 +15,8 @@ pub struct Start {
     /// Positions of the nodes that take part.
     pub positions: Vec<f64>,
     pub measures: [Option<Measure>; 2],
-    /// The facets of the concave corner that the node is in, each with a row of its own in this step.
-    pub pocket: Option<[u32; 2]>,
+    /// The facets of the concave corner that the node is in, each with the end at which they meet and with a row of its own in this step.
+    pub pocket: Option<[[u32; 2]; 2]>,
 }
 
 /// Storage of one evaluation, used again from patch to patch.
@@ -43,7 +43,7 @@ impl Start {
     /// What measures the gap of each row.
     pub fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
         match self.pocket {
-            Some(facets) => facets.map(|facet| Some(self.chain.line(facet, z))),
+            Some(branches) => branches.map(|branch| self.chain.measure_branch(branch, z, &self.closest)),
             None => [self.chain.measure(z, &self.closest), None],
         }
     }

@@ -240,11 +240,17 @@ impl NodeToSegment {
     }
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
-    fn pocket(&self, start: &Start) -> Option<[u32; 2]> {
+    fn pocket(&self, start: &Start) -> Option<[[u32; 2]; 2]> {
         self.corners.as_ref()?;
         let measure = start.chain.measure(&start.positions, &start.closest)?;
-        let is_near = measure.covered && measure.gap <= POCKET_REACH * self.sides.facet_size;
-        is_near.then(|| start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin()))?
+        let is_near = measure.covered && start.chain.distance(measure.facet, &start.positions) <= POCKET_REACH * self.sides.facet_size;
+        let pocket = start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin());
+        pocket.filter(|branches| is_near && branches.iter().all(|[facet, _]| start.closest[*facet as usize]))
+    }
+
+    /// Whether a corner is too deep to have constraints: what it sees is the far side of a body, or an overlap that it began with.
+    fn is_sunk(&self, start: &Start) -> bool {
+        self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -SUNK * self.sides.facet_size)
     }
 }
 
@@ -332,6 +338,10 @@ impl ContactKernel for NodeToSegment {
         self.begin_step(q);
     }
 
+    fn is_nodal(&self) -> bool {
+        true
+    }
+
     fn rows_per_node(&self) -> usize {
         if self.corners.is_some() { 2 } else { 1 }
     }
@@ -358,6 +368,14 @@ impl ContactKernel for NodeToSegment {
             start.positions = positions;
             start.pocket = self.pocket(start);
             start.measures = start.measures(&start.positions);
+            if self.is_sunk(start) {
+                start.pocket = None;
+                start.measures = start.measures(&start.positions);
+            }
+            if self.is_sunk(start) {
+                start.closest.fill(false);
+                start.measures = [None; 2];
+            }
         }
         self.start = starts;
     }

@@ -157,6 +157,10 @@ impl ContactKernel for OnCurves {
         self.inner.rows_per_node()
     }
 
+    fn is_nodal(&self) -> bool {
+        self.inner.is_nodal()
+    }
+
     fn row_nodes(&self) -> &[u32] {
         self.inner.row_nodes()
     }

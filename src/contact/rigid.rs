@@ -266,6 +266,10 @@ impl ContactKernel for RigidContact {
         &self.sides
     }
 
+    fn is_nodal(&self) -> bool {
+        true
+    }
+
     fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
         self.translations = *translations;
     }

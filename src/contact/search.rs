@@ -166,6 +166,11 @@ impl PairSearch {
         changed
     }
 
+    /// Whether the facets of a listed pair are within a facet of each other at `q`, as every search sees.
+    pub fn is_beside(&self, p: usize, sides: &Sides, q: &[f64]) -> bool {
+        self.window.is_within(self.candidates.pairs()[p], sides, q, sides.facet_size)
+    }
+
     /// Decides which pairs take part in a step.
     fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
         self.window.begin(outlook.depth);

@@ -197,7 +197,7 @@ impl Window {
     }
 
     /// Whether the boxes of a pair's facets are within `margin` of each other.
-    fn is_within(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], margin: f64) -> bool {
+    pub(super) fn is_within(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], margin: f64) -> bool {
         let (own, other) = (sides.secondary.facets()[own as usize], sides.primary.facets()[other as usize]);
         (0..2).all(|axis| {
             let range = |[a, b]: [u32; 2]| {

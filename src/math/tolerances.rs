@@ -97,6 +97,10 @@ pub const APPROACH: f64 = 0.08;
 /// its iterations.
 pub const CAME_THROUGH: f64 = 0.09;
 
+/// Growth of the depth of a node within such a step, in secondary facets, from which on it counts: what grows by less grows as slowly in
+/// halves of the step.
+pub const SUNK_DEEPER: f64 = 0.01;
+
 /// Overlap of a corner, in shortest secondary facets, that its own constraint leaves alone: half of what a sharp corner may go in, and far
 /// more than the gaps that weighted constraints leave where surfaces lie flat on each other.
 pub const CORNER_SLACK: f64 = 0.02;

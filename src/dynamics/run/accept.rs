@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::impact::Jump;
+use super::jump::Jump;
 use super::ledger::LedgerRow;
 use super::state::State;
 use crate::bodies::{Elements, Space};

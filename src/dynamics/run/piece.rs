@@ -73,7 +73,7 @@ where
         let before = self.system.counters;
         let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
         let taken_back = match self.check_search(&outlook, MORE_MOTION, &solution) {
-            Ok(()) if may_be_halved => self.system.came_through(&solution.at, &conditions).map(Failure::Foreseen),
+            Ok(()) if may_be_halved => self.system.came_through(&state.positions, &solution.at, &conditions).map(Failure::Foreseen),
             outcome => outcome.err(),
         };
         if let Some(failure) = taken_back {

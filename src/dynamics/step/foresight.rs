@@ -27,11 +27,12 @@ impl<const D: usize> System<D> {
         None
     }
 
-    /// How far open nodes have come through the other side in a converged step of the persistency rule, if too far: elastic motion is not
-    /// foreseen.
-    pub fn came_through(&self, at: &Linearization, conditions: &Conditions) -> Option<LargeMotion> {
+    /// How deep nodes are behind the other side at the end of a converged step of the persistency rule that began at `q_0`, if too deep:
+    /// elastic motion is not foreseen. Of open constraints their own gap counts, and of any node its depth where that has grown: a closed
+    /// weighted gap holds a mean, beside which a node may go in.
+    pub fn came_through(&self, q_0: &[f64], at: &Linearization, conditions: &Conditions) -> Option<LargeMotion> {
         self.pairs.iter().zip(&at.pairs).filter(|(pair, _)| pair.may_penetrate()).find_map(|(pair, evaluation)| {
-            let facets = through(pair, conditions, &evaluation.gap, &evaluation.coverage);
+            let facets = through(pair, conditions, &evaluation.gap, &evaluation.coverage).max(sunk(pair, q_0, &at.q_1));
             (facets > tolerances::CAME_THROUGH).then(|| LargeMotion { contact: pair.name.clone(), kind: MotionKind::CameThrough, facets })
         })
     }
@@ -130,4 +131,12 @@ fn through(pair: &ContactPair, conditions: &Conditions, gaps: &[f64], coverage: 
     let (size, weights) = (pair.kernel.facet_size(), pair.kernel.weights());
     let open = (0..gaps.len()).filter(|&k| !conditions.members[pair.rows.start + k] && coverage[k] > tolerances::SLIVER);
     open.map(|k| -gaps[k] / (coverage[k] * weights[k] * size)).fold(0.0, f64::max)
+}
+
+/// Depth of the deepest node of a pair at `q_1` in secondary facets, if it has grown since `q_0`; else nothing.
+fn sunk(pair: &ContactPair, q_0: &[f64], q_1: &[f64]) -> f64 {
+    let depth = |q: &[f64]| pair.kernel.deepest(q) / pair.kernel.facet_size();
+    let now = depth(q_1);
+    // Most steps end with less, and are not compared.
+    if now > tolerances::CAME_THROUGH && now > depth(q_0) + tolerances::SUNK_DEEPER { now } else { 0.0 }
 }

@@ -7,7 +7,6 @@ use super::iterate::Linearization;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::contact_pair::PairKind;
-use crate::dynamics::parts::nodal::{moment, resultant};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -79,14 +78,15 @@ where
         Ok(push)
     }
 
-    /// Whether the momenta of a push are the impulses from outside, as far as round-off lets them: where constraints all but depend on one
-    /// another, the solution is accurate in its residual and in nothing else.
+    /// Whether the momenta of a push that the model keeps are the impulses from outside, as far as round-off lets them: where constraints
+    /// all but depend on one another, the solution is accurate in its residual and in nothing else.
     pub fn is_balanced(&self, push: &Push, q_1: &[f64]) -> bool {
         let momenta = self.nodes.momenta_of(&push.velocity);
         let sizes = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
         let (size, reach) = (sizes(&momenta), largest_size(q_1).max(self.nodes.extent));
         let off: Vec<f64> = momenta.iter().zip(&push.impulse).map(|(momentum, impulse)| momentum - impulse).collect();
         let far = |sum: [f64; 3], limit: f64| sum.iter().any(|x| x.abs() > limit);
-        !far(resultant::<D>(&off), tolerances::PUSH * size) && !far(moment::<D>(q_1, &off), tolerances::PUSH * size * reach)
+        let (resultant, moment) = (self.nodes.resultant(&off), self.nodes.moment(q_1, &off));
+        !far(resultant, tolerances::PUSH * size) && !far(moment, tolerances::PUSH * size * reach)
     }
 }

@@ -47,11 +47,22 @@ pub enum Fault {
     Ledger,
     /// A node is too deep, or facets cross too far.
     Deep,
+    /// An open contact keeps energy, or presses.
+    Apart,
 }
 
 impl Fault {
-    pub const ALL: [Fault; 8] =
-        [Fault::Failed, Fault::Crushed, Fault::Slow, Fault::Gained, Fault::Defect, Fault::Momentum, Fault::Ledger, Fault::Deep];
+    pub const ALL: [Fault; 9] = [
+        Fault::Failed,
+        Fault::Crushed,
+        Fault::Slow,
+        Fault::Gained,
+        Fault::Defect,
+        Fault::Momentum,
+        Fault::Ledger,
+        Fault::Deep,
+        Fault::Apart,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -63,6 +74,7 @@ impl Fault {
             Fault::Momentum => "MOMENTUM",
             Fault::Ledger => "LEDGER",
             Fault::Deep => "DEEP",
+            Fault::Apart => "APART",
         }
     }
 }
@@ -101,6 +113,12 @@ pub struct Record {
     pub crossing: Depth,
     /// What closed contacts keep in reserve, as the ledger says.
     pub reserve: f64,
+    /// What contact has lost since the start, as the ledger says.
+    pub lost: f64,
+    /// Reserve kept at the end of a piece at which no contact is closed.
+    pub kept_open: f64,
+    /// Largest force of a contact in a piece at whose start and end it is open, over the largest of any contact.
+    pub across: f64,
     /// Largest penetration that the ledger reports.
     pub reported: f64,
     pub iterations: usize,
@@ -130,6 +148,8 @@ pub struct Outcome {
     pub crossing: f64,
     /// Largest difference between the reported penetration and the depth from positions, over a facet.
     pub misread: f64,
+    /// What contact has lost.
+    pub lost: f64,
 }
 
 impl Outcome {
@@ -174,6 +194,13 @@ impl Outcome {
         judge(Fault::Ledger, |outcome| &mut outcome.disagreement, record.disagreement, DISAGREEMENT, "");
         judge(Fault::Deep, |outcome| &mut outcome.depth, record.depth.facets, DEPTH, &record.depth.place);
         judge(Fault::Deep, |outcome| &mut outcome.crossing, record.crossing.facets, DEPTH, &record.crossing.place);
+        if record.kept_open > 0.0 {
+            self.find(Fault::Apart, step, record.kept_open, "of the energy kept");
+        }
+        if record.across > 0.0 {
+            self.find(Fault::Apart, step, record.across, "of the force across a gap");
+        }
+        self.lost = record.lost;
         let facet = if record.depth.facets > 0.0 { record.depth.length / record.depth.facets } else { f64::INFINITY };
         self.misread = self.misread.max((record.reported - record.depth.length).abs() / facet);
     }
@@ -266,6 +293,8 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
     let offset = start.total() - sim.row().total();
     // The energy that must not be exceeded.
     let mut bound = start.total();
+    // Of each contact whether it was closed at the end of the piece before; what all have lost; the largest force of one.
+    let (mut was_closed, mut lost, mut force) = (Vec::new(), 0.0, 0.0f64);
     for step in 1..=scene.steps {
         let mut record = Record { step, ..Record::default() };
         let mut pieces = 0;
@@ -274,6 +303,17 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
             record.iterations += row.newton_iterations;
             record.halvings += row.halvings;
             record.defect = worse(record.defect, row.energy_defect.abs() / scales.energy);
+            lost -= row.contact_work / scales.energy;
+            if row.active == 0 {
+                record.kept_open = record.kept_open.max(row.reserve / scales.energy);
+            }
+            for (k, contact) in row.contacts.iter().enumerate() {
+                force = force.max(contact.normal_force);
+                if contact.active == 0 && !was_closed.get(k).is_some_and(|closed| *closed) && contact.normal_force > 0.0 {
+                    record.across = record.across.max(contact.normal_force / force);
+                }
+            }
+            was_closed = row.contacts.iter().map(|contact| contact.active > 0).collect();
         });
         outcome.pieces += pieces;
         outcome.iterations += record.iterations;
@@ -286,6 +326,7 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
         record.sums = oracle.sums(&state.positions, &state.velocities);
         let total = record.sums.total();
         (record.time, record.active, record.reported, record.reserve) = (row.time, row.active, row.max_penetration, row.reserve);
+        record.lost = lost;
         record.change = (total - start.total()) / scales.energy;
         record.gain = (total - bound) / scales.energy;
         bound = if scene.rule == &VELOCITY { bound.max(total) } else { bound.min(total) };

@@ -1,0 +1,92 @@
+//! A change of the velocities at the end of a step of the `velocity` rule, and what it is made from.
+
+use super::engine::Engine;
+use crate::bodies::{Elements, Space};
+use crate::dynamics::parts::nodal::half_product;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::newton::Solution;
+use crate::dynamics::step::push::Push;
+use crate::dynamics::step::start::Motion;
+use crate::linear::LinearError;
+
+/// A change of the velocities at the end of a step.
+pub struct Jump {
+    /// The change.
+    pub velocity: Vec<f64>,
+    /// Impulse of supports and obstacles.
+    pub impulse: Vec<f64>,
+    /// Kinetic energy that it gives, as seen from what pushes.
+    pub energy: f64,
+    /// Kinetic energy that moving supports and obstacles add by their push.
+    pub work: f64,
+    /// Multipliers whose forces would give the same impulse over the step.
+    pub lambda: Vec<f64>,
+    /// The reserves after the step.
+    pub reserve: Vec<f64>,
+}
+
+impl Jump {
+    /// No change of `unknowns` velocities.
+    pub fn none(unknowns: usize, reserve: Vec<f64>) -> Self {
+        let still = vec![0.0; unknowns];
+        Jump { velocity: still.clone(), impulse: still, energy: 0.0, work: 0.0, lambda: vec![0.0; reserve.len()], reserve }
+    }
+}
+
+/// A converged step as the rule sees it.
+pub struct Ending<'a> {
+    /// Its motion.
+    pub motion: &'a Motion<'a>,
+    /// Its solution.
+    pub solution: &'a Solution,
+    /// Whether a row is under the rule.
+    pub ours: Vec<bool>,
+    /// Whether a row is closed at the end of the step, penalties left out.
+    pub hold: Vec<bool>,
+    /// Velocities at its end, with the jump so far.
+    pub v: Vec<f64>,
+}
+
+impl Ending<'_> {
+    /// Adds `s` times a push, which gives the energy `energy`, to the jump and to the velocities.
+    pub fn add(&mut self, jump: &mut Jump, s: f64, push: &Push, energy: f64) {
+        let add = |sum: &mut [f64], s: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += s * part);
+        add(&mut self.v, s, &push.velocity);
+        add(&mut jump.velocity, s, &push.velocity);
+        add(&mut jump.impulse, s, &push.impulse);
+        add(&mut jump.lambda, s / self.motion.dt, &push.lambda);
+        jump.work += s * push.work;
+        jump.energy += energy;
+    }
+
+    /// Whether a row has left the active set with a reserve.
+    pub fn has_opened(&self, row: usize, reserve: &[f64]) -> bool {
+        self.ours[row] && reserve[row] > 0.0 && !self.solution.active[row].is_closed()
+    }
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// A push with the work of supports that move; nothing where constraints depend on one another: then nobody's velocity changes.
+    pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<Push>, Failure> {
+        match self.system.push(&end.solution.at, beta, lambda, &end.hold, rate) {
+            Ok(mut push) => {
+                let moving = self.system.supports.prescribed.iter().zip(end.motion.prescribed_v_1);
+                push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
+                Ok(self.system.is_balanced(&push, &end.solution.at.q_1).then_some(push))
+            }
+            Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
+                Err(failure.or_end(self.state.row.time))
+            }
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Kinetic energy of `v + s w`, as seen from what pushes: second and first order in `s`.
+    pub fn kinetic_slopes(&self, v: &[f64], push: &Push) -> (f64, f64) {
+        let momenta = self.system.nodes.momenta_of(&push.velocity);
+        (half_product(&push.velocity, &momenta), 2.0 * half_product(v, &momenta) - push.work)
+    }
+}
