@@ -280,6 +280,42 @@ mod tests {
         }
     }
 
+    /// A disk about the point: beside the facet, beyond either end in front of it, and behind it at a concave corner.
+    #[test]
+    fn the_distance_of_a_disk_has_no_kink_at_the_ends_and_exact_derivatives() {
+        let chain = Chain::new(vec![[1, 2]]);
+        // Traversed from right to left: outwards is up.
+        let at = |x: [f64; 2]| [x[0], x[1], 1.0, 0.0, 0.0, 0.0];
+        let gap = |z: &[f64; 6], concave: bool| chain.distance(z, [concave; 2], 0.1).unwrap().gap;
+        assert!((gap(&at([0.4, 0.3]), false) - 0.2).abs() < 1e-15);
+        assert!((gap(&at([1.3, 0.4]), false) - 0.4).abs() < 1e-15, "three, four, five");
+        assert!((gap(&at([-0.3, -0.4]), false) - 0.4).abs() < 1e-15, "in front of the other side of the corner");
+        assert!((gap(&at([-0.3, -0.4]), true) + 0.6).abs() < 1e-15, "within the body");
+        for (x, concave) in [([0.4, 0.3], false), ([1.3, 0.4], false), ([-0.3, 0.2], true), ([-0.3, -0.4], true)] {
+            let z = at(x);
+            let gradient = |z: &[f64; 6]| {
+                let mut g = [0.0; 6];
+                chain.add_gradient(&chain.distance(z, [concave; 2], 0.1).unwrap(), z, 2.0, &mut g);
+                g
+            };
+            let mut hessian = [0.0; 36];
+            chain.add_hessian(&chain.distance(&z, [concave; 2], 0.1).unwrap(), &z, 2.0, &mut hessian);
+            let step = 1e-5;
+            for k in 0..6 {
+                let moved = |by: f64| std::array::from_fn(|i| z[i] + if i == k { by } else { 0.0 });
+                let (less, more): ([f64; 6], [f64; 6]) = (moved(-step), moved(step));
+                let slope = (gap(&more, concave) - gap(&less, concave)) / step;
+                assert!((gradient(&z)[k] - slope).abs() < 1e-8, "{x:?} {k}");
+                for i in 0..6 {
+                    let slope = (gradient(&more)[i] - gradient(&less)[i]) / (2.0 * step);
+                    assert!((hessian[6 * i + k] - slope).abs() < 1e-8, "{x:?} {i} {k}");
+                }
+            }
+        }
+        let beyond = |by: f64| chain.distance(&at([1.0 + by, 0.3]), [false; 2], 0.1).unwrap().gap;
+        assert!((beyond(1e-6) - beyond(-1e-6)).abs() < 1e-11, "the same slope on both sides of an end");
+    }
+
     /// Closed form: a right angle, points on the bisector outside and inside.
     #[test]
     fn at_a_corner_the_body_is_an_intersection_or_a_union() {

@@ -20,7 +20,7 @@ use super::kernel::ContactKernel;
 use super::patches::Evaluation;
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
-use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
+use crate::math::tolerances::{CROSSING, PASSING, PROJECTED_INCREMENT, REMAINDER};
 
 /// At how many places on a node's way its distance is looked at, at most.
 const LOOKS: f64 = 64.0;
@@ -325,23 +325,23 @@ impl ContactKernel for RigidContact {
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        let mut largest = [0.0f64; 2];
         if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
             // There is no other side.
-            return largest;
+            return [0.0; 2];
         }
-        let [start, _, end] = self.translations;
+        let ([start, _, end], size) = (self.translations, self.sides.facet_size);
+        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
         for row in 0..self.sides.patches.len() {
             let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
             let x_1 = self.position(row, q_1, end);
-            let near = self.sides.facet_size.max(self.sides.weights[row]);
+            let near = size.max(self.sides.weights[row]);
             let moved = (x_1[0] - x_0[0]).hypot(x_1[1] - x_0[1]);
-            largest[0] = largest[0].max(self.shape.swing(x_0, x_1, near) / near);
-            if moved > largest[1] && self.shape.is_crossed(x_0, x_1) {
-                largest[1] = moved;
+            swing = swing.max(self.shape.swing(x_0, x_1, near) / near);
+            if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1) {
+                crossing = moved;
             }
         }
-        largest
+        [swing, crossing / size]
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

@@ -14,6 +14,9 @@ use super::window::{Outlook, Travel};
 use super::{Candidates, ContactKernel};
 use crate::integrators::Derivative;
 
+/// Radius in shortest facets up to which the constraints of a disk leave less than those of corners: on larger ones facets are nearly round.
+const ROUND: f64 = 10.0;
+
 /// Disks so much larger than the longest facet of a surface need no constraints of their own: between two nodes on such a disk a facet,
 /// even stretched to half more, is as deep in it as such constraints would leave it.
 const LARGE: f64 = 14.0;
@@ -61,6 +64,15 @@ impl RigidCorners {
         let (weights, start) = (inner.weights().to_vec(), with(&points));
         let sides = Sides { weights, facet_size, ..sides };
         Some(RigidCorners { inner, sides, points, components: reference.len(), translations: [[0.0; 2]; 3], start })
+    }
+
+    /// Share of the overlap that constraints of corners leave alone which those of an obstacle's points do: where a disk is small, its nodes
+    /// and facets take turns, and what lies between them is felt as a ripple.
+    pub fn slack(obstacle: &Obstacle, facet_size: f64) -> f64 {
+        match obstacle {
+            Obstacle::Disk { radius, .. } => (radius / (ROUND * facet_size)).min(1.0),
+            _ => 1.0,
+        }
     }
 
     /// Positions or displacements with those of the points behind them.

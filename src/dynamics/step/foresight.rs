@@ -140,9 +140,8 @@ fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 
 /// that is only predicted, towards it.
 fn passing(pair: &ContactPair, q_1: &[f64], is_predicted: bool) -> Option<f64> {
     let [swing, crossing] = pair.kernel.passage(q_1);
-    let crossed = crossing / pair.kernel.facet_size();
-    let is_too_far = is_predicted && swing > tolerances::PASSING || crossed > tolerances::CROSSING;
-    is_too_far.then_some(swing.max(crossed))
+    let is_too_far = is_predicted && swing > tolerances::PASSING || crossing > 0.0;
+    is_too_far.then_some(swing.max(crossing))
 }
 
 /// Largest depth at which nodes of a pair that were open at the start of the step are behind the other side, in secondary facets.
