@@ -30,6 +30,8 @@ pub struct Measure {
     pub gap: f64,
     /// Whether the closest point is not an end of the chain.
     pub covered: bool,
+    /// Where the gap is the distance from a node instead: which one in the patch, and 1 in front of it or -1 behind it.
+    pub vertex: Option<(u32, f64)>,
 }
 
 impl Chain {
@@ -123,8 +125,23 @@ impl Chain {
     }
 
     /// The distance from the line of a facet.
-    fn line(&self, facet: u32, z: &[f64]) -> Measure {
-        Measure { facet, gap: self.gap(facet as usize, z), covered: true }
+    pub fn line(&self, facet: u32, z: &[f64]) -> Measure {
+        Measure { facet, gap: self.gap(facet as usize, z), covered: true, vertex: None }
+    }
+
+    /// The distance of the point from the only facet of a chain, less a radius: that from its line beside it, that from its nearer node
+    /// beyond it, where the gradient is the same. What is behind the facet, or within the body at a concave corner, counts as negative.
+    pub fn distance_of_disk(&self, z: &[f64], is_concave: [bool; 2], radius: f64) -> Option<Measure> {
+        let &facet = self.facets.first()?;
+        let (t, d) = self.offsets(0, z);
+        let (s, line) = ((t[0] * d[0] + t[1] * d[1]) / (t[0] * t[0] + t[1] * t[1]), self.line(0, z));
+        if (0.0..=1.0).contains(&s) {
+            return Some(Measure { gap: line.gap - radius, ..line });
+        }
+        let end = usize::from(s > 1.0);
+        let (node, sign) = (2 * facet[end] as usize, if line.gap < 0.0 && is_concave[end] { -1.0 } else { 1.0 });
+        let gap = sign * (z[0] - z[node]).hypot(z[1] - z[node + 1]) - radius;
+        Some(Measure { gap, vertex: Some((facet[end], sign)), ..line })
     }
 
     /// A facet and its neighbor at the end that is nearer to the point, ascending, each with the end at which they meet, where that is a
@@ -155,19 +172,41 @@ impl Chain {
         (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1])
     }
 
-    /// Adds `weight` times the gradient of a facet's normal distance to `out`.
-    pub fn add_gradient(&self, facet: u32, z: &[f64], weight: f64, out: &mut [f64]) {
-        let Frame { nodes, normal, s, .. } = self.frame(facet, z);
+    /// Adds `weight` times the gradient of what a measure measures to `out`.
+    pub fn add_gradient(&self, measure: &Measure, z: &[f64], weight: f64, out: &mut [f64]) {
+        if let Some((vertex, sign)) = measure.vertex {
+            let (normal, _) = direction(vertex, z);
+            for (node, share) in [(0, sign * weight), (vertex as usize, -sign * weight)] {
+                out[2 * node] += share * normal[0];
+                out[2 * node + 1] += share * normal[1];
+            }
+            return;
+        }
+        let Frame { nodes, normal, s, .. } = self.frame(measure.facet, z);
         for (node, share) in nodes.into_iter().zip([1.0, s - 1.0, -s]) {
             out[2 * node] += weight * share * normal[0];
             out[2 * node + 1] += weight * share * normal[1];
         }
     }
 
-    /// Adds `weight` times the Hessian of a facet's normal distance to `out`, row by row over the patch.
-    pub fn add_hessian(&self, facet: u32, z: &[f64], weight: f64, out: &mut [f64]) {
-        let Frame { nodes, normal, along, length, s, gap } = self.frame(facet, z);
+    /// Adds `weight` times the Hessian of what a measure measures to `out`, row by row over the patch.
+    pub fn add_hessian(&self, measure: &Measure, z: &[f64], weight: f64, out: &mut [f64]) {
         let unknowns = z.len();
+        if let Some((vertex, sign)) = measure.vertex {
+            let ([x, y], length) = direction(vertex, z);
+            let across = [[y * y, -x * y], [-x * y, x * x]];
+            for (a, row) in [(1.0, 0), (-1.0, vertex as usize)] {
+                for (b, column) in [(1.0, 0), (-1.0, vertex as usize)] {
+                    for i in 0..2 {
+                        for k in 0..2 {
+                            out[(2 * row + i) * unknowns + 2 * column + k] += sign * weight * a * b * across[i][k] / length;
+                        }
+                    }
+                }
+            }
+            return;
+        }
+        let Frame { nodes, normal, along, length, s, gap } = self.frame(measure.facet, z);
         // d2g = -(t^ n' (d (x) t) + n t^' (t (x) d))/l + (s (n t^' + t^ n') - g n n'/l) (t (x) t)/l, d = x - y_1, t = y_2 - y_1.
         let (of_d, of_t) = ([1.0, -1.0, 0.0], [0.0, -1.0, 1.0]);
         let factor = weight / length;
@@ -199,6 +238,14 @@ impl Chain {
             gap: along[1] * d[0] - along[0] * d[1],
         }
     }
+}
+
+/// Unit vector from a node of the patch to the point, and the distance.
+fn direction(vertex: u32, z: &[f64]) -> ([f64; 2], f64) {
+    let node = 2 * vertex as usize;
+    let d = [z[0] - z[node], z[1] - z[node + 1]];
+    let length = d[0].hypot(d[1]);
+    (d.map(|d| d / length), length)
 }
 
 /// A facet as seen from the point.
@@ -249,11 +296,11 @@ mod tests {
             let chain = Chain::new(vec![[1, 2]]);
             let gradient = |z: &[f64; 6]| {
                 let mut g = [0.0; 6];
-                chain.add_gradient(0, z, 2.0, &mut g);
+                chain.add_gradient(&chain.line(0, z), z, 2.0, &mut g);
                 g
             };
             let mut hessian = [0.0; 36];
-            chain.add_hessian(0, &z, 2.0, &mut hessian);
+            chain.add_hessian(&chain.line(0, &z), &z, 2.0, &mut hessian);
             let step = 1e-3;
             for k in 0..6 {
                 let at = |shift: f64| {
@@ -271,6 +318,42 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A disk about the point: beside the facet, beyond either end in front of it, and behind it at a concave corner.
+    #[test]
+    fn the_distance_of_a_disk_has_no_kink_at_the_ends_and_exact_derivatives() {
+        let chain = Chain::new(vec![[1, 2]]);
+        // Traversed from right to left: outwards is up.
+        let at = |x: [f64; 2]| [x[0], x[1], 1.0, 0.0, 0.0, 0.0];
+        let gap = |z: &[f64; 6], concave: bool| chain.distance(z, [concave; 2], 0.1).unwrap().gap;
+        assert!((gap(&at([0.4, 0.3]), false) - 0.2).abs() < 1e-15);
+        assert!((gap(&at([1.3, 0.4]), false) - 0.4).abs() < 1e-15, "three, four, five");
+        assert!((gap(&at([-0.3, -0.4]), false) - 0.4).abs() < 1e-15, "in front of the other side of the corner");
+        assert!((gap(&at([-0.3, -0.4]), true) + 0.6).abs() < 1e-15, "within the body");
+        for (x, concave) in [([0.4, 0.3], false), ([1.3, 0.4], false), ([-0.3, 0.2], true), ([-0.3, -0.4], true)] {
+            let z = at(x);
+            let gradient = |z: &[f64; 6]| {
+                let mut g = [0.0; 6];
+                chain.add_gradient(&chain.distance(z, [concave; 2], 0.1).unwrap(), z, 2.0, &mut g);
+                g
+            };
+            let mut hessian = [0.0; 36];
+            chain.add_hessian(&chain.distance(&z, [concave; 2], 0.1).unwrap(), &z, 2.0, &mut hessian);
+            let step = 1e-5;
+            for k in 0..6 {
+                let moved = |by: f64| std::array::from_fn(|i| z[i] + if i == k { by } else { 0.0 });
+                let (less, more): ([f64; 6], [f64; 6]) = (moved(-step), moved(step));
+                let slope = (gap(&more, concave) - gap(&less, concave)) / step;
+                assert!((gradient(&z)[k] - slope).abs() < 1e-8, "{x:?} {k}");
+                for i in 0..6 {
+                    let slope = (gradient(&more)[i] - gradient(&less)[i]) / (2.0 * step);
+                    assert!((hessian[6 * i + k] - slope).abs() < 1e-8, "{x:?} {i} {k}");
+                }
+            }
+        }
+        let beyond = |by: f64| chain.distance(&at([1.0 + by, 0.3]), [false; 2], 0.1).unwrap().gap;
+        assert!((beyond(1e-6) - beyond(-1e-6)).abs() < 1e-11, "the same slope on both sides of an end");
     }
 
     /// Closed form: a right angle, points on the bisector outside and inside.

@@ -151,6 +151,13 @@ pub trait ContactKernel: Send + Sync {
         [0.0; 2]
     }
 
+    /// How a node passes a rigid obstacle on its straight way through the step to `q_1`, the largest of all nodes: by how much its distance
+    /// changes where it comes near, in lengths of its facets, and how far it moves, in shortest ones, where it gets through to the other
+    /// side.
+    fn passage(&self, _q_1: &[f64]) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
     fn begin_step(&mut self, q_0: &[f64]);
 

@@ -28,6 +28,7 @@ mod patches;
 mod quadratic;
 mod rigid;
 mod rigid_corners;
+mod round;
 mod search;
 mod surface;
 mod tie;

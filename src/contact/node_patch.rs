@@ -1,7 +1,10 @@
-//! A node opposite a chain of facets in one step: which nodes of its patch take part, and how their vectors stand in the patch.
+//! Points opposite chains of facets in one step: which nodes of a patch take part, how their vectors stand in the patch, and the functions
+//! of all patches with their derivatives.
 
 use super::chain::{Chain, Measure};
-use crate::integrators::Projection;
+use super::patches::Evaluation;
+use super::surface::Sides;
+use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// What a patch keeps of the start of the step.
 #[derive(Clone, Debug, Default)]
@@ -17,23 +20,39 @@ pub struct Start {
     pub measures: [Option<Measure>; 2],
     /// The facets of the concave corner that the node is in, each with the end at which they meet and with a row of its own in this step.
     pub pocket: Option<[[u32; 2]; 2]>,
+    /// The round surface about the point, with the facet that it is opposite; otherwise the point is one of a surface.
+    pub round: Option<Round>,
+}
+
+/// A rigid disk opposite a single facet.
+#[derive(Clone, Copy, Debug)]
+pub struct Round {
+    /// Its radius `[length]`.
+    pub radius: f64,
+    /// Whether the body has a concave corner at either end of the facet.
+    pub is_concave: [bool; 2],
 }
 
 /// Storage of one evaluation, used again from patch to patch.
 #[derive(Default)]
-pub struct Scratch {
-    pub end: Vec<f64>,
-    pub middle: Vec<f64>,
-    pub gradient: Vec<f64>,
-    pub gradient_end: Vec<f64>,
-    pub bar: Vec<f64>,
-    pub hessian: Vec<f64>,
-    pub tangent: Vec<f64>,
-    pub part: Vec<f64>,
-    pub projection: Projection<2>,
+struct Scratch {
+    end: Vec<f64>,
+    middle: Vec<f64>,
+    gradient: Vec<f64>,
+    gradient_end: Vec<f64>,
+    bar: Vec<f64>,
+    hessian: Vec<f64>,
+    tangent: Vec<f64>,
+    part: Vec<f64>,
+    projection: Projection<2>,
 }
 
 impl Start {
+    /// A disk opposite a facet, by the places of the center and the facet's nodes in the patch.
+    pub fn round(places: [u32; 3], round: Round) -> Start {
+        Start { places: places.into(), chain: Chain::new(vec![[1, 2]]), closest: vec![true], round: Some(round), ..Start::default() }
+    }
+
     /// Positions of the nodes that take part into `z`, `nodes` those of the patch.
     pub fn gather_into(&self, nodes: &[u32], q: &[f64], z: &mut Vec<f64>) {
         z.clear();
@@ -42,9 +61,34 @@ impl Start {
 
     /// What measures the gap of each row.
     pub fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
-        match self.pocket {
-            Some(branches) => branches.map(|branch| self.chain.measure_branch(branch, z, &self.closest)),
-            None => [self.chain.measure(z, &self.closest), None],
+        match (self.pocket, self.round) {
+            (Some(branches), _) => branches.map(|branch| self.chain.measure_branch(branch, z, &self.closest)),
+            (None, Some(Round { radius, is_concave })) => [self.chain.distance_of_disk(z, is_concave, radius), None],
+            (None, None) => [self.chain.measure(z, &self.closest), None],
+        }
+    }
+
+    /// Keeps what depends on the start of the step, `nodes` those of the patch; `pocket` finds the concave corner that the point is in, and
+    /// what `is_sunk` has no measure: first of that corner, then at all.
+    pub fn begin(
+        &mut self,
+        nodes: &[u32],
+        q_0: &[f64],
+        pocket: impl Fn(&Start) -> Option<[[u32; 2]; 2]>,
+        is_sunk: impl Fn(&Start) -> bool,
+    ) {
+        let mut positions = std::mem::take(&mut self.positions);
+        self.gather_into(nodes, q_0, &mut positions);
+        self.positions = positions;
+        self.pocket = pocket(self);
+        self.measures = self.measures(&self.positions);
+        if is_sunk(self) {
+            self.pocket = None;
+            self.measures = self.measures(&self.positions);
+        }
+        if is_sunk(self) {
+            self.closest.fill(false);
+            self.measures = [None; 2];
         }
     }
 
@@ -64,6 +108,131 @@ impl Start {
             let at = width * (2 * self.places[row / 2] as usize + row % 2);
             for (&place, value) in self.places.iter().zip(values.chunks_exact(2)) {
                 out[at + 2 * place as usize..][..2].copy_from_slice(value);
+            }
+        }
+    }
+}
+
+/// Tells what measures each row of the present step at `q`: the row, and its measure.
+fn for_each_measure(sides: &Sides, starts: &[Start], q: &[f64], mut tell: impl FnMut(usize, Measure)) {
+    let mut z = Vec::new();
+    for (p, start) in starts.iter().enumerate() {
+        start.gather_into(sides.patches.nodes(p), q, &mut z);
+        for (&row, measure) in sides.patches.rows(p).iter().zip(start.measures(&z)) {
+            measure.into_iter().for_each(|measure| tell(row as usize, measure));
+        }
+    }
+}
+
+/// Constraint functions at `q`.
+pub fn gaps(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
+    let mut gaps = vec![0.0; sides.weights.len()];
+    for_each_measure(sides, starts, q, |row, measure| gaps[row] = sides.weights[row] * measure.gap);
+    gaps
+}
+
+/// Constraint functions at the start of the step.
+pub fn start_gaps(sides: &Sides, starts: &[Start]) -> Vec<f64> {
+    let mut gaps = vec![0.0; sides.weights.len()];
+    for (p, start) in starts.iter().enumerate() {
+        for (&row, measure) in sides.patches.rows(p).iter().zip(start.measures) {
+            gaps[row as usize] = sides.weights[row as usize] * measure.map_or(0.0, |measure| measure.gap);
+        }
+    }
+    gaps
+}
+
+/// Largest depth of a point at `q` `[length]`.
+pub fn deepest(sides: &Sides, starts: &[Start], q: &[f64]) -> f64 {
+    let mut deepest = 0.0f64;
+    for_each_measure(sides, starts, q, |_, measure| deepest = deepest.max(if measure.covered { -measure.gap } else { 0.0 }));
+    deepest
+}
+
+/// Which rows have an opposite at `q`.
+pub fn coverage(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
+    let mut coverage = vec![0.0; sides.weights.len()];
+    for_each_measure(sides, starts, q, |row, measure| coverage[row] = f64::from(u8::from(measure.covered)));
+    coverage
+}
+
+/// Values, gradients and tangent of a step that ends at `q_1`.
+pub fn evaluate(sides: &Sides, starts: &[Start], derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+    assert_eq!(starts.len(), sides.patches.len(), "begin_step follows a change of the candidates");
+    out.prepare(&sides.patches, sides.weights.len());
+    let mut scratch = Scratch::default();
+    for (p, start) in starts.iter().enumerate() {
+        start.gather_into(sides.patches.nodes(p), q_1, &mut scratch.end);
+        scratch.middle.clear();
+        scratch.middle.extend(start.positions.iter().zip(&scratch.end).map(|(a, b)| 0.5 * (a + b)));
+        let (ends, middles) = (start.measures(&scratch.end), start.measures(&scratch.middle));
+        if start.measures[0].is_none() && middles[0].is_none() && ends[0].is_none() {
+            out.clear_patch(&sides.patches, p);
+            continue;
+        }
+        out.live[p] = true;
+        scratch.projection.set(&start.positions, &scratch.end);
+        let unknowns = scratch.end.len();
+        scratch.tangent.clear();
+        scratch.tangent.resize(unknowns * unknowns, 0.0);
+        let (places, width) = (sides.patches.gradient_range(p), sides.patches.unknowns(p));
+        for (m, &row) in sides.patches.rows(p).iter().enumerate() {
+            let row = row as usize;
+            if let Some(Measure { gap, covered, .. }) = ends[m] {
+                out.gap[row] = sides.weights[row] * gap;
+                out.coverage[row] = f64::from(u8::from(covered));
+            }
+            let measures = [start.measures[m], middles[m], ends[m]];
+            scratch.add_row(&start.chain, measures, derivative, sides.weights[row], lambda[row]);
+            let places = places.start + m * width..places.start + (m + 1) * width;
+            start.spread_into(&scratch.gradient_end, &mut out.gradient_end[places.clone()]);
+            start.spread_into(&scratch.bar, &mut out.gradient_bar[places]);
+        }
+        start.spread_matrix_into(&scratch.tangent, &mut out.tangent[sides.patches.tangent_range(p)]);
+    }
+}
+
+impl Scratch {
+    /// The gradients of one row, from what measures it at the start, in the middle and at the end of the step; its tangent is added.
+    fn add_row(&mut self, chain: &Chain, measures: [Option<Measure>; 3], derivative: Derivative, weight: f64, pressure: f64) {
+        let Scratch { end, middle, gradient, gradient_end, bar, hessian, tangent, part, projection } = self;
+        let [at_start, at_middle, at_end] = measures;
+        for vector in [&mut *gradient, &mut *gradient_end, &mut *bar] {
+            vector.clear();
+            vector.resize(end.len(), 0.0);
+        }
+        if let Some(measure) = at_end {
+            chain.add_gradient(&measure, end, weight, gradient_end);
+        }
+        if derivative == Derivative::DiscreteGradient {
+            let change = weight * (at_end.map_or(0.0, |m| m.gap) - at_start.map_or(0.0, |m| m.gap));
+            if let Some(measure) = at_middle {
+                chain.add_gradient(&measure, middle, weight, gradient);
+            }
+            projection.gradient_into(gradient, change, bar);
+            if pressure != 0.0 {
+                for matrix in [&mut *hessian, &mut *part] {
+                    matrix.clear();
+                    matrix.resize(end.len() * end.len(), 0.0);
+                }
+                if let Some(measure) = at_middle {
+                    chain.add_hessian(&measure, middle, weight, hessian);
+                }
+                let function = PatchFunction { gradient_mid: gradient, gradient_end, hessian_mid: hessian, change };
+                projection.tangent_into(pressure, &function, part);
+                tangent.iter_mut().zip(&*part).for_each(|(sum, part)| *sum += part);
+            }
+        } else {
+            let placement = derivative.placement();
+            let (at, z) = match placement.test {
+                Configuration::Middle => (at_middle, &*middle),
+                Configuration::End => (at_end, &*end),
+            };
+            if let Some(measure) = at {
+                chain.add_gradient(&measure, z, weight, bar);
+                if pressure != 0.0 {
+                    chain.add_hessian(&measure, z, placement.share * weight * pressure, tangent);
+                }
             }
         }
     }

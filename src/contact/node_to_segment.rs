@@ -10,16 +10,16 @@
 //! that are admitted, with their neighbors, take part: how far the search has looked does not matter. The method fails the contact patch
 //! test, and two polygons that are pressed into each other lock with the nodes in the corners: mortar is the default for a reason.
 
-use super::chain::{Chain, Measure};
+use super::chain::Chain;
 use super::depth::Seen;
 use super::kernel::ContactKernel;
 use super::method::ContactMethod;
-use super::node_patch::{Scratch, Start};
+use super::node_patch::{self, Start};
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Travel, Window};
-use crate::integrators::{Configuration, Derivative, PatchFunction};
+use crate::integrators::Derivative;
 use crate::math::tolerances::SAME_WAY;
 
 /// The gap of each secondary node to the chain of primary facets, one multiplier per node.
@@ -35,12 +35,12 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Cosine of the turn of a surface in the reference positions above which it has corners: 10 degrees. The nodes of a circle of 36 facets
-/// are none, and their depth in another one's is below a fiftieth of a facet.
-const CORNER: f64 = 0.9848;
+/// Cosine of the turn of a surface above which it has a corner, 20 degrees: weighted gaps hold blunter bends to a tenth of the coarser facet,
+/// and a constraint of a node at a smooth bend would keep the surfaces apart that they bring together.
+const CORNER: f64 = 0.9397;
 
-/// Cosine of the turn above which such a surface is bent, 2 degrees: where both sides are flatter, weighted gaps see everything.
-const BENT: f64 = 0.9994;
+/// Cosine of the turn of a rigid chain above which a point is one, a tenth of a degree: nothing but its points holds it between two nodes.
+const RIGID_CORNER: f64 = 0.999_998;
 
 /// Depth in shortest facets beyond which a node has no constraint of a corner: where bodies overlap at the start, the constraints of the
 /// surfaces hold them, and these would depend on those.
@@ -70,8 +70,8 @@ pub struct NodeToSegment {
 enum Corners {
     /// Where a side is bent at the start of the step, for both sides.
     Bends([Vec<bool>; 2]),
-    /// Ends of the secondary side.
-    Ends(Vec<bool>),
+    /// These points of the secondary side.
+    Points(Vec<bool>),
 }
 
 impl NodeToSegment {
@@ -105,12 +105,26 @@ impl NodeToSegment {
         } else if sides.secondary.is_closed() {
             return None;
         } else {
-            Corners::Ends(sides.secondary.ends())
+            Corners::Points(sides.secondary.ends())
         };
-        let mut contact = Self::between(sides, reference);
-        contact.corners = Some(corners);
-        contact.sides.weights = contact.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
-        Some(contact)
+        Some(Self::between(sides, reference).with(corners))
+    }
+
+    /// The same for all points of a rigid chain that stand out: its sides are as long as they are, and a point between two nodes of the
+    /// other surface is seen by nothing else.
+    pub fn of_points(chain: &[[u32; 2]], surface: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Self {
+        let sides = Sides { facet_size, ..Sides::new(chain, surface, reference) };
+        let (bends, ends) = (sides.secondary.bends(reference, RIGID_CORNER), sides.secondary.ends());
+        let stands_out = |point: usize| ends[point] || bends[point] && sides.secondary.is_convex(point, reference);
+        let points = (0..bends.len()).map(stands_out).collect();
+        Self::between(sides, reference).with(Corners::Points(points))
+    }
+
+    /// Contact of these corners alone, with two rows each.
+    fn with(mut self, corners: Corners) -> Self {
+        self.corners = Some(corners);
+        self.sides.weights = self.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
+        self
     }
 
     /// Contact of all secondary nodes, one row each.
@@ -145,7 +159,7 @@ impl NodeToSegment {
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
         if let Some(Corners::Bends(bent)) = &mut self.corners {
-            *bent = [&self.sides.secondary, &self.sides.primary].map(|side| side.bends(q, BENT));
+            *bent = [&self.sides.secondary, &self.sides.primary].map(|side| side.bends(q, CORNER));
         }
     }
 
@@ -153,7 +167,7 @@ impl NodeToSegment {
     fn has_constraint(&self, point: usize, facets: &[u32]) -> bool {
         match &self.corners {
             None => true,
-            Some(Corners::Ends(ends)) => ends[point],
+            Some(Corners::Points(points)) => points[point],
             Some(Corners::Bends([own, others])) => {
                 let primary = self.sides.primary.local_facets();
                 own[point] || facets.iter().any(|&facet| primary[facet as usize].iter().any(|&node| others[node as usize]))
@@ -226,17 +240,6 @@ impl NodeToSegment {
         }
         let closest = facets.iter().map(|facet| closest.binary_search(facet).is_ok()).collect();
         Start { places, chain: Chain::new(chain), closest, ..Start::default() }
-    }
-
-    /// Tells what measures each row of the present step at `q`: the row, and its measure.
-    fn for_each_measure(&self, q: &[f64], mut tell: impl FnMut(usize, Measure)) {
-        let mut z = Vec::new();
-        for (p, start) in self.start.iter().enumerate() {
-            start.gather_into(self.sides.patches.nodes(p), q, &mut z);
-            for (&row, measure) in self.sides.patches.rows(p).iter().zip(start.measures(&z)) {
-                measure.into_iter().for_each(|measure| tell(row as usize, measure));
-            }
-        }
     }
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
@@ -351,125 +354,31 @@ impl ContactKernel for NodeToSegment {
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (p, start) in self.start.iter().enumerate() {
-            for (&row, measure) in self.sides.patches.rows(p).iter().zip(start.measures) {
-                gaps[row as usize] = self.sides.weights[row as usize] * measure.map_or(0.0, |measure| measure.gap);
-            }
-        }
-        gaps
+        node_patch::start_gaps(&self.sides, &self.start)
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
         let mut starts = std::mem::take(&mut self.start);
         for (p, start) in starts.iter_mut().enumerate() {
-            let mut positions = std::mem::take(&mut start.positions);
-            start.gather_into(self.sides.patches.nodes(p), q_0, &mut positions);
-            start.positions = positions;
-            start.pocket = self.pocket(start);
-            start.measures = start.measures(&start.positions);
-            if self.is_sunk(start) {
-                start.pocket = None;
-                start.measures = start.measures(&start.positions);
-            }
-            if self.is_sunk(start) {
-                start.closest.fill(false);
-                start.measures = [None; 2];
-            }
+            start.begin(self.sides.patches.nodes(p), q_0, |start| self.pocket(start), |start| self.is_sunk(start));
         }
         self.start = starts;
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
-        let placement = derivative.placement();
-        out.prepare(&self.sides.patches, self.sides.weights.len());
-        let mut scratch = Scratch::default();
-        let Scratch { end: z_1, middle: z_mid, gradient, gradient_end, bar, hessian, tangent, part, projection } = &mut scratch;
-        for (p, start) in self.start.iter().enumerate() {
-            let chain = &start.chain;
-            start.gather_into(self.sides.patches.nodes(p), q_1, z_1);
-            z_mid.clear();
-            z_mid.extend(start.positions.iter().zip(&*z_1).map(|(a, b)| 0.5 * (a + b)));
-            let (ends, middles) = (start.measures(z_1), start.measures(z_mid));
-            if start.measures[0].is_none() && middles[0].is_none() && ends[0].is_none() {
-                out.clear_patch(&self.sides.patches, p);
-                continue;
-            }
-            out.live[p] = true;
-            projection.set(&start.positions, z_1);
-            tangent.clear();
-            tangent.resize(z_1.len() * z_1.len(), 0.0);
-            let (places, square, width) =
-                (self.sides.patches.gradient_range(p), self.sides.patches.tangent_range(p), self.sides.patches.unknowns(p));
-            for (m, &row) in self.sides.patches.rows(p).iter().enumerate() {
-                let row = row as usize;
-                let (at_start, at_middle, at_end) = (start.measures[m], middles[m], ends[m]);
-                let weight = self.sides.weights[row];
-                for vector in [&mut *gradient, &mut *gradient_end, &mut *bar] {
-                    vector.clear();
-                    vector.resize(z_1.len(), 0.0);
-                }
-                if let Some(Measure { facet, gap, covered }) = at_end {
-                    out.gap[row] = weight * gap;
-                    out.coverage[row] = f64::from(u8::from(covered));
-                    chain.add_gradient(facet, z_1, weight, gradient_end);
-                }
-                let pressure = lambda[row];
-                if derivative == Derivative::DiscreteGradient {
-                    let change = weight * (at_end.map_or(0.0, |m| m.gap) - at_start.map_or(0.0, |m| m.gap));
-                    if let Some(middle) = at_middle {
-                        chain.add_gradient(middle.facet, z_mid, weight, gradient);
-                    }
-                    projection.gradient_into(gradient, change, bar);
-                    if pressure != 0.0 {
-                        for matrix in [&mut *hessian, &mut *part] {
-                            matrix.clear();
-                            matrix.resize(z_1.len() * z_1.len(), 0.0);
-                        }
-                        if let Some(middle) = at_middle {
-                            chain.add_hessian(middle.facet, z_mid, weight, hessian);
-                        }
-                        let function = PatchFunction { gradient_mid: gradient, gradient_end, hessian_mid: hessian, change };
-                        projection.tangent_into(pressure, &function, part);
-                        tangent.iter_mut().zip(&*part).for_each(|(sum, part)| *sum += part);
-                    }
-                } else {
-                    let (at, z) = match placement.test {
-                        Configuration::Middle => (at_middle, &*z_mid),
-                        Configuration::End => (at_end, &*z_1),
-                    };
-                    if let Some(Measure { facet, .. }) = at {
-                        chain.add_gradient(facet, z, weight, bar);
-                        if pressure != 0.0 {
-                            chain.add_hessian(facet, z, placement.share * weight * pressure, tangent);
-                        }
-                    }
-                }
-                let places = places.start + m * width..places.start + (m + 1) * width;
-                start.spread_into(gradient_end, &mut out.gradient_end[places.clone()]);
-                start.spread_into(bar, &mut out.gradient_bar[places]);
-            }
-            start.spread_matrix_into(tangent, &mut out.tangent[square]);
-        }
+        node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        self.for_each_measure(q, |row, measure| gaps[row] = self.sides.weights[row] * measure.gap);
-        gaps
+        node_patch::gaps(&self.sides, &self.start, q)
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
-        let mut deepest = 0.0f64;
-        self.for_each_measure(q, |_, measure| deepest = deepest.max(if measure.covered { -measure.gap } else { 0.0 }));
-        deepest
+        node_patch::deepest(&self.sides, &self.start, q)
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut coverage = vec![0.0; self.sides.weights.len()];
-        self.for_each_measure(q, |row, measure| coverage[row] = f64::from(u8::from(measure.covered)));
-        coverage
+        node_patch::coverage(&self.sides, &self.start, q)
     }
 }
 

@@ -224,6 +224,10 @@ impl ContactKernel for OnCurves {
         self.inner.obstacle_translation()
     }
 
+    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
+        self.inner.passage(&self.middles.seen(q_1))
+    }
+
     fn begin_step(&mut self, q_0: &[f64]) {
         self.inner.begin_step(&self.middles.seen(q_0));
     }

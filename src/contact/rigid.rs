@@ -12,15 +12,18 @@
 //! (Gonzalez, CMAME 190, 2000). So the contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves,
 //! `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger books as work of a load. An obstacle does not turn.
 
-use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
+use rstar::{AABB, RTree};
 
 use super::chain::Chain;
 use super::kernel::ContactKernel;
 use super::patches::Evaluation;
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
-use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
+use crate::math::tolerances::{CROSSING, PASSING, PROJECTED_INCREMENT, REMAINDER};
+
+/// At how many places on a node's way its distance is looked at, at most.
+const LOOKS: f64 = 64.0;
 
 /// Shape of a rigid obstacle at its undisplaced place.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,7 +146,7 @@ impl Shape {
                 let z = &z[..points.len()];
                 let measure = chain.measure(z, &[true; 3])?;
                 let mut gradient = [0.0; 10];
-                chain.add_gradient(measure.facet, z, 1.0, &mut gradient[..z.len()]);
+                chain.add_gradient(&measure, z, 1.0, &mut gradient[..z.len()]);
                 Some(Distance { gap: measure.gap, normal: [gradient[0], gradient[1]], covered: measure.covered })
             }
         }
@@ -162,6 +165,53 @@ impl Shape {
                 [[0.0; 2]; 2]
             }
             _ => [[0.0; 2]; 2],
+        }
+    }
+
+    /// By how much the distance changes on the straight way between two points, what is farther away than `near` taken as so far.
+    fn swing(&self, x_0: [f64; 2], x_1: [f64; 2], near: f64) -> f64 {
+        let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
+        let length = d[0].hypot(d[1]);
+        // A distance changes by no more than the way.
+        if length <= near * PASSING {
+            return 0.0;
+        }
+        let count = (4.0 * length / near).ceil().min(LOOKS);
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for k in 0..=count as usize {
+            let s = k as f64 / count;
+            let Some(distance) = self.distance([x_0[0] + s * d[0], x_0[1] + s * d[1]]) else { continue };
+            let gap = distance.gap.min(near);
+            range = [range[0].min(gap), range[1].max(gap)];
+        }
+        (range[1] - range[0]).max(0.0)
+    }
+
+    /// Whether the straight way from one point outside to another one leads through to the other side.
+    fn is_crossed(&self, x_0: [f64; 2], x_1: [f64; 2]) -> bool {
+        let ends = [x_0, x_1].map(|x| self.distance(x));
+        let [Some(start), Some(end)] = ends else { return false };
+        let is_other_side = start.normal[0] * end.normal[0] + start.normal[1] * end.normal[1] < 0.0;
+        if !is_other_side || start.gap < 0.0 || end.gap < 0.0 {
+            return false;
+        }
+        let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
+        match self {
+            Shape::HalfPlane { .. } => false,
+            Shape::Circle { center, radius, .. } => {
+                // Opposite normals: the nearest point is between the ends.
+                let r = [center[0] - x_0[0], center[1] - x_0[1]];
+                (d[0] * r[1] - d[1] * r[0]).abs() < radius * d[0].hypot(d[1])
+            }
+            Shape::Polyline { tree, .. } => {
+                let area = AABB::from_corners([x_0[0].min(x_1[0]), x_0[1].min(x_1[1])], [x_0[0].max(x_1[0]), x_0[1].max(x_1[1])]);
+                let side = |from: [f64; 2], along: [f64; 2], x: [f64; 2]| along[0] * (x[1] - from[1]) - along[1] * (x[0] - from[0]);
+                tree.locate_in_envelope_intersecting(area).any(|facet| {
+                    let Line { from, to } = *facet.geom();
+                    let along = [to[0] - from[0], to[1] - from[1]];
+                    side(x_0, d, from) * side(x_0, d, to) < 0.0 && side(from, along, x_0) * side(from, along, x_1) < 0.0
+                })
+            }
         }
     }
 
@@ -276,6 +326,26 @@ impl ContactKernel for RigidContact {
 
     fn obstacle_translation(&self) -> [f64; 2] {
         self.translations[2]
+    }
+
+    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
+        if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
+            // There is no other side.
+            return [0.0; 2];
+        }
+        let ([start, _, end], size) = (self.translations, self.sides.facet_size);
+        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
+        for row in 0..self.sides.patches.len() {
+            let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
+            let x_1 = self.position(row, q_1, end);
+            let near = size.max(self.sides.weights[row]);
+            let moved = (x_1[0] - x_0[0]).hypot(x_1[1] - x_0[1]);
+            swing = swing.max(self.shape.swing(x_0, x_1, near) / near);
+            if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1) {
+                crossing = moved;
+            }
+        }
+        [swing, crossing / size]
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

@@ -1,23 +1,31 @@
-//! Contact of the corners of a rigid polyline with the facets of a surface: what the distances of the surface's nodes do not see.
+//! Contact of the points of a rigid obstacle with the facets of a surface: what the distances of the surface's nodes do not see.
 //!
-//! A corner is a point of its own that the obstacle's motion moves, and its gap to the surface that of node-to-segment contact with the
-//! sides exchanged: one continuous function of all positions, the corner's among them. Its discrete gradient satisfies
-//! `Gbar_nodes.dq + Gbar_corner.du = Phi(1) - Phi(0)`, so that an obstacle that moves does the work `-lambda Gbar_corner.du` besides.
+//! The corners of a polyline and the center of a disk are points of their own that the obstacle's motion moves. A corner's gap to the
+//! surface is that of node-to-segment contact with the sides exchanged, a disk's that of `round.rs`: continuous functions of all positions,
+//! the point's among them. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that an obstacle that
+//! moves does the work `-lambda Gbar_point.du` besides.
 
 use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};
 use super::rigid::Obstacle;
+use super::round::RoundContact;
 use super::surface::Sides;
 use super::window::{Outlook, Travel};
 use super::{Candidates, ContactKernel};
 use crate::integrators::Derivative;
 
-/// Contact of an obstacle's corners with a surface.
-#[derive(Clone, Debug)]
+/// Radius in shortest facets up to which the constraints of a disk leave less than those of corners: on larger ones facets are nearly round.
+const ROUND: f64 = 10.0;
+
+/// Disks so much larger than the longest facet of a surface need no constraints of their own: between two nodes on such a disk a facet,
+/// even stretched to half more, is as deep in it as such constraints would leave it.
+const LARGE: f64 = 14.0;
+
+/// Contact of an obstacle's points with a surface.
 pub struct RigidCorners {
-    /// The contact with the corners as nodes behind those of the model.
-    inner: NodeToSegment,
-    /// The surface alone, with the patches that are left without the corners.
+    /// The contact with the points as nodes behind those of the model.
+    inner: Box<dyn ContactKernel>,
+    /// The surface alone, with the patches that are left without the points.
     sides: Sides,
     points: Vec<[f64; 2]>,
     /// Components of the model's positions.
@@ -28,25 +36,48 @@ pub struct RigidCorners {
 }
 
 impl RigidCorners {
-    /// Contact of the obstacle's corners with a surface (facets in node numbers of the model, the body on the left); `None` where it has
-    /// none. `facet_size` is that of the whole contact.
+    /// Contact of the obstacle's points with a surface (facets in node numbers of the model, the body on the left); `None` where it has
+    /// none that matter. `facet_size` is that of the whole contact.
     pub fn new(surface: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64], facet_size: f64) -> Option<Self> {
-        let Obstacle::Polyline { points } = obstacle else { return None };
         let first = (reference.len() / 2) as u32;
-        let last = points.len().checked_sub(1)?;
-        let is_closed = last > 2 && points[0] == points[last];
-        let node = |k: usize| first + if is_closed && k == last { 0 } else { k as u32 };
-        let facets: Vec<[u32; 2]> = (0..last).map(|k| [node(k), node(k + 1)]).collect();
-        let points = points[..points.len() - usize::from(is_closed)].to_vec();
-        let start: Vec<f64> = reference.iter().chain(points.as_flattened()).copied().collect();
-        let inner = NodeToSegment::of_corners(&facets, surface, &start, facet_size)?;
-        let sides = Sides { weights: inner.weights().to_vec(), facet_size, ..Sides::new(surface, &[], reference) };
+        let with = |points: &[[f64; 2]]| -> Vec<f64> { reference.iter().chain(points.as_flattened()).copied().collect() };
+        let sides = Sides::new(surface, &[], reference);
+        let (points, inner): (Vec<[f64; 2]>, Box<dyn ContactKernel>) = match obstacle {
+            Obstacle::Polyline { points } => {
+                let last = points.len().checked_sub(1)?;
+                let is_closed = last > 2 && points[0] == points[last];
+                let node = |k: usize| first + if is_closed && k == last { 0 } else { k as u32 };
+                let facets: Vec<[u32; 2]> = (0..last).map(|k| [node(k), node(k + 1)]).collect();
+                let points = &points[..points.len() - usize::from(is_closed)];
+                (points.to_vec(), Box::new(NodeToSegment::of_points(&facets, surface, &with(points), facet_size)))
+            }
+            Obstacle::Disk { center, radius } => {
+                let facets = &sides.secondary;
+                let longest = (0..facets.facets().len()).map(|facet| facets.facet_length(facet, reference)).fold(0.0, f64::max);
+                if *radius > LARGE * longest * longest / facet_size {
+                    return None;
+                }
+                (vec![*center], Box::new(RoundContact::new(first, *radius, surface, &with(&[*center]), facet_size)))
+            }
+            Obstacle::HalfPlane { .. } | Obstacle::Ring { .. } => return None,
+        };
+        let (weights, start) = (inner.weights().to_vec(), with(&points));
+        let sides = Sides { weights, facet_size, ..sides };
         Some(RigidCorners { inner, sides, points, components: reference.len(), translations: [[0.0; 2]; 3], start })
     }
 
-    /// Positions or displacements with those of the corners behind them.
-    fn extended(&self, q: &[f64], corner: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
-        q.iter().copied().chain(self.points.iter().flat_map(|&point| corner(point))).collect()
+    /// Share of the overlap that constraints of corners leave alone which those of an obstacle's points do: where a disk is small, its nodes
+    /// and facets take turns, and what lies between them is felt as a ripple.
+    pub fn slack(obstacle: &Obstacle, facet_size: f64) -> f64 {
+        match obstacle {
+            Obstacle::Disk { radius, .. } => (radius / (ROUND * facet_size)).min(1.0),
+            _ => 1.0,
+        }
+    }
+
+    /// Positions or displacements with those of the points behind them.
+    fn extended(&self, q: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
+        q.iter().copied().chain(self.points.iter().flat_map(|&point| place(point))).collect()
     }
 
     /// All positions at `q`, the obstacle where it is at the start, in the middle or at the end of the step.
@@ -55,7 +86,7 @@ impl RigidCorners {
         self.extended(q, |point| [point[0] + by[0], point[1] + by[1]])
     }
 
-    /// The patches without the corners.
+    /// The patches without the points.
     fn list_patches(&mut self) {
         self.sides.patches = Patches::new(2);
         for p in 0..self.inner.patches().len() {
@@ -74,7 +105,7 @@ impl ContactKernel for RigidCorners {
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // The corners are no nodes of the model.
+        // The points are no nodes of the model.
         &[]
     }
 
@@ -135,7 +166,7 @@ impl ContactKernel for RigidCorners {
                 continue;
             }
             out.live[p] = true;
-            // The corner is the first node of a patch.
+            // The point is the first node of a patch.
             let width = inner.unknowns(p);
             for (from, to) in [(&all.gradient_end, &mut out.gradient_end), (&all.gradient_bar, &mut out.gradient_bar)] {
                 let rows = to[outer.gradient_range(p)].chunks_exact_mut(width - 2).zip(from[inner.gradient_range(p)].chunks_exact(width));

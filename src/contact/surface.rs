@@ -126,6 +126,18 @@ impl Surface {
         (0..self.nodes.len()).map(is_bent).collect()
     }
 
+    /// Whether the body has a convex corner, or a straight side, at the node of that index at the positions `q`.
+    pub fn is_convex(&self, index: usize, q: &[f64]) -> bool {
+        let along = |facet: u32| {
+            let [a, b] = self.facets[facet as usize].map(|node| 2 * node as usize);
+            [q[b] - q[a], q[b + 1] - q[a + 1]]
+        };
+        let &[one, other] = self.adjacent_facets(index) else { return true };
+        let (first, second) = if self.local_facets[one as usize][1] as usize == index { (one, other) } else { (other, one) };
+        let (t, u) = (along(first), along(second));
+        t[0] * u[1] - t[1] * u[0] >= 0.0
+    }
+
     /// The indices of all nodes in the order in which they follow each other along the facets, chain by chain; a closed chain begins at the
     /// node with the lowest number.
     pub fn along(&self) -> Vec<usize> {

@@ -101,6 +101,13 @@ pub const CAME_THROUGH: f64 = 0.09;
 /// halves of the step.
 pub const SUNK_DEEPER: f64 = 0.01;
 
+/// Change of a node's distance from a rigid disk or polyline within a step, in lengths of its facets, beyond which the step is halved
+/// beforehand: on the other side the contact would push on, or there would be none.
+pub const PASSING: f64 = 1.0;
+
+/// Motion of a node in a step, in shortest secondary facets, up to which its way may lead through a rigid obstacle: round a sharp corner.
+pub const CROSSING: f64 = 0.1;
+
 /// Overlap of a corner, in shortest secondary facets, that its own constraint leaves alone: half of what a sharp corner may go in, and far
 /// more than the gaps that weighted constraints leave where surfaces lie flat on each other.
 pub const CORNER_SLACK: f64 = 0.02;

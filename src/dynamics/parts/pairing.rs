@@ -88,14 +88,14 @@ impl Pairing<'_> {
         let has_corners = |of: usize| !pairs[of].equality && pairs[of].has_multipliers();
         let size = |of: usize| pairs[of].kernel.facet_size();
         let mut corners = Vec::new();
-        let mut add = |of: usize, kind: PairKind, body: usize, kernel: Option<Box<dyn ContactKernel>>| {
+        let mut add = |of: usize, kind: PairKind, body: usize, slack: f64, kernel: Option<Box<dyn ContactKernel>>| {
             let Some(kernel) = kernel else { return };
             let owner = &pairs[of];
             let factor = match owner.hold {
                 Hold::Augmented { factor } => factor,
                 Hold::Multiplier | Hold::Penalty { .. } => tolerances::CORNER_AUGMENTATION,
             };
-            let belongs = CornersOf { pair: of, slack: tolerances::CORNER_SLACK * owner.kernel.facet_size() };
+            let belongs = CornersOf { pair: of, slack: slack * tolerances::CORNER_SLACK * owner.kernel.facet_size() };
             let mut pair = self.pair(&owner.name, kind, body, kernel);
             (pair.corners, pair.hold) = (Some(belongs), Hold::Augmented { factor });
             (pair.update, pair.motion) = (owner.update, owner.motion.clone());
@@ -105,12 +105,19 @@ impl Pairing<'_> {
             if let Partner::Obstacle { shape, .. } = &interaction.partner {
                 let facets = (self.facets)(&interaction.secondary);
                 let kernel = RigidCorners::new(&facets, shape, self.reference, size(of));
-                add(of, PairKind::Obstacle, interaction.secondary.body, kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
+                let slack = RigidCorners::slack(shape, size(of));
+                add(
+                    of,
+                    PairKind::Obstacle,
+                    interaction.secondary.body,
+                    slack,
+                    kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>),
+                );
             }
             for (on, against) in cornered(interaction) {
                 let [on_facets, against] = [on, against].map(|side| facets_of_all(side, self.facets));
                 let kernel = NodeToSegment::of_corners(&on_facets, &against, self.reference, size(of));
-                add(of, PairKind::Surfaces, on[0].body, kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
+                add(of, PairKind::Surfaces, on[0].body, 1.0, kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
             }
         }
         corners

@@ -8,7 +8,7 @@ use super::energy_account::{percent, three_digits};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
-use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, SLIDING};
+use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, PASSING, SLIDING};
 
 /// Share of the factorizations that may be for nothing before it is told, of more than a few.
 const DISCARDED: f64 = 1.0 / 3.0;
@@ -53,6 +53,7 @@ impl RunFindingKind {
         ("sliding", "steps were halved beforehand where surfaces would have slid too far: how far in the first one, in facets"),
         ("approach", "steps were halved beforehand where bodies would have come through: how far in the first one, in facets"),
         ("came_through", "steps were taken back and halved where bodies had come through: how far in the first one, in facets"),
+        ("passing", "steps were halved where an obstacle and a body would pass into each other: how far in the first one, in facets"),
         (
             "motion_too_fast",
             "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
@@ -165,6 +166,10 @@ impl RunFinding {
             MotionKind::CameThrough => (
                 CAME_THROUGH,
                 format!("in a step of dt = {dt} its sides came to penetrate by {facets:.2} facets, and `persistency` would leave it so"),
+            ),
+            MotionKind::Passing => (
+                PASSING,
+                format!("in a step of dt = {dt} an obstacle and the body would pass each other by {facets:.2} facets before they touch"),
             ),
         };
         let (kind, contact) = (kind_of(*kind), Some(contact.clone()));
@@ -405,12 +410,12 @@ mod tests {
 
     #[test]
     fn every_kind_is_listed() {
-        use MotionKind::{Approach, CameThrough, Sliding};
+        use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
             Depth, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough, PositiveContactWork, ReserveHeld, TooFast,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Depth, EnergyTaken, ReserveHeld];
-        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough].map(Motion)).chain([
+        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
             TooFast(Sliding),
             PassedThrough,
             Failures("divergence"),

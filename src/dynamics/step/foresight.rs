@@ -9,13 +9,17 @@ use crate::math::tolerances;
 
 impl<const D: usize> System<D> {
     /// The motion within a step, as predicted, that is too large to be tried whole: sliding of surfaces in contact beyond
-    /// [`tolerances::SLIDING`], approach beyond [`tolerances::APPROACH`] under the persistency rule.
+    /// [`tolerances::SLIDING`], approach beyond [`tolerances::APPROACH`] under the persistency rule, of obstacles beyond
+    /// [`tolerances::PASSING`] under all.
     pub fn foreseen(&self, q_0: &[f64], predicted: &[f64], conditions: &Conditions, active: &[RowState]) -> Option<LargeMotion> {
         for pair in self.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
             let size = pair.kernel.facet_size();
             let facets = self.sliding(pair, q_0, predicted, active) / size;
             if facets > tolerances::SLIDING {
                 return Some(LargeMotion { contact: pair.name.clone(), kind: MotionKind::Sliding, facets });
+            }
+            if let Some(facets) = passing(pair, predicted, true) {
+                return Some(LargeMotion { contact: pair.name.clone(), kind: MotionKind::Passing, facets });
             }
             if pair.may_penetrate() {
                 let facets = through(pair, conditions, &pair.kernel.gap(predicted), &pair.kernel.coverage(predicted));
@@ -27,10 +31,17 @@ impl<const D: usize> System<D> {
         None
     }
 
-    /// How deep nodes are behind the other side at the end of a converged step of the persistency rule that began at `q_0`, if too deep:
-    /// elastic motion is not foreseen. Of open constraints their own gap counts, and of any node its depth where that has grown: a closed
-    /// weighted gap holds a mean, beside which a node may go in.
+    /// How far nodes have come through a rigid obstacle in a converged step that began at `q_0`, or how deep they are behind the other side
+    /// under the persistency rule, if too far: elastic motion is not foreseen. Of open constraints their own gap counts, and of any node its
+    /// depth where that has grown: a closed weighted gap holds a mean, beside which a node may go in.
     pub fn came_through(&self, q_0: &[f64], at: &Linearization, conditions: &Conditions) -> Option<LargeMotion> {
+        let passed = |pair: &ContactPair| {
+            let facets = passing(pair, &at.q_1, false)?;
+            Some(LargeMotion { contact: pair.name.clone(), kind: MotionKind::Passing, facets })
+        };
+        if let Some(motion) = self.pairs.iter().find_map(passed) {
+            return Some(motion);
+        }
         self.pairs.iter().zip(&at.pairs).filter(|(pair, _)| pair.may_penetrate()).find_map(|(pair, evaluation)| {
             let facets = through(pair, conditions, &evaluation.gap, &evaluation.coverage).max(sunk(pair, q_0, &at.q_1));
             (facets > tolerances::CAME_THROUGH).then(|| LargeMotion { contact: pair.name.clone(), kind: MotionKind::CameThrough, facets })
@@ -124,6 +135,14 @@ fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 
         (size * size - normal * normal).max(0.0).sqrt()
     };
     near.map(travel).fold(0.0, f64::max)
+}
+
+/// By how many facets nodes of a pair and its rigid obstacle pass each other in a step to `q_1`, if too far: through the obstacle, or, where
+/// that is only predicted, towards it.
+fn passing(pair: &ContactPair, q_1: &[f64], is_predicted: bool) -> Option<f64> {
+    let [swing, crossing] = pair.kernel.passage(q_1);
+    let is_too_far = is_predicted && swing > tolerances::PASSING || crossing > 0.0;
+    is_too_far.then_some(swing.max(crossing))
 }
 
 /// Largest depth at which nodes of a pair that were open at the start of the step are behind the other side, in secondary facets.

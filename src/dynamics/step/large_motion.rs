@@ -14,6 +14,8 @@ pub enum MotionKind {
     Approach,
     /// They have done so in a converged step, beyond [`tolerances::CAME_THROUGH`].
     CameThrough,
+    /// A rigid obstacle and nodes would pass, or have passed, each other beyond [`tolerances::PASSING`].
+    Passing,
 }
 
 impl MotionKind {
@@ -23,11 +25,12 @@ impl MotionKind {
             MotionKind::Sliding => 0,
             MotionKind::Approach => 1,
             MotionKind::CameThrough => 2,
+            MotionKind::Passing => 3,
         }]
     }
 
     /// All names.
-    pub const NAMES: &'static [&'static str] = &["sliding", "approach", "came_through"];
+    pub const NAMES: &'static [&'static str] = &["sliding", "approach", "came_through", "passing"];
 }
 
 /// A motion for which a step is halved although Newton's method did not fail.

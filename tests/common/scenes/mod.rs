@@ -10,6 +10,7 @@
 #![allow(dead_code)]
 
 pub mod geometry;
+pub mod obstacles;
 pub mod oracle;
 pub mod random;
 pub mod run;

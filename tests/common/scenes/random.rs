@@ -20,21 +20,61 @@ const FASTEST_DELICATE: f64 = 0.05;
 
 impl Random {
     /// A whole number below `count`.
-    fn below(&mut self, count: usize) -> usize {
+    pub(super) fn below(&mut self, count: usize) -> usize {
         (self.between(0.0, count as f64) as usize).min(count - 1)
     }
 
     /// Evenly in the logarithm.
-    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    fn chance(&mut self, probability: f64) -> bool {
+    pub(super) fn chance(&mut self, probability: f64) -> bool {
         self.between(0.0, 1.0) < probability
     }
 
-    fn direction(&mut self) -> Point {
+    pub(super) fn direction(&mut self) -> Point {
         turned(self.between(0.0, TAU), [1.0, 0.0])
+    }
+
+    /// A body around the origin: half of its extent, a length for its facets, the range of its modulus.
+    pub(super) fn body(&mut self, radius: f64, facet: f64, moduli: [f64; 2]) -> Body {
+        let along = |extent: f64| ((extent / facet).round() as usize).clamp(1, 24);
+        let shape = match self.below(5) {
+            0 => {
+                let size = [2.0 * radius * self.between(0.4, 1.0), 2.0 * radius * self.between(0.3, 1.0)];
+                Shape::Rectangle { size, cells: size.map(along) }
+            }
+            1 => {
+                let around = 4 * ((TAU * radius / facet / 4.0).round() as usize).clamp(2, 13);
+                Shape::Disk { radius, cells: [along(0.4 * radius), around] }
+            }
+            2 => {
+                let inner = radius * self.between(0.4, 0.8);
+                let around = ((TAU * radius / facet).round() as usize).clamp(8, 60);
+                Shape::Ring { radii: [inner, radius], cells: [along(radius - inner).clamp(1, 4), around] }
+            }
+            3 => {
+                // Even angles between the corners, each shifted by up to a third of them: convex on the circle.
+                let count = 3 + self.below(5);
+                let corner = |k: usize| turned(TAU / count as f64 * (k as f64 + self.between(-0.3, 0.3)), [radius, 0.0]);
+                Shape::Polygon { corners: (0..count).map(corner).collect(), size: facet.max(0.12 * radius) }
+            }
+            _ => {
+                let (tips, waist) = (3 + self.below(4), radius * self.between(0.35, 0.6));
+                let corner = |k: usize| {
+                    let angle = TAU / (2 * tips) as f64 * (k as f64 + self.between(-0.2, 0.2));
+                    turned(angle, [if k.is_multiple_of(2) { radius * self.between(0.8, 1.0) } else { waist }, 0.0])
+                };
+                Shape::Polygon { corners: (0..2 * tips).map(corner).collect(), size: facet.max(0.12 * radius) }
+            }
+        };
+        let law = if self.chance(0.8) { "neo_hookean" } else { "saint_venant_kirchhoff" };
+        let modulus = self.magnitude(moduli[0], moduli[1]);
+        let density = self.between(0.5, 2.0);
+        let constants = [modulus, self.between(0.0, 0.45), density];
+        let angle = if self.chance(0.8) { self.between(0.0, TAU) } else { 0.0 };
+        Body { shape, mirrored: false, angle, center: [0.0; 2], law, constants, velocity: [0.0; 2], spin: 0.0 }
     }
 }
 
@@ -137,46 +177,8 @@ impl Draft {
 
     /// A body around the origin.
     fn body(&mut self, radius: f64, facet: f64) -> Body {
-        let random = &mut self.random;
-        let along = |extent: f64| ((extent / facet).round() as usize).clamp(1, 24);
-        let shape = match random.below(5) {
-            0 => {
-                let size = [2.0 * radius * random.between(0.4, 1.0), 2.0 * radius * random.between(0.3, 1.0)];
-                Shape::Rectangle { size, cells: size.map(along) }
-            }
-            1 => {
-                let around = 4 * ((TAU * radius / facet / 4.0).round() as usize).clamp(2, 13);
-                Shape::Disk { radius, cells: [along(0.4 * radius), around] }
-            }
-            2 => {
-                let inner = radius * random.between(0.4, 0.8);
-                let around = ((TAU * radius / facet).round() as usize).clamp(8, 60);
-                Shape::Ring { radii: [inner, radius], cells: [along(radius - inner).clamp(1, 4), around] }
-            }
-            3 => {
-                // Even angles between the corners, each shifted by up to a third of them: convex on the circle.
-                let count = 3 + random.below(5);
-                let corner = |k: usize| turned(TAU / count as f64 * (k as f64 + random.between(-0.3, 0.3)), [radius, 0.0]);
-                Shape::Polygon { corners: (0..count).map(corner).collect(), size: facet.max(0.12 * radius) }
-            }
-            _ => {
-                let (tips, waist) = (3 + random.below(4), radius * random.between(0.35, 0.6));
-                let corner = |k: usize| {
-                    let angle = TAU / (2 * tips) as f64 * (k as f64 + random.between(-0.2, 0.2));
-                    turned(angle, [if k.is_multiple_of(2) { radius * random.between(0.8, 1.0) } else { waist }, 0.0])
-                };
-                Shape::Polygon { corners: (0..2 * tips).map(corner).collect(), size: facet.max(0.12 * radius) }
-            }
-        };
-        let law = if random.chance(0.8) { "neo_hookean" } else { "saint_venant_kirchhoff" };
-        let modulus = match self.scene.kind {
-            Kind::Extreme => random.magnitude(1e2, 1e8),
-            _ => random.magnitude(1e3, 1e4),
-        };
-        let density = random.between(0.5, 2.0);
-        let constants = [modulus, random.between(0.0, 0.45), density];
-        let angle = if random.chance(0.8) { random.between(0.0, TAU) } else { 0.0 };
-        Body { shape, mirrored: false, angle, center: [0.0; 2], law, constants, velocity: [0.0; 2], spin: 0.0 }
+        let moduli = if self.scene.kind == Kind::Extreme { [1e2, 1e8] } else { [1e3, 1e4] };
+        self.random.body(radius, facet, moduli)
     }
 
     /// Adds a body at a place.

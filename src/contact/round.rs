@@ -1,0 +1,130 @@
+//! Contact of a rigid disk with the facets of a surface: what the distances of the surface's nodes do not see of a small one.
+//!
+//! Each facet has a constraint, the distance of the disk's center from it less the radius, so that the disk may touch several at once, as in
+//! a slot. Beyond the facet's ends that is the distance from a node, which is the node's own constraint as well: rows that hold the facets
+//! alone would jump where the disk passes a node.
+
+use super::depth::Seen;
+use super::kernel::ContactKernel;
+use super::node_patch::{self, Round, Start};
+use super::patches::Evaluation;
+use super::search::Candidates;
+use super::surface::Sides;
+use super::window::Outlook;
+use crate::integrators::Derivative;
+
+/// Margin beyond the need with which candidates are searched, in shortest facets of the surface.
+const SPARE: f64 = 1.0;
+
+/// Depth in shortest facets beyond which a facet has no constraint: where a body overlaps with the disk at the start, the nodes hold it.
+const SUNK: f64 = 0.15;
+
+/// Contact of a disk, given by a node at its center, with a surface; one row for each facet.
+#[derive(Clone, Debug)]
+pub struct RoundContact {
+    /// The center as the secondary side, a facet of no length.
+    sides: Sides,
+    radius: f64,
+    candidates: Candidates,
+    start: Vec<Start>,
+}
+
+impl RoundContact {
+    /// Contact of a disk with a surface (facets in node numbers of the model, the body on the left).
+    pub fn new(center: u32, radius: f64, surface: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Self {
+        let sides = Sides { weights: vec![facet_size; surface.len()], facet_size, ..Sides::new(&[[center; 2]], surface, reference) };
+        RoundContact { sides, radius, candidates: Candidates::new(SPARE * facet_size), start: Vec::new() }
+    }
+
+    /// Makes the patches of the present candidates: the center and the nodes of a facet.
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        self.start.clear();
+        let center = self.sides.secondary.nodes()[0];
+        for &[_, facet] in self.candidates.pairs() {
+            let [a, b] = self.sides.primary.facets()[facet as usize];
+            self.sides.patches.push(&[center, a, b], &[facet]);
+        }
+    }
+
+    /// What takes part of a patch in a step.
+    fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
+        let (facet, surface) = (self.sides.patches.rows(p)[0] as usize, &self.sides.primary);
+        let (center, ends) = (self.sides.secondary.nodes()[0], surface.facets()[facet]);
+        let is_concave = surface.local_facets()[facet].map(|node| !surface.is_convex(node as usize, outlook.q));
+        let round = Round { radius: self.radius, is_concave };
+        let opposite = Start::round([0, 1, 2], round);
+        let mut z = Vec::new();
+        opposite.gather_into(self.sides.patches.nodes(p), outlook.q, &mut z);
+        let is_sunk = opposite.measures(&z)[0].is_none_or(|measure| measure.gap <= -SUNK * self.sides.facet_size);
+        let apart = Seen::new(center, ends, outlook.q).distance - self.radius;
+        if is_sunk || apart > self.sides.facet_size + outlook.travel(&[center], &ends) { Start::default() } else { opposite }
+    }
+
+    fn begin_all(&mut self, outlook: &Outlook) {
+        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, outlook)).collect();
+    }
+}
+
+impl ContactKernel for RoundContact {
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        // Its rows are those of facets.
+        &[]
+    }
+
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let margin = outlook.search_margin(&self.sides) + self.radius;
+        let changed = self.candidates.update(&self.sides.secondary, &self.sides.primary, outlook.q, margin);
+        if changed {
+            self.list_patches();
+        }
+        self.begin_all(outlook);
+        changed
+    }
+
+    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
+        let nodes = self.sides.patches.nodes(p);
+        self.start[p].places.iter().map(|&place| nodes[place as usize]).for_each(tell);
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        Some(&self.candidates)
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.candidates = candidates.clone();
+        self.list_patches();
+        self.begin_all(&Outlook::within(q, 0.0));
+        self.begin_step(q);
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        for (p, start) in self.start.iter_mut().enumerate() {
+            start.begin(self.sides.patches.nodes(p), q_0, |_| None, |_| false);
+        }
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        node_patch::start_gaps(&self.sides, &self.start)
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        node_patch::gaps(&self.sides, &self.start, q)
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        node_patch::deepest(&self.sides, &self.start, q)
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        node_patch::coverage(&self.sides, &self.start, q)
+    }
+}
