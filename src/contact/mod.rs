@@ -12,6 +12,7 @@
 mod averaged;
 mod chain;
 mod checks;
+mod combinations;
 #[cfg(test)]
 mod contract;
 mod depth;
@@ -23,6 +24,7 @@ mod methods;
 mod mortar;
 mod node_patch;
 mod node_to_segment;
+mod on_curves;
 mod pair;
 mod patches;
 mod quadratic;
@@ -41,7 +43,7 @@ pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};
 pub use node_to_segment::{NODE_TO_SEGMENT, NodeToSegment};
 pub use patches::{Evaluation, Patches};
-pub use quadratic::Middles;
+pub use quadratic::{Middles, RowsOf, Seen};
 pub use rigid::{Obstacle, RigidContact};
 pub use rigid_corners::RigidCorners;
 pub use search::{Candidates, PairSearch};
