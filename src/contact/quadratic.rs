@@ -10,9 +10,10 @@
 //! ```
 //!
 //! The raised polygon holds the parabola's area: a constant pressure on straight edges, whose middles may lie anywhere, goes to the nodes
-//! exactly as a quadratic edge's consistent forces, and on curved ones to second order. Where a surface ends or has a corner, the vertex
-//! stays where its node is, and the inner points of that edge are raised by a little more, for the same sum. On a curve that is divided
-//! evenly the polygon is regular, so that two of them slide on each other without holding.
+//! exactly as a quadratic edge's consistent forces, and on curved ones to second order. Where a surface ends or has a corner, each curved
+//! edge raises the vertex by its own; a corner between straight ones stays where its node is, so that none pulls at the other's middle, and
+//! their inner points are raised by a little more, for the same sum. On a curve that is divided evenly the polygon is regular, so that two
+//! of them slide on each other without holding.
 //!
 //! Multipliers stay at the nodes, linear between a middle and its ends: those of sub-facets of their own would be too many.
 //! (Facets of two nodes on quadratic edges: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the area are ours.)
@@ -24,6 +25,7 @@ use super::combinations::Combinations;
 use super::kernel::ContactKernel;
 use super::on_curves::OnCurves;
 use super::surface::{Sides, Surface};
+use crate::math::tolerances;
 
 /// Facets of an edge, an even number.
 const PIECES: u32 = 4;
@@ -171,6 +173,11 @@ impl Edge {
         Edge { middle, ends: [from, to], chord, offset, shift: dot(offset, chord) / dot(chord, chord) }
     }
 
+    /// Whether its middle lies off the chord.
+    fn is_curved(&self) -> bool {
+        (self.offset[0] * self.chord[1] - self.offset[1] * self.chord[0]).abs() > tolerances::FLAT * dot(self.chord, self.chord)
+    }
+
     /// Direction in which it leaves its first end, or comes to its last.
     fn tangent(&self, end: usize) -> [f64; 2] {
         let sign = if end == 0 { 4.0 } else { -4.0 };
@@ -205,6 +212,22 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+/// The edges that raise the vertex where they come together, with the end of each that is there and its weight: two that go on smoothly
+/// share it, at corners and ends each that is curved has its own.
+fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usize, f64)> {
+    if let ([one], [other], false) = (&coming[..], &leaving[..], is_mixed) {
+        let (t, u) = (one.tangent(1), other.tangent(0));
+        if dot(t, u) > SMOOTH * t[0].hypot(t[1]) * u[0].hypot(u[1]) {
+            let lengths = [one.end_facet(1), other.end_facet(0)].map(|t| t[0].hypot(t[1]));
+            let sum = lengths[0] + lengths[1];
+            return vec![(*one, 1, lengths[0] / sum), (*other, 0, lengths[1] / sum)];
+        }
+    }
+    let ends = coming.iter().map(|edge| (*edge, 1, 1.0)).chain(leaving.iter().map(|edge| (*edge, 0, 1.0)));
+    let is_only = coming.len() + leaving.len() == 1 && !is_mixed;
+    ends.filter(|(edge, ..)| is_only || edge.is_curved()).collect()
+}
+
 impl Curves {
     fn new(middles: &Middles, facets: &[[u32; 2]], reference: &[f64]) -> Self {
         // Per node: the edges that come to it and leave it; others that meet there.
@@ -223,31 +246,19 @@ impl Curves {
                 meeting.entry(node).or_default()[1 - end].push(*edge);
             }
         }
-        let goes_on = |node: u32| match meeting.get(&node) {
-            Some([coming, leaving]) if coming.len() == 1 && leaving.len() == 1 && !straight.contains(&node) => {
-                let (t, u) = (coming[0].tangent(1), leaving[0].tangent(0));
-                (dot(t, u) > SMOOTH * t[0].hypot(t[1]) * u[0].hypot(u[1])).then_some([coming[0], leaving[0]])
-            }
-            _ => None,
-        };
+        let raises = |node: u32| meeting.get(&node).map_or_else(Vec::new, |edges| raising(edges, straight.contains(&node)));
         let mut curves = Curves { points: Combinations::default(), nodes: BTreeMap::new(), edges: BTreeMap::new(), homes: Vec::new() };
         let ends: BTreeSet<u32> = straight.iter().chain(meeting.keys()).copied().collect();
         for node in ends {
-            let point = match goes_on(node) {
-                Some([coming, leaving]) => {
-                    let lengths = [coming.end_facet(1), leaving.end_facet(0)].map(|t| t[0].hypot(t[1]));
-                    let [one, other] = lengths.map(|length| RAISED * length / (lengths[0] + lengths[1]));
-                    curves.points.push([(node, 1.0)].into_iter().chain(coming.raised(one)).chain(leaving.raised(other)))
-                }
-                None => curves.points.push([(node, 1.0)]),
-            };
+            let raised = raises(node).into_iter().flat_map(|(edge, _, weight)| edge.raised(RAISED * weight));
+            let point = curves.points.push([(node, 1.0)].into_iter().chain(raised));
             curves.nodes.insert(node, point);
             curves.homes.push(vec![(node, 1.0)]);
         }
         for edge in edges.values() {
             // What the ends do not have, the inner points have more.
-            let at_ends: f64 =
-                [0, 1].into_iter().filter(|&end| goes_on(edge.ends[end]).is_some()).map(|end| 0.5 * edge.end_share(end)).sum();
+            let has = |&end: &usize| raises(edge.ends[end]).iter().any(|(other, at, _)| (other.middle, *at) == (edge.middle, end));
+            let at_ends: f64 = [0, 1].into_iter().filter(has).map(|end| 0.5 * edge.end_share(end)).sum();
             let raised = RAISED * (1.0 - at_ends) / (1.0 - 1.0 / f64::from(PIECES));
             let mut list = vec![curves.nodes[&edge.ends[0]]];
             for k in 1..PIECES {
