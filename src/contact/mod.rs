@@ -18,6 +18,7 @@ mod contract;
 mod depth;
 #[cfg(test)]
 mod fixtures;
+mod interlocking;
 mod kernel;
 mod method;
 mod methods;
@@ -37,6 +38,7 @@ mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces};
+pub use interlocking::{Interlocking, interlocking};
 pub use kernel::{ContactKernel, Correction};
 pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;

@@ -4,6 +4,7 @@
 //! gradients `S^T G' P` and its tangent `P^T K' P`. A discrete gradient stays one: `G (q_1 - q_0) = S^T G' (y_1 - y_0)`. The shares of a
 //! point sum to one, so points move with rigid motions, and momenta are kept as without.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
 use super::combinations::Combinations;
@@ -25,12 +26,23 @@ pub(super) struct OnCurves {
     /// `S`.
     rows: Combinations,
     row_nodes: Vec<u32>,
-    /// The method's patches, one after the other: of which nodes of the patch here each of its nodes is made, and the same of its rows.
+    /// The nodes that points belong to: patches of the method that belong to the same ones are a single patch here.
+    homes: Combinations,
+    /// Patches of the method in each patch here.
+    members: Vec<Vec<Member>>,
+    /// Of which nodes of the patch here each node of a member is made, and the same of its rows.
     patch_nodes: Combinations,
     patch_rows: Combinations,
-    /// Per patch: its first entry in these two.
-    first: Vec<[usize; 2]>,
     scratch: Mutex<Scratch>,
+}
+
+/// A patch of the method in one of those here.
+#[derive(Clone, Copy)]
+struct Member {
+    patch: usize,
+    /// Its first node among [`OnCurves::patch_nodes`], its first row among [`OnCurves::patch_rows`].
+    node: usize,
+    row: usize,
 }
 
 /// What an evaluation needs, used again.
@@ -44,8 +56,9 @@ struct Scratch {
 }
 
 impl OnCurves {
-    /// A method on `points`, whose rows are made of those of the nodes by `rows`; `sides` are its surfaces between the nodes.
-    pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, points: Combinations, rows: Combinations) -> Self {
+    /// A method on `points`, whose rows are made of those of the nodes by `rows`, while points belong to nodes as by `homes`; `sides` are
+    /// its surfaces between the nodes.
+    pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3]) -> Self {
         let mut weights = vec![0.0; if inner.row_nodes().is_empty() { inner.rows() } else { inner.rows_per_node() * sides.weights.len() }];
         rows.add_values_back(inner.weights(), &mut weights);
         let row_nodes = if inner.row_nodes().is_empty() { Vec::new() } else { sides.secondary.nodes().to_vec() };
@@ -55,34 +68,53 @@ impl OnCurves {
             points,
             rows,
             row_nodes,
+            homes,
+            members: Vec::new(),
             patch_nodes: Combinations::default(),
             patch_rows: Combinations::default(),
-            first: Vec::new(),
             scratch: Mutex::default(),
         };
         curved.list();
         curved
     }
 
-    /// Makes the patches of the method's.
+    /// Makes patches of the method's.
     fn list(&mut self) {
         let inner = self.inner.patches();
+        let mut places = BTreeMap::new();
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for p in 0..inner.len() {
+            let homes = inner.nodes(p).iter().flat_map(|&point| self.homes.parts(point as usize)).map(|(node, _)| *node);
+            let homes: BTreeSet<u32> =
+                homes.chain(inner.rows(p).iter().flat_map(|&row| self.rows.parts(row as usize)).map(|(row, _)| *row)).collect();
+            let group = *places.entry(homes).or_insert(groups.len());
+            if group == groups.len() {
+                groups.push(Vec::new());
+            }
+            groups[group].push(p);
+        }
         self.sides.patches = Patches::new(inner.dimension());
         self.patch_nodes.clear();
         self.patch_rows.clear();
-        self.first.clear();
+        self.members.clear();
         let (mut nodes, mut rows) = (Vec::new(), Vec::new());
-        for p in 0..inner.len() {
-            self.first.push([self.patch_nodes.len(), self.patch_rows.len()]);
-            for (of, own, made, list) in [
-                (inner.nodes(p), &self.points, &mut self.patch_nodes, &mut nodes),
-                (inner.rows(p), &self.rows, &mut self.patch_rows, &mut rows),
-            ] {
-                list.clear();
-                for &entry in of {
-                    made.push(own.parts(entry as usize).iter().map(|&(k, share)| (place(list, k), share)));
+        for group in groups {
+            nodes.clear();
+            rows.clear();
+            let member = |patch: usize| {
+                let member = Member { patch, node: self.patch_nodes.len(), row: self.patch_rows.len() };
+                for (of, own, made, list) in [
+                    (inner.nodes(patch), &self.points, &mut self.patch_nodes, &mut nodes),
+                    (inner.rows(patch), &self.rows, &mut self.patch_rows, &mut rows),
+                ] {
+                    for &entry in of {
+                        made.push(own.parts(entry as usize).iter().map(|&(k, share)| (place(list, k), share)));
+                    }
                 }
-            }
+                member
+            };
+            let members = group.into_iter().map(member).collect();
+            self.members.push(members);
             self.sides.patches.push(&nodes, &rows);
         }
     }
@@ -103,11 +135,11 @@ impl OnCurves {
         }
     }
 
-    /// The gradient blocks of a patch from the method's.
-    fn gradients_into(&self, p: usize, from: &[f64], to: &mut [f64]) {
-        let (patches, [node, row]) = (self.inner.patches(), self.first[p]);
-        let (few, many) = (patches.unknowns(p), self.sides.patches.unknowns(p));
-        let (from, to) = (&from[patches.gradient_range(p)], &mut to[self.sides.patches.gradient_range(p)]);
+    /// Adds the gradient blocks of a member to those of its patch.
+    fn gradients_into(&self, p: usize, Member { patch, node, row }: Member, from: &[f64], to: &mut [f64]) {
+        let patches = self.inner.patches();
+        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
+        let (from, to) = (&from[patches.gradient_range(patch)], &mut to[self.sides.patches.gradient_range(p)]);
         for (entry, from) in from.chunks_exact(few).enumerate() {
             for &(row, by) in self.patch_rows.parts(row + entry) {
                 let to = &mut to[row as usize * many..(row as usize + 1) * many];
@@ -120,13 +152,13 @@ impl OnCurves {
         }
     }
 
-    /// The tangent block of a patch from the method's.
-    fn tangent_into(&self, p: usize, from: &[f64], half: &mut Vec<f64>, to: &mut [f64]) {
-        let (patches, [node, _]) = (self.inner.patches(), self.first[p]);
-        let (few, many) = (patches.unknowns(p), self.sides.patches.unknowns(p));
+    /// Adds the tangent block of a member to that of its patch.
+    fn tangent_into(&self, p: usize, Member { patch, node, .. }: Member, from: &[f64], half: &mut Vec<f64>, to: &mut [f64]) {
+        let patches = self.inner.patches();
+        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
         half.clear();
         half.resize(few * many, 0.0);
-        for (half, from) in half.chunks_exact_mut(many).zip(from[patches.tangent_range(p)].chunks_exact(few)) {
+        for (half, from) in half.chunks_exact_mut(many).zip(from[patches.tangent_range(patch)].chunks_exact(few)) {
             for (entry, k) in from.chunks_exact(2).enumerate() {
                 for &(place, share) in self.patch_nodes.parts(node + entry) {
                     (0..2).for_each(|i| half[2 * place as usize + i] += share * k[i]);
@@ -182,8 +214,10 @@ impl ContactKernel for OnCurves {
     }
 
     fn owns(&self, p: usize, node: u32) -> bool {
-        let owners = self.inner.patches().nodes(p).iter().filter(|&&owner| self.inner.owns(p, owner));
-        owners.into_iter().any(|&owner| self.points.parts(owner as usize).iter().any(|&(part, _)| part == node))
+        self.members[p].iter().any(|member| {
+            let mut owners = self.inner.patches().nodes(member.patch).iter().filter(|&&owner| self.inner.owns(member.patch, owner));
+            owners.any(|&owner| self.points.parts(owner as usize).iter().any(|&(part, _)| part == node))
+        })
     }
 
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
@@ -203,7 +237,8 @@ impl ContactKernel for OnCurves {
     }
 
     fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
-        self.inner.for_each_participant(p, &mut |point| self.points.parts(point as usize).iter().for_each(|&(node, _)| tell(node)));
+        let mut parts = |point: u32| self.points.parts(point as usize).iter().for_each(|&(node, _)| tell(node));
+        self.members[p].iter().for_each(|member| self.inner.for_each_participant(member.patch, &mut parts));
     }
 
     fn candidates(&self) -> Option<&Candidates> {
@@ -249,14 +284,14 @@ impl ContactKernel for OnCurves {
         out.prepare(&self.sides.patches, self.sides.weights.len());
         self.rows.add_values_back(&inner.gap, &mut out.gap);
         self.cover(&inner.coverage, &mut out.coverage);
-        for p in 0..of.len() {
+        for (p, members) in self.members.iter().enumerate() {
             out.clear_patch(&self.sides.patches, p);
-            if inner.live[p] {
+            for &member in members.iter().filter(|member| inner.live[member.patch]) {
                 out.live[p] = true;
-                self.gradients_into(p, &inner.gradient_end, &mut out.gradient_end);
-                self.gradients_into(p, &inner.gradient_bar, &mut out.gradient_bar);
-                if of.rows(p).iter().any(|&row| pressing[row as usize] != 0.0) {
-                    self.tangent_into(p, &inner.tangent, half, &mut out.tangent);
+                self.gradients_into(p, member, &inner.gradient_end, &mut out.gradient_end);
+                self.gradients_into(p, member, &inner.gradient_bar, &mut out.gradient_bar);
+                if of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0) {
+                    self.tangent_into(p, member, &inner.tangent, half, &mut out.tangent);
                 }
             }
         }

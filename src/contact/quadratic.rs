@@ -1,21 +1,25 @@
 //! Contact of edges of second order: each is a few straight facets between points that are linear combinations of its nodes.
 //!
-//! A polygon through points of a parabola lies inside it, and a polygon with some of its vertices raised has teeth that hold what should
+//! A polygon through points of a curve lies inside it, and a polygon with some of its vertices raised has teeth that hold what should
 //! slide. So *all* points are raised alike. With the middle's offset `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` from the chord (`tau` the
-//! share by which the middle lies off its middle in the reference positions), an edge of `N` facets has its points at
+//! share by which the middle lies off the chord's middle in the reference positions), an edge of `N` facets has its points at
 //!
 //! ```text
-//! inner point, s = k/N     y = x(s) + r d,          x(s) = (1-s) x_a + s x_b + 4 s (1-s) (x_m - (x_a + x_b)/2),     r = 2/(3 N^2)
-//! vertex of two edges      y = x_a + r (l d + l' d')/(l + l'),     l, l' the lengths of the facets that meet there
+//! inner point, s = k/N     y = x(s) + r d,        x(s) = (1-s) x_a + s x_b + 4 s (1-s) (x_m - (x_a + x_b)/2)
+//! vertex of two edges      y = x_a + (l r d + l' r' d')/(l + l'),       l, l' the lengths of the facets that meet there
+//!                          r = 2/(3 N^2) + 8/15 (h/l_ab)^2,             h, l_ab the sagitta and the chord in the reference positions
 //! ```
 //!
-//! The raised polygon holds the parabola's area: a constant pressure on straight edges, whose middles may lie anywhere, goes to the nodes
-//! exactly as a quadratic edge's consistent forces, and on curved ones to second order. Where a surface ends or has a corner, each curved
-//! edge raises the vertex by its own; a corner between straight ones stays where its node is, so that none pulls at the other's middle, and
-//! their inner points are raised by a little more, for the same sum. On a curve that is divided evenly the polygon is regular, so that two
-//! of them slide on each other without holding.
+//! The first part of `r` makes the polygon hold the parabola's area: a constant pressure on straight edges, whose middles may lie anywhere,
+//! goes to the nodes exactly as a quadratic edge's consistent forces, and on curved ones to second order. The second part is what the
+//! circle through the three nodes holds besides: press fits between rings are as large as their radii say. Where a surface ends or has a
+//! corner, each curved edge raises the vertex by its own; a corner between straight ones stays where its node is, so that none pulls at the
+//! other's middle, and their inner points are raised by a little more, for the same sum. On a curve that is divided evenly the polygon is
+//! regular, so that two of them slide on each other without holding. Long edges have more facets than short ones opposite, so that what is
+//! left of their corners is as small.
 //!
-//! Multipliers stay at the nodes, linear between a middle and its ends: those of sub-facets of their own would be too many.
+//! Multipliers stay at the nodes, linear between a middle and its ends: those of sub-facets of their own would be too many. Methods with a
+//! constraint for each node see the points of the nodes, and a rigid obstacle the nodes themselves, with the lengths that belong to them.
 //! (Facets of two nodes on quadratic edges: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the area are ours.)
 
 use std::borrow::Cow;
@@ -27,11 +31,12 @@ use super::on_curves::OnCurves;
 use super::surface::{Sides, Surface};
 use crate::math::tolerances;
 
-/// Facets of an edge, an even number.
-const PIECES: u32 = 4;
+/// Facets of half an edge where edges of both sides are alike long, and at most.
+const PIECES: f64 = 2.0;
+const MOST_PIECES: f64 = 6.0;
 
-/// By how much of the middle's offset all points are raised.
-const RAISED: f64 = 2.0 / (3.0 * PIECES as f64 * PIECES as f64);
+/// What a circle's segment holds more than a parabola's, over chord and sagitta: `A/(l h) = 2/3 + 8/15 (h/l)^2 + ...`.
+const CIRCLE: f64 = 8.0 / 15.0;
 
 /// Cosine of the turn between two edges in the reference positions up to which a curve goes on from one to the other: 20 degrees.
 const SMOOTH: f64 = 0.94;
@@ -64,11 +69,10 @@ impl Middles {
 
     /// Two surfaces, given by their facets between nodes, as a contact method sees them.
     pub fn seen<'a>(&self, [secondary, primary]: [&'a [[u32; 2]]; 2], reference: &'a [f64], rows: RowsOf) -> Seen<'a> {
-        let all: Vec<[u32; 2]> = secondary.iter().chain(primary).copied().collect();
-        if !all.iter().any(|facet| self.edge(facet[1]).is_some()) {
+        if !secondary.iter().chain(primary).any(|facet| self.edge(facet[1]).is_some()) {
             return Seen { secondary: secondary.into(), primary: primary.into(), reference: reference.into(), on_curves: None };
         }
-        let curves = Curves::new(self, &all, reference);
+        let curves = Curves::new(self, [secondary, primary], reference);
         let mut sides = Sides::new(secondary, primary, reference);
         let is_nodal = rows == RowsOf::Nodes;
         if is_nodal && let Some(lengths) = self.lengths(secondary, reference) {
@@ -137,7 +141,7 @@ impl Seen<'_> {
             sides.facet_size = kernel.facet_size();
         }
         let made_of = curves.rows(&*kernel, &sides, rows);
-        Box::new(OnCurves::new(kernel, sides, curves.points, made_of))
+        Box::new(OnCurves::new(kernel, sides, [curves.points, made_of, curves.homes]))
     }
 }
 
@@ -150,7 +154,7 @@ struct Curves {
     /// Per middle node: the points of its edge, ends included.
     edges: BTreeMap<u32, Vec<u32>>,
     /// Per point: the nodes whose multipliers it has, with their shares.
-    homes: Vec<Vec<(u32, f64)>>,
+    homes: Combinations,
 }
 
 /// An edge of second order in the reference positions.
@@ -161,21 +165,31 @@ struct Edge {
     /// Chord, and the middle's offset from the chord's middle `[length]`.
     chord: [f64; 2],
     offset: [f64; 2],
-    /// By how much of the chord the middle lies off its middle.
+    /// By how much of the chord the middle lies off its middle, and the chord.
     shift: f64,
+    sagitta: f64,
+    /// Number of its facets, even.
+    pieces: u32,
+    /// By how much of the middle's offset its points are raised.
+    raised: f64,
 }
 
 impl Edge {
-    fn new([middle, from, to]: [u32; 3], reference: &[f64]) -> Self {
+    /// An edge opposite facets between nodes of that length `[length]`.
+    fn new([middle, from, to]: [u32; 3], reference: &[f64], length: f64) -> Self {
         let [m, a, b] = [middle, from, to].map(|node| [reference[2 * node as usize], reference[2 * node as usize + 1]]);
         let chord = [b[0] - a[0], b[1] - a[1]];
         let offset = [m[0] - 0.5 * (a[0] + b[0]), m[1] - 0.5 * (a[1] + b[1])];
-        Edge { middle, ends: [from, to], chord, offset, shift: dot(offset, chord) / dot(chord, chord) }
+        let square = dot(chord, chord);
+        let sagitta = (offset[0] * chord[1] - offset[1] * chord[0]) / square;
+        let half = (PIECES * 0.5 * square.sqrt() / length).round().clamp(PIECES, MOST_PIECES);
+        let raised = 1.0 / (6.0 * half * half) + CIRCLE * sagitta * sagitta;
+        Edge { middle, ends: [from, to], chord, offset, shift: dot(offset, chord) / square, sagitta, pieces: 2 * half as u32, raised }
     }
 
     /// Whether its middle lies off the chord.
     fn is_curved(&self) -> bool {
-        (self.offset[0] * self.chord[1] - self.offset[1] * self.chord[0]).abs() > tolerances::FLAT * dot(self.chord, self.chord)
+        self.sagitta.abs() > tolerances::STRAIGHT
     }
 
     /// Direction in which it leaves its first end, or comes to its last.
@@ -186,7 +200,7 @@ impl Edge {
 
     /// The facet at an end, as a vector from node to node of the parabola `[length]`.
     fn end_facet(&self, end: usize) -> [f64; 2] {
-        let (s, sign) = (1.0 / f64::from(PIECES), if end == 0 { 1.0 } else { -1.0 });
+        let (s, sign) = (1.0 / f64::from(self.pieces), if end == 0 { 1.0 } else { -1.0 });
         std::array::from_fn(|i| s * self.chord[i] + sign * 4.0 * s * (1.0 - s) * self.offset[i])
     }
 
@@ -196,7 +210,7 @@ impl Edge {
     }
 
     /// The middle's offset across the chord, times a factor.
-    fn raised(&self, by: f64) -> [(u32, f64); 3] {
+    fn across(&self, by: f64) -> [(u32, f64); 3] {
         let [a, b] = self.ends;
         [(self.middle, by), (a, -by * (0.5 - self.shift)), (b, -by * (0.5 + self.shift))]
     }
@@ -206,6 +220,13 @@ impl Edge {
         let ([a, b], h) = (self.ends, 4.0 * s * (1.0 - s));
         [(self.middle, h), (a, 1.0 - s - 0.5 * h), (b, s - 0.5 * h)]
     }
+}
+
+/// Mean length of facets between nodes `[length]`; infinite without facets.
+fn mean_length(facets: &[[u32; 2]], q: &[f64]) -> f64 {
+    let at = |node: u32, i: usize| q[2 * node as usize + i];
+    let lengths = facets.iter().map(|&[a, b]| (at(b, 0) - at(a, 0)).hypot(at(b, 1) - at(a, 1)));
+    if facets.is_empty() { f64::INFINITY } else { lengths.sum::<f64>() / facets.len() as f64 }
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -229,14 +250,16 @@ fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usi
 }
 
 impl Curves {
-    fn new(middles: &Middles, facets: &[[u32; 2]], reference: &[f64]) -> Self {
+    fn new(middles: &Middles, sides: [&[[u32; 2]]; 2], reference: &[f64]) -> Self {
+        // Facets of both sides are about alike long.
+        let length = sides.map(|facets| mean_length(facets, reference)).into_iter().fold(f64::INFINITY, f64::min);
         // Per node: the edges that come to it and leave it; others that meet there.
         let mut edges = BTreeMap::new();
         let mut meeting: BTreeMap<u32, [Vec<Edge>; 2]> = BTreeMap::new();
         let mut straight = BTreeSet::new();
-        for &[from, to] in facets {
+        for &[from, to] in sides.into_iter().flatten() {
             match (middles.edge(from), middles.edge(to)) {
-                (_, Some(nodes)) => drop(edges.entry(to).or_insert_with(|| Edge::new(nodes, reference))),
+                (_, Some(nodes)) => drop(edges.entry(to).or_insert_with(|| Edge::new(nodes, reference, length))),
                 (Some(_), None) => {}
                 (None, None) => straight.extend([from, to]),
             }
@@ -247,29 +270,31 @@ impl Curves {
             }
         }
         let raises = |node: u32| meeting.get(&node).map_or_else(Vec::new, |edges| raising(edges, straight.contains(&node)));
-        let mut curves = Curves { points: Combinations::default(), nodes: BTreeMap::new(), edges: BTreeMap::new(), homes: Vec::new() };
+        let mut curves =
+            Curves { points: Combinations::default(), nodes: BTreeMap::new(), edges: BTreeMap::new(), homes: Combinations::default() };
         let ends: BTreeSet<u32> = straight.iter().chain(meeting.keys()).copied().collect();
         for node in ends {
-            let raised = raises(node).into_iter().flat_map(|(edge, _, weight)| edge.raised(RAISED * weight));
+            let raised = raises(node).into_iter().flat_map(|(edge, _, weight)| edge.across(edge.raised * weight));
             let point = curves.points.push([(node, 1.0)].into_iter().chain(raised));
             curves.nodes.insert(node, point);
-            curves.homes.push(vec![(node, 1.0)]);
+            curves.homes.push([(node, 1.0)]);
         }
         for edge in edges.values() {
             // What the ends do not have, the inner points have more.
             let has = |&end: &usize| raises(edge.ends[end]).iter().any(|(other, at, _)| (other.middle, *at) == (edge.middle, end));
             let at_ends: f64 = [0, 1].into_iter().filter(has).map(|end| 0.5 * edge.end_share(end)).sum();
-            let raised = RAISED * (1.0 - at_ends) / (1.0 - 1.0 / f64::from(PIECES));
+            let pieces = f64::from(edge.pieces);
+            let raised = edge.raised * (1.0 - at_ends) / (1.0 - 1.0 / pieces);
             let mut list = vec![curves.nodes[&edge.ends[0]]];
-            for k in 1..PIECES {
-                let s = f64::from(k) / f64::from(PIECES);
-                list.push(curves.points.push(edge.point(s).into_iter().chain(edge.raised(raised))));
+            for k in 1..edge.pieces {
+                let s = f64::from(k) / pieces;
+                list.push(curves.points.push(edge.point(s).into_iter().chain(edge.across(raised))));
                 let end = edge.ends[usize::from(s > 0.5)];
                 let share = 1.0 - (1.0 - 2.0 * s).abs();
-                curves.homes.push(if share == 1.0 { vec![(edge.middle, 1.0)] } else { vec![(end, 1.0 - share), (edge.middle, share)] });
+                curves.homes.push([(edge.middle, share), (end, 1.0 - share)].into_iter().filter(|(_, share)| *share > 0.0));
             }
             list.push(curves.nodes[&edge.ends[1]]);
-            curves.nodes.insert(edge.middle, list[PIECES as usize / 2]);
+            curves.nodes.insert(edge.middle, list[list.len() / 2]);
             curves.edges.insert(edge.middle, list);
         }
         curves
@@ -277,11 +302,10 @@ impl Curves {
 
     /// The facets between points in place of those between nodes.
     fn fine(&self, facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
-        let half = PIECES as usize / 2;
         let pieces = |&[from, to]: &[u32; 2]| -> Vec<[u32; 2]> {
             let points = match (self.edges.get(&from), self.edges.get(&to)) {
-                (_, Some(points)) => &points[..=half],
-                (Some(points), None) => &points[half..],
+                (_, Some(points)) => &points[..=points.len() / 2],
+                (Some(points), None) => &points[points.len() / 2..],
                 (None, None) => return vec![[self.nodes[&from], self.nodes[&to]]],
             };
             points.windows(2).map(|ends| [ends[0], ends[1]]).collect()
@@ -303,12 +327,82 @@ impl Curves {
                 made.push([(row as u32, 1.0)]);
                 continue;
             };
-            made.push(self.homes[point as usize].iter().map(|&(node, share)| {
+            made.push(self.homes.parts(point as usize).iter().map(|&(node, share)| {
                 let index = sides.secondary.index(node).unwrap_or(0);
                 let share = if rows == RowsOf::Nodes { sides.weights[index] / weight } else { share };
                 ((stride * index + row % stride) as u32, share)
             }));
         }
         made
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Shoelace area under a chain of facets, and its derivative with respect to the points.
+    fn area(facets: &[[u32; 2]], y: &[f64]) -> (f64, Vec<f64>) {
+        let (mut sum, mut slope) = (0.0, vec![0.0; y.len()]);
+        for facet in facets {
+            let [a, b] = facet.map(|point| 2 * point as usize);
+            sum += 0.5 * (y[a] * y[b + 1] - y[a + 1] * y[b]);
+            slope[a] += 0.5 * y[b + 1];
+            slope[a + 1] -= 0.5 * y[b];
+            slope[b] -= 0.5 * y[a + 1];
+            slope[b + 1] += 0.5 * y[a];
+        }
+        (sum, slope)
+    }
+
+    /// A chain of edges through these nodes, ends and middles in turn.
+    fn chain(nodes: u32) -> (Middles, Vec<[u32; 2]>) {
+        let edges = (0..nodes / 2).map(|k| [2 * k, (2 * k + 2) % nodes.next_multiple_of(2), 2 * k + 1]);
+        (Middles::new(edges.clone()), edges.flat_map(|[a, b, m]| [[a, m], [m, b]]).collect())
+    }
+
+    /// Closed form: the consistent forces of a straight quadratic edge of length l with its middle off by s are l/6 + 2/3 s, 2/3 l and
+    /// l/6 - 2/3 s.
+    #[test]
+    fn a_constant_pressure_is_exact_on_straight_edges_with_uneven_middles() {
+        let x = [0.0, 0.6, 1.0, 1.4, 2.5, 3.2, 4.4];
+        let q: Vec<f64> = x.into_iter().flat_map(|x| [x, 0.5 * x]).collect();
+        let (middles, facets) = chain(7);
+        let seen = middles.seen([&facets, &[]], &q, RowsOf::Facets);
+        let (_, slope) = area(&seen.secondary, &seen.reference);
+        let (curves, ..) = seen.on_curves.expect("its edges are of second order");
+        let mut forces = vec![0.0; q.len()];
+        curves.points.add_vectors_back(&slope, &mut forces);
+        let mut expected = [0.0; 7];
+        for k in [0, 2, 4] {
+            let (l, s) = (x[k + 2] - x[k], x[k + 1] - 0.5 * (x[k] + x[k + 2]));
+            [l / 6.0 + 2.0 / 3.0 * s, 2.0 / 3.0 * l, l / 6.0 - 2.0 / 3.0 * s].iter().enumerate().for_each(|(i, f)| expected[k + i] += f);
+        }
+        // The ends of the chain have terms of their own in the area.
+        for k in 1..6 {
+            assert!((forces[2 * k + 1] + expected[k]).abs() < 1e-15, "{k}: {} {}", forces[2 * k + 1], expected[k]);
+            assert!((forces[2 * k] - 0.5 * expected[k]).abs() < 1e-15);
+        }
+        let lengths = middles.lengths(&facets, &q).expect("of second order");
+        lengths.iter().zip(expected).for_each(|(length, expected)| assert!((length - expected * 1.25f64.sqrt()).abs() < 1e-15));
+    }
+
+    #[test]
+    fn rings_hold_the_area_of_their_circle() {
+        let q: Vec<f64> = (0..24).flat_map(|k| <[f64; 2]>::from((std::f64::consts::TAU * f64::from(k) / 24.0).sin_cos())).rev().collect();
+        let (middles, facets) = chain(24);
+        let seen = middles.seen([&facets, &[]], &q, RowsOf::Facets);
+        let (sum, _) = area(&seen.secondary, &seen.reference);
+        // Parabolas alone hold 2e-4 less; what is left is of sixth order in the angle.
+        assert!((sum.abs() / std::f64::consts::PI - 1.0).abs() < 2e-5, "{sum}");
+        assert_eq!(seen.secondary.len(), 48);
+    }
+
+    #[test]
+    fn facets_between_corners_stay_as_they_are() {
+        let q = [0.0, 0.0, 1.0, 0.0, 1.0, 1.0];
+        let facets = [[0, 1], [1, 2]];
+        let seen = Middles::default().seen([&facets, &[]], &q, RowsOf::Facets);
+        assert!(seen.on_curves.is_none() && *seen.secondary == facets && *seen.reference == q);
     }
 }

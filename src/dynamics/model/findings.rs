@@ -5,7 +5,7 @@
 use super::boundaries::{boundary_facets, facets_of_all, tie_reach};
 use super::definitions::Model;
 use super::interactions::{BodyBoundary, Interaction, Partner};
-use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces};
+use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces, interlocking};
 
 impl Model {
     /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; empty for a
@@ -28,6 +28,15 @@ impl Model {
             let side = |k: usize| NamedSurface { name: &names[k], surface: &surfaces[k] };
             check_surfaces(side(0), side(1), &reference)
         };
+        let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.kind.is_quadratic();
+        let locked = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
+            let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
+            let found = primary.into_iter().filter_map(|on| {
+                let of = interlocking(&Surface::new(&facets(secondary)), &Surface::new(&facets(on)), &reference)?;
+                Some(Finding::Interlocking { secondary: self.boundary_name(secondary), primary: self.boundary_name(on), of })
+            });
+            found.collect()
+        };
         let mut findings: Vec<(String, Finding)> = Vec::new();
         let mut add = |name: &String, found: Vec<Finding>| findings.extend(found.into_iter().map(|finding| (name.clone(), finding)));
         for Interaction { name, secondary, partner, .. } in &self.interactions {
@@ -37,6 +46,9 @@ impl Model {
                 Partner::Tied { to, .. } => std::slice::from_ref(to),
             };
             add(name, check(secondary, primary));
+            if let Partner::Surfaces(primary) = partner {
+                add(name, locked(secondary, primary));
+            }
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
             let reach = reach.unwrap_or_else(|| tie_reach(&secondary, &reference));
