@@ -1,8 +1,8 @@
 //! A contact method on points that are linear combinations of the model's nodes, as the solver of a step sees it: on the nodes.
 //!
-//! With the points `y = P q` and the method's multipliers `lambda' = S lambda`, its functions `Phi'(y)` become `Phi(q) = S^T Phi'(P q)`, its
-//! gradients `S^T G' P` and its tangent `P^T K' P`. A discrete gradient stays one: `G (q_1 - q_0) = S^T G' (y_1 - y_0)`. The shares of a
-//! point sum to one, so points move with rigid motions, and momenta are kept as without.
+//! With the points `y = P q` and the method's multipliers `lambda' = S lambda`, its functions `Phi'(y)` become `Phi(q) = S^T Phi'(P q)`,
+//! its gradients `S^T G' P` and its tangent `P^T K' P`. A discrete gradient stays one: `G (q_1 - q_0) = S^T G' (y_1 - y_0)`. The shares of
+//! a point sum to one, so points move with rigid motions, and momenta are kept as without.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};

@@ -1,8 +1,8 @@
 //! Contact of edges of second order: each is a few straight facets between points that are linear combinations of its nodes.
 //!
 //! A polygon through points of a curve lies inside it, and a polygon with some of its vertices raised has teeth that hold what should
-//! slide. So *all* points are raised alike. With the middle's offset `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` from the chord (`tau` the
-//! share by which the middle lies off the chord's middle in the reference positions), an edge of `N` facets has its points at
+//! slide. So *all* points are raised alike. With the middle's offset `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` from the chord (`tau`
+//! the share by which the middle lies off the chord's middle in the reference positions), an edge of `N` facets has its points at
 //!
 //! ```text
 //! inner point, s = k/N     y = x(s) + r d,        x(s) = (1-s) x_a + s x_b + 4 s (1-s) (x_m - (x_a + x_b)/2)
