@@ -5,6 +5,7 @@
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use super::interlocking::Interlocking;
 use super::surface::Surface;
 
 /// Ratio of mean facet lengths, secondary over primary, above which the secondary surface is called too coarse.
@@ -67,6 +68,15 @@ pub enum Finding {
         /// Mean facet length of the primary surface `[length]`.
         primary_size: f64,
     },
+    /// Polygons on curves that fit are pressed into each other by much less than their facets' sagitta.
+    Interlocking {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+        /// The press fit and the sagitta.
+        of: Interlocking,
+    },
     /// Secondary nodes of a tie that nothing lies opposite to.
     Untied {
         /// Name of the tie.
@@ -111,6 +121,11 @@ impl std::fmt::Display for Finding {
                  against {primary_size:.3e})",
                 secondary_size / primary_size
             ),
+            Finding::Interlocking { secondary, primary, of: Interlocking { interference, sagitta } } => write!(
+                out,
+                "\"{secondary}\" and \"{primary}\" are polygons whose corners hold each other: they are pressed into each other by \
+                 {interference:.3e}, and their facets stand off the curve by {sagitta:.3e}"
+            ),
             Finding::Untied { tie, nodes, of, reach } => {
                 write!(out, "{nodes} of {of} nodes of tie \"{tie}\" have nothing opposite within its reach of {reach:.3e}")
             }
@@ -134,6 +149,10 @@ impl Finding {
             Finding::FacingAway { .. } => "name the boundaries that can touch: each on the side of the other body".into(),
             Finding::CoarseSecondary { secondary, primary, .. } => {
                 format!("make \"{primary}\" the secondary surface, or refine \"{secondary}\": the finer side carries the multipliers")
+            }
+            Finding::Interlocking { .. } => {
+                "use cells of second order, whose contact follows the curve, or more facets: half as long stand off a quarter as much"
+                    .into()
             }
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),
         }

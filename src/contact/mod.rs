@@ -12,17 +12,20 @@
 mod averaged;
 mod chain;
 mod checks;
+mod combinations;
 #[cfg(test)]
 mod contract;
 mod depth;
 #[cfg(test)]
 mod fixtures;
+mod interlocking;
 mod kernel;
 mod method;
 mod methods;
 mod mortar;
 mod node_patch;
 mod node_to_segment;
+mod on_curves;
 mod pair;
 mod patches;
 mod quadratic;
@@ -36,13 +39,14 @@ mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces};
+pub use interlocking::{Interlocking, interlocking};
 pub use kernel::{ContactKernel, Correction};
 pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};
 pub use node_to_segment::{NODE_TO_SEGMENT, NodeToSegment};
 pub use patches::{Evaluation, Patches};
-pub use quadratic::Middles;
+pub use quadratic::{Middles, RowsOf, Seen};
 pub use rigid::{Obstacle, RigidContact};
 pub use rigid_corners::RigidCorners;
 pub use search::{Candidates, PairSearch};

@@ -270,6 +270,12 @@ impl RigidContact {
         RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], start }
     }
 
+    /// With other lengths that belong to the nodes, in ascending order of these `[length]`.
+    pub fn with_weights(mut self, weights: Vec<f64>) -> Self {
+        self.sides.weights = weights;
+        self
+    }
+
     /// Position of the node of that row in the frame of the obstacle when it is displaced by `translation`.
     fn position(&self, row: usize, q: &[f64], translation: [f64; 2]) -> [f64; 2] {
         let node = 2 * self.sides.secondary.nodes()[row] as usize;

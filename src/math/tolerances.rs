@@ -197,6 +197,10 @@ pub const SAME_PLACE: f64 = 1e-9;
 /// generator leave.
 pub const PLANE: f64 = 1e-12;
 
+/// Offset of the middle of an edge of second order from its chord, relative to the chord, below which the edge is straight: round-off of
+/// meshes that are read from files with few digits, and no curve that anything could slide on.
+pub const STRAIGHT: f64 = 1e-7;
+
 /// Range of the values of a plot or a picture, relative to their size, below which they are shown as one constant: their differences are
 /// round-off, and a scale stretched over them would show noise.
 pub const FLAT: f64 = 1e-9;

@@ -6,7 +6,7 @@ use super::boundaries::{boundary_facets, facets_of_all, tie_reach};
 use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
-use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces};
+use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces, interlocking};
 
 impl Model {
     /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; empty for a
@@ -29,6 +29,15 @@ impl Model {
             let side = |k: usize| NamedSurface { name: &names[k], surface: &surfaces[k] };
             check_surfaces(side(0), side(1), &reference)
         };
+        let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.kind.is_quadratic();
+        let locked = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
+            let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
+            let found = primary.into_iter().filter_map(|on| {
+                let of = interlocking(&Surface::new(&facets(secondary)), &Surface::new(&facets(on)), &reference)?;
+                Some(Finding::Interlocking { secondary: self.boundary_name(secondary), primary: self.boundary_name(on), of })
+            });
+            found.collect()
+        };
         let mut findings: Vec<(String, Finding)> = Vec::new();
         let mut add = |name: &String, found: Vec<Finding>| findings.extend(found.into_iter().map(|finding| (name.clone(), finding)));
         for (index, Interaction { name, secondary, partner, .. }) in self.interactions.iter().enumerate() {
@@ -43,6 +52,9 @@ impl Model {
                 found.retain(|finding| !finding.is_behind());
             }
             add(name, found);
+            if let Partner::Surfaces(primary) = partner {
+                add(name, locked(secondary, primary));
+            }
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
             let reach = reach.unwrap_or_else(|| tie_reach(&secondary, &reference));

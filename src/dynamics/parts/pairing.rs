@@ -1,7 +1,7 @@
 //! Makes the contact pairs of a model: its contacts, obstacles and ties, then the corners that belong to them.
 
 use super::contact_pair::{ContactPair, CornersOf, Hold, PairKind};
-use crate::contact::{ContactKernel, Middles, NodeToSegment, RigidContact, RigidCorners, Tie};
+use crate::contact::{ContactKernel, Middles, NodeToSegment, RigidContact, RigidCorners, RowsOf, Tie};
 use crate::dynamics::model::boundaries::{facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
@@ -15,8 +15,7 @@ pub fn contact_pairs(
     middles: &Middles,
     reference: &[f64],
 ) -> Vec<ContactPair> {
-    let seen = middles.seen(reference);
-    let made = Pairing { model, facets: &facets, middles, reference: &seen, reach: largest_size(reference) };
+    let made = Pairing { model, facets: &facets, middles, reference, reach: largest_size(reference) };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     pairs.extend(corners);
@@ -35,7 +34,7 @@ struct Pairing<'a> {
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
     /// Middle nodes of edges of second order.
     middles: &'a Middles,
-    /// Positions at rest as contact sees them.
+    /// Positions at rest.
     reference: &'a [f64],
     /// Their largest coordinate.
     reach: f64,
@@ -43,7 +42,7 @@ struct Pairing<'a> {
 
 impl Pairing<'_> {
     fn pair(&self, name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
-        let (kernel, modulus) = (self.middles.under(kernel), self.model.bodies[body].material.youngs_modulus());
+        let modulus = self.model.bodies[body].material.youngs_modulus();
         let mut pair = ContactPair::new(name, kind, kernel, modulus, self.reach);
         pair.is_round = self.model.is_axisymmetric();
         pair
@@ -59,19 +58,29 @@ impl Pairing<'_> {
         let facets = (self.facets)(secondary);
         let mut pair = match partner {
             Partner::Surfaces(_) | Partner::Itself => {
-                let kernel = (interaction.method.kernel)(&facets, &facets_of_all(interaction.primary(), self.facets), self.reference);
-                self.pair(name, PairKind::Surfaces, secondary.body, kernel)
+                let others = facets_of_all(interaction.primary(), self.facets);
+                let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
+                let seen = self.middles.seen([&facets, &others], self.reference, rows);
+                let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
+                self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion } => {
-                let kernel = Box::new(RigidContact::new(&facets, shape, self.reference));
-                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, kernel);
+                let kernel = RigidContact::new(&facets, shape, self.reference);
+                // Nodes are seen where they are.
+                let kernel = match self.middles.lengths(&facets, self.reference) {
+                    Some(lengths) => kernel.with_weights(lengths),
+                    None => kernel,
+                };
+                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, Box::new(kernel));
                 pair.motion = motion.clone();
                 pair
             }
             Partner::Tied { to, reach } => {
                 let reach = reach.unwrap_or_else(|| tie_reach(&facets, self.reference));
-                let kernel = Box::new(Tie::new(&facets, &(self.facets)(to), self.reference, reach));
-                return self.pair(name, PairKind::Tie, secondary.body, kernel);
+                let others = (self.facets)(to);
+                let seen = self.middles.seen([&facets, &others], self.reference, RowsOf::Facets);
+                let tie = Tie::new(&seen.secondary, &seen.primary, &seen.reference, reach);
+                return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie)));
             }
         };
         (pair.update, pair.equality) = (interaction.update, interaction.equality);
@@ -88,8 +97,7 @@ impl Pairing<'_> {
         let has_corners = |of: usize| !pairs[of].equality && pairs[of].has_multipliers();
         let size = |of: usize| pairs[of].kernel.facet_size();
         let mut corners = Vec::new();
-        let mut add = |of: usize, kind: PairKind, body: usize, slack: f64, kernel: Option<Box<dyn ContactKernel>>| {
-            let Some(kernel) = kernel else { return };
+        let mut add = |of: usize, kind: PairKind, body: usize, slack: f64, kernel: Box<dyn ContactKernel>| {
             let owner = &pairs[of];
             let factor = match owner.hold {
                 Hold::Augmented { factor } => factor,
@@ -104,20 +112,18 @@ impl Pairing<'_> {
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
             if let Partner::Obstacle { shape, .. } = &interaction.partner {
                 let facets = (self.facets)(&interaction.secondary);
-                let kernel = RigidCorners::new(&facets, shape, self.reference, size(of));
-                let slack = RigidCorners::slack(shape, size(of));
-                add(
-                    of,
-                    PairKind::Obstacle,
-                    interaction.secondary.body,
-                    slack,
-                    kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>),
-                );
+                let seen = self.middles.seen([&facets, &[]], self.reference, RowsOf::Facets);
+                if let Some(kernel) = RigidCorners::new(&seen.secondary, shape, &seen.reference, size(of)) {
+                    let slack = RigidCorners::slack(shape, size(of));
+                    add(of, PairKind::Obstacle, interaction.secondary.body, slack, seen.on_nodes(Box::new(kernel)));
+                }
             }
             for (on, against) in cornered(interaction) {
-                let [on_facets, against] = [on, against].map(|side| facets_of_all(side, self.facets));
-                let kernel = NodeToSegment::of_corners(&on_facets, &against, self.reference, size(of));
-                add(of, PairKind::Surfaces, on[0].body, 1.0, kernel.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
+                let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
+                let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes);
+                if let Some(kernel) = NodeToSegment::of_corners(&seen.secondary, &seen.primary, &seen.reference, size(of)) {
+                    add(of, PairKind::Surfaces, on[0].body, 1.0, seen.on_nodes(Box::new(kernel)));
+                }
             }
         }
         corners

@@ -1,0 +1,113 @@
+//! Linear combinations of numbers or of points: what a list of entries is made of, forth and, transposed, back.
+
+/// Entries that are each a combination of some of another list, `y_i = sum_k a_ik x_k`.
+#[derive(Clone, Debug)]
+pub(super) struct Combinations {
+    parts: Vec<(u32, f64)>,
+    starts: Vec<usize>,
+}
+
+impl Default for Combinations {
+    fn default() -> Self {
+        Combinations { parts: Vec::new(), starts: vec![0] }
+    }
+}
+
+impl Combinations {
+    /// Appends an entry and returns its number.
+    pub fn push(&mut self, parts: impl IntoIterator<Item = (u32, f64)>) -> u32 {
+        let first = self.starts[self.len()];
+        for (index, share) in parts {
+            match self.parts[first..].iter_mut().find(|(known, _)| *known == index) {
+                Some((_, sum)) => *sum += share,
+                None => self.parts.push((index, share)),
+            }
+        }
+        self.starts.push(self.parts.len());
+        self.len() as u32 - 1
+    }
+
+    /// Removes all entries.
+    pub fn clear(&mut self) {
+        self.parts.clear();
+        self.starts.truncate(1);
+    }
+
+    /// Number of entries.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// What an entry is made of: numbers in the other list with their shares.
+    pub fn parts(&self, entry: usize) -> &[(u32, f64)] {
+        &self.parts[self.starts[entry]..self.starts[entry + 1]]
+    }
+
+    /// The entries for numbers `x`.
+    pub fn values_into(&self, x: &[f64], y: &mut Vec<f64>) {
+        y.clear();
+        y.extend((0..self.len()).map(|entry| self.parts(entry).iter().map(|&(k, share)| share * x[k as usize]).sum::<f64>()));
+    }
+
+    /// The entries for points of the plane, `x` and `y` component by component.
+    pub fn points_into(&self, x: &[f64], y: &mut Vec<f64>) {
+        y.clear();
+        for entry in 0..self.len() {
+            let mut sum = [0.0; 2];
+            for &(k, share) in self.parts(entry) {
+                (0..2).for_each(|i| sum[i] += share * x[2 * k as usize + i]);
+            }
+            y.extend(sum);
+        }
+    }
+
+    /// The entries for points of the plane.
+    pub fn points(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = Vec::with_capacity(2 * self.len());
+        self.points_into(x, &mut y);
+        y
+    }
+
+    /// Bounds of the entries where those of the other list are known.
+    pub fn bounds(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.len()).map(|entry| self.parts(entry).iter().map(|&(k, share)| share.abs() * x[k as usize]).sum()).collect()
+    }
+
+    /// Adds what belongs to the entries to what they are made of, `x_k += sum_i a_ik y_i`, for numbers.
+    pub fn add_values_back(&self, y: &[f64], x: &mut [f64]) {
+        for (entry, value) in y.iter().enumerate() {
+            self.parts(entry).iter().for_each(|&(k, share)| x[k as usize] += share * value);
+        }
+    }
+
+    /// The same for vectors of the plane.
+    pub fn add_vectors_back(&self, y: &[f64], x: &mut [f64]) {
+        for (entry, value) in y.chunks_exact(2).enumerate() {
+            for &(k, share) in self.parts(entry) {
+                (0..2).for_each(|i| x[2 * k as usize + i] += share * value[i]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forth_and_back_are_transposed() {
+        let mut made = Combinations::default();
+        assert_eq!((made.push([(0, 0.25), (2, 0.5), (0, 0.25)]), made.push([(1, -1.0)])), (0, 1));
+        assert_eq!(made.parts(0), [(0, 0.5), (2, 0.5)]);
+        let mut values = Vec::new();
+        made.values_into(&[1.0, 2.0, 4.0], &mut values);
+        assert_eq!(values, [2.5, -2.0]);
+        assert_eq!(made.points(&[1.0, 0.0, 2.0, 0.0, 4.0, 8.0]), [2.5, 4.0, -2.0, 0.0]);
+        assert_eq!(made.bounds(&[1.0, 2.0, 4.0]), [2.5, 2.0]);
+        let (mut numbers, mut vectors) = ([0.0; 3], [0.0; 6]);
+        made.add_values_back(&[2.0, 3.0], &mut numbers);
+        made.add_vectors_back(&[2.0, 0.0, 0.0, 3.0], &mut vectors);
+        assert_eq!(numbers, [1.0, -3.0, 1.0]);
+        assert_eq!(vectors, [1.0, 0.0, 0.0, -3.0, 1.0, 0.0]);
+    }
+}

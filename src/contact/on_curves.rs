@@ -1,0 +1,330 @@
+//! A contact method on points that are linear combinations of the model's nodes, as the solver of a step sees it: on the nodes.
+//!
+//! With the points `y = P q` and the method's multipliers `lambda' = S lambda`, its functions `Phi'(y)` become `Phi(q) = S^T Phi'(P q)`,
+//! its gradients `S^T G' P` and its tangent `P^T K' P`. A discrete gradient stays one: `G (q_1 - q_0) = S^T G' (y_1 - y_0)`. The shares of
+//! a point sum to one, so points move with rigid motions, and momenta are kept as without.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, PoisonError};
+
+use super::combinations::Combinations;
+use super::kernel::{ContactKernel, Correction};
+use super::patches::{Evaluation, Patches};
+use super::search::{Candidates, PairSearch};
+use super::surface::Sides;
+use super::window::{Outlook, Travel};
+use crate::integrators::Derivative;
+
+/// A contact method on points.
+pub(super) struct OnCurves {
+    /// The method; its nodes are the points.
+    inner: Box<dyn ContactKernel>,
+    /// Its surfaces between nodes of the model, with patches that couple those.
+    sides: Sides,
+    /// `P`.
+    points: Combinations,
+    /// `S`.
+    rows: Combinations,
+    row_nodes: Vec<u32>,
+    /// The nodes that points belong to: patches of the method that belong to the same ones are a single patch here.
+    homes: Combinations,
+    /// Patches of the method in each patch here.
+    members: Vec<Vec<Member>>,
+    /// Of which nodes of the patch here each node of a member is made, and the same of its rows.
+    patch_nodes: Combinations,
+    patch_rows: Combinations,
+    scratch: Mutex<Scratch>,
+}
+
+/// A patch of the method in one of those here.
+#[derive(Clone, Copy)]
+struct Member {
+    patch: usize,
+    /// Its first node among [`OnCurves::patch_nodes`], its first row among [`OnCurves::patch_rows`].
+    node: usize,
+    row: usize,
+}
+
+/// What an evaluation needs, used again.
+#[derive(Default)]
+struct Scratch {
+    inner: Evaluation,
+    seen: Vec<f64>,
+    lambda: Vec<f64>,
+    /// A tangent whose columns alone belong to nodes.
+    half: Vec<f64>,
+}
+
+impl OnCurves {
+    /// A method on `points`, whose rows are made of those of the nodes by `rows`, while points belong to nodes as by `homes`; `sides` are
+    /// its surfaces between the nodes.
+    pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3]) -> Self {
+        let mut weights = vec![0.0; if inner.row_nodes().is_empty() { inner.rows() } else { inner.rows_per_node() * sides.weights.len() }];
+        rows.add_values_back(inner.weights(), &mut weights);
+        let row_nodes = if inner.row_nodes().is_empty() { Vec::new() } else { sides.secondary.nodes().to_vec() };
+        let mut curved = OnCurves {
+            inner,
+            sides: Sides { weights, ..sides },
+            points,
+            rows,
+            row_nodes,
+            homes,
+            members: Vec::new(),
+            patch_nodes: Combinations::default(),
+            patch_rows: Combinations::default(),
+            scratch: Mutex::default(),
+        };
+        curved.list();
+        curved
+    }
+
+    /// Makes patches of the method's.
+    fn list(&mut self) {
+        let inner = self.inner.patches();
+        let mut places = BTreeMap::new();
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for p in 0..inner.len() {
+            let homes = inner.nodes(p).iter().flat_map(|&point| self.homes.parts(point as usize)).map(|(node, _)| *node);
+            let homes: BTreeSet<u32> =
+                homes.chain(inner.rows(p).iter().flat_map(|&row| self.rows.parts(row as usize)).map(|(row, _)| *row)).collect();
+            let group = *places.entry(homes).or_insert(groups.len());
+            if group == groups.len() {
+                groups.push(Vec::new());
+            }
+            groups[group].push(p);
+        }
+        self.sides.patches = Patches::new(inner.dimension());
+        self.patch_nodes.clear();
+        self.patch_rows.clear();
+        self.members.clear();
+        let (mut nodes, mut rows) = (Vec::new(), Vec::new());
+        for group in groups {
+            nodes.clear();
+            rows.clear();
+            let member = |patch: usize| {
+                let member = Member { patch, node: self.patch_nodes.len(), row: self.patch_rows.len() };
+                for (of, own, made, list) in [
+                    (inner.nodes(patch), &self.points, &mut self.patch_nodes, &mut nodes),
+                    (inner.rows(patch), &self.rows, &mut self.patch_rows, &mut rows),
+                ] {
+                    for &entry in of {
+                        made.push(own.parts(entry as usize).iter().map(|&(k, share)| (place(list, k), share)));
+                    }
+                }
+                member
+            };
+            let members = group.into_iter().map(member).collect();
+            self.members.push(members);
+            self.sides.patches.push(&nodes, &rows);
+        }
+    }
+
+    /// The sums of the rows here.
+    fn gathered(&self, values: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.sides.weights.len()];
+        self.rows.add_values_back(values, &mut sums);
+        sums
+    }
+
+    /// Covered shares of the rows here, into `sums`.
+    fn cover(&self, coverage: &[f64], sums: &mut [f64]) {
+        for (entry, (share, weight)) in coverage.iter().zip(self.inner.weights()).enumerate().filter(|(_, (share, _))| **share != 0.0) {
+            for &(row, part) in self.rows.parts(entry) {
+                sums[row as usize] += part * weight * share / self.sides.weights[row as usize];
+            }
+        }
+    }
+
+    /// Adds the gradient blocks of a member to those of its patch.
+    fn gradients_into(&self, p: usize, Member { patch, node, row }: Member, from: &[f64], to: &mut [f64]) {
+        let patches = self.inner.patches();
+        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
+        let (from, to) = (&from[patches.gradient_range(patch)], &mut to[self.sides.patches.gradient_range(p)]);
+        for (entry, from) in from.chunks_exact(few).enumerate() {
+            for &(row, by) in self.patch_rows.parts(row + entry) {
+                let to = &mut to[row as usize * many..(row as usize + 1) * many];
+                for (entry, g) in from.chunks_exact(2).enumerate() {
+                    for &(place, share) in self.patch_nodes.parts(node + entry) {
+                        (0..2).for_each(|i| to[2 * place as usize + i] += by * share * g[i]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the tangent block of a member to that of its patch.
+    fn tangent_into(&self, p: usize, Member { patch, node, .. }: Member, from: &[f64], half: &mut Vec<f64>, to: &mut [f64]) {
+        let patches = self.inner.patches();
+        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
+        half.clear();
+        half.resize(few * many, 0.0);
+        for (half, from) in half.chunks_exact_mut(many).zip(from[patches.tangent_range(patch)].chunks_exact(few)) {
+            for (entry, k) in from.chunks_exact(2).enumerate() {
+                for &(place, share) in self.patch_nodes.parts(node + entry) {
+                    (0..2).for_each(|i| half[2 * place as usize + i] += share * k[i]);
+                }
+            }
+        }
+        let to = &mut to[self.sides.patches.tangent_range(p)];
+        for (entry, rows) in half.chunks_exact(2 * many).enumerate() {
+            for &(place, share) in self.patch_nodes.parts(node + entry) {
+                let to = &mut to[2 * place as usize * many..2 * (place as usize + 1) * many];
+                to.iter_mut().zip(rows).for_each(|(to, from)| *to += share * from);
+            }
+        }
+    }
+}
+
+/// The place of an item in a list, at whose end it is put if it is not there.
+fn place(list: &mut Vec<u32>, item: u32) -> u32 {
+    let known = list.iter().position(|&other| other == item);
+    known.unwrap_or_else(|| {
+        list.push(item);
+        list.len() - 1
+    }) as u32
+}
+
+/// What happens in a step, as it is seen at points.
+fn with_seen<T>(points: &Combinations, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
+    let q = points.points(outlook.q);
+    match outlook.travel {
+        Travel::UpTo(_) => then(&Outlook { q: &q, ..*outlook }),
+        Travel::Each { sizes, besides } => {
+            let sizes = points.bounds(sizes);
+            then(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
+        }
+        Travel::Guessed { displacements, factor } => {
+            let [a, b] = displacements.map(|u| points.points(u));
+            then(&Outlook { q: &q, travel: Travel::Guessed { displacements: [&a, &b], factor }, ..*outlook })
+        }
+    }
+}
+
+impl ContactKernel for OnCurves {
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn rows_per_node(&self) -> usize {
+        self.inner.rows_per_node()
+    }
+
+    fn is_nodal(&self) -> bool {
+        self.inner.is_nodal()
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        &self.row_nodes
+    }
+
+    fn owns(&self, p: usize, node: u32) -> bool {
+        self.members[p].iter().any(|member| {
+            let mut owners = self.inner.patches().nodes(member.patch).iter().filter(|&&owner| self.inner.owns(member.patch, owner));
+            owners.any(|&owner| self.points.parts(owner as usize).iter().any(|&(part, _)| part == node))
+        })
+    }
+
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let changed = with_seen(&self.points, outlook, |outlook| self.inner.update_candidates(outlook));
+        if changed {
+            self.list();
+        }
+        changed
+    }
+
+    fn margin(&self, outlook: &Outlook) -> f64 {
+        with_seen(&self.points, outlook, |outlook| self.inner.margin(outlook))
+    }
+
+    fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        self.inner.overlooks(&self.points.points(q_0), &self.points.points(q_1), tolerance)
+    }
+
+    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
+        let mut parts = |point: u32| self.points.parts(point as usize).iter().for_each(|&(node, _)| tell(node));
+        self.members[p].iter().for_each(|member| self.inner.for_each_participant(member.patch, &mut parts));
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        self.inner.candidates()
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.inner.restore_candidates(candidates, &self.points.points(q));
+        self.list();
+    }
+
+    fn search(&self) -> Option<&PairSearch> {
+        self.inner.search()
+    }
+
+    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
+        self.inner.move_obstacle(translations);
+    }
+
+    fn obstacle_translation(&self) -> [f64; 2] {
+        self.inner.obstacle_translation()
+    }
+
+    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
+        self.inner.passage(&self.points.points(q_1))
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        self.inner.begin_step(&self.points.points(q_0));
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        self.gathered(&self.inner.start_gap())
+    }
+
+    fn set_correction(&mut self, correction: Correction) {
+        self.inner.set_correction(correction);
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let Scratch { inner, seen, lambda: pressing, half } = &mut *scratch;
+        self.points.points_into(q_1, seen);
+        self.rows.values_into(lambda, pressing);
+        self.inner.evaluate(derivative, seen, pressing, inner);
+        let of = self.inner.patches();
+        out.prepare(&self.sides.patches, self.sides.weights.len());
+        self.rows.add_values_back(&inner.gap, &mut out.gap);
+        self.cover(&inner.coverage, &mut out.coverage);
+        for (p, members) in self.members.iter().enumerate() {
+            out.clear_patch(&self.sides.patches, p);
+            for &member in members.iter().filter(|member| inner.live[member.patch]) {
+                out.live[p] = true;
+                self.gradients_into(p, member, &inner.gradient_end, &mut out.gradient_end);
+                self.gradients_into(p, member, &inner.gradient_bar, &mut out.gradient_bar);
+                if of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0) {
+                    self.tangent_into(p, member, &inner.tangent, half, &mut out.tangent);
+                }
+            }
+        }
+    }
+
+    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+        let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; 2 * self.points.len()]];
+        self.rows.values_into(before, &mut pressed);
+        self.rows.values_into(lambda, &mut pressing);
+        let work = self.inner.obstacle_force_into(derivative, &self.points.points(q_1), &pressed, &pressing, &mut seen);
+        self.points.add_vectors_back(&seen, force);
+        work
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        self.gathered(&self.inner.gap(&self.points.points(q)))
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.inner.deepest(&self.points.points(q))
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.sides.weights.len()];
+        self.cover(&self.inner.coverage(&self.points.points(q)), &mut sums);
+        sums
+    }
+}
