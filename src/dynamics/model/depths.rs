@@ -1,8 +1,9 @@
 //! How deep the sides of contacts are inside the bodies, or the obstacles inside the sides, at any positions. In the plane only.
 //!
 //! A node of one side counts that is inside the body of the other side, by its distance from the nearest facet of that side that looks at
-//! it; so do corners of a rigid polyline inside a body. Beside the hull of another body, whatever way that looks there, nothing is deep. Unlike a contact's own gaps this looks however far, and through no body: a node in
-//! the free has no depth, wherever facets behind it may be.
+//! it; so do corners of a rigid polyline inside a body. Beside the hull of another body, whatever way that looks there, nothing is deep.
+//! Unlike a contact's own gaps this looks however far, and through no body: a node in the free has no depth, wherever facets behind it may
+//! be.
 
 use super::amplitude::Amplitude;
 use super::boundaries::{boundary_facets, facets_of_all};
@@ -139,7 +140,7 @@ impl Depths {
         found
     }
 
-    /// The deepest of some points inside the body of a side.
+    /// The deepest of some points inside the body of a side, of those that count; where room is asked for, clearly inside.
     fn deepest(
         &self,
         points: Vec<Point>,

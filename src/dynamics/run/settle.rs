@@ -50,8 +50,11 @@ const LESS_DAMPING: f64 = 0.1;
 const SHORTER: f64 = 0.25;
 const LONGER: f64 = 2.0;
 
+/// How far prescribed nodes are moved in a step, in facets, once all at once has led astray.
+const STRIDE: f64 = 0.5;
+
 /// Steps at most that close a part of an overlap or follow a part of a prescribed motion: they do not count among the others.
-const MAX_PARTS: usize = 1000;
+const MAX_PARTS: usize = 200;
 
 /// Growth of the search's reach after bodies moved beyond it.
 const WIDER: f64 = 3.0;
@@ -78,6 +81,8 @@ struct Progress {
     parts: usize,
     closing: Closing,
     share: f64,
+    /// How far prescribed nodes may go in a step.
+    stride: f64,
     /// Times that the present step was tried again.
     tries: usize,
     /// How much more damping than the forces ask for, and more motion than expected.
@@ -100,6 +105,8 @@ struct Present {
     /// Positions with prescribed motion, and how far that goes.
     predicted: Vec<f64>,
     prescribed: f64,
+    /// Whether that is all of the prescribed motion.
+    is_whole: bool,
     /// How deep the pairs take part.
     reaches: Vec<f64>,
     at: Linearization,
@@ -129,15 +136,25 @@ where
             state.row.time = time;
             state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
         }
-        self.settle_from_here()
+        let begun = self.state.clone();
+        match self.settle_from_here(f64::INFINITY) {
+            // What was moved at once has been pushed into the other side round a corner: in small parts it comes another way.
+            Err(StepError::StillOverlaps { .. }) if !self.system.supports.prescribed.is_empty() => {
+                self.state = begun;
+                self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
+                self.settle_from_here(STRIDE * self.shortest_facet())
+            }
+            outcome => outcome,
+        }
     }
 
-    fn settle_from_here(&mut self) -> Result<SettleReport, StepError> {
+    /// Equilibrium at the present time, prescribed nodes moved by no more than `stride` in a step `[length]`.
+    fn settle_from_here(&mut self, stride: f64) -> Result<SettleReport, StepError> {
         self.tries.clear();
         let iterations_before = self.statistics.newton_iterations;
         let balance = Balance::new(&self.system, &self.model);
         let begun = self.state.positions.clone();
-        let mut course = Progress::new(begun.len(), Closing::of(&self.model));
+        let mut course = Progress::new(begun.len(), Closing::of(&self.model), stride);
         let at = loop {
             let present = self.look(&balance, &course)?;
             if present.is_closed && present.imbalance.excess() <= 1.0 {
@@ -186,9 +203,13 @@ where
     fn look(&mut self, balance: &Balance, course: &Progress) -> Result<Present, StepError> {
         let positions = self.state.positions.clone();
         let (mut displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
-        for (prescribed, displacement) in self.system.supports.prescribed.iter().zip(&mut displacement) {
-            let now = positions[prescribed.unknown] - self.system.nodes.reference[prescribed.unknown];
-            *displacement = if course.share < 1.0 { now + course.share * (*displacement - now) } else { *displacement };
+        let prescribed = &self.system.supports.prescribed;
+        let now: Vec<f64> = prescribed.iter().map(|one| positions[one.unknown] - self.system.nodes.reference[one.unknown]).collect();
+        let farthest = displacement.iter().zip(&now).fold(0.0, |farthest: f64, (then, now)| farthest.max((then - now).abs()));
+        let is_whole = course.share == 1.0 && farthest <= course.stride;
+        if !is_whole {
+            let share = course.share.min(course.stride / farthest);
+            displacement.iter_mut().zip(&now).for_each(|(then, now)| *then = now + share * (*then - now));
         }
         let mut predicted = positions.clone();
         follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
@@ -207,7 +228,7 @@ where
         };
         let is_closed = prescribed == 0.0 && meets(&self.system, &at, &self.conditions_at_rest(&start));
         let imbalance = balance.judge(&self.system, &positions, &at.forces);
-        Ok(Present { positions, predicted, prescribed, reaches, at, imbalance, is_closed })
+        Ok(Present { positions, predicted, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
 
     /// Whether only round-off is left and a further step halved the imbalance neither of sums nor of nodes. That step is taken back, so
@@ -251,7 +272,7 @@ where
         let mut conditions = self.conditions_at_rest(&start);
         let closes_in_part = course.closing.limit(&self.system, positions, &mut conditions);
         let outcome = self.damped_step(&start, &predicted, &conditions);
-        let is_part = closes_in_part || (present.prescribed > 0.0 && course.share < 1.0);
+        let is_part = closes_in_part || (present.prescribed > 0.0 && !present.is_whole);
         let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
@@ -379,12 +400,13 @@ where
 }
 
 impl Progress {
-    fn new(unknowns: usize, closing: Closing) -> Self {
+    fn new(unknowns: usize, closing: Closing, stride: f64) -> Self {
         Progress {
             steps: 0,
             parts: 0,
             closing,
             share: 1.0,
+            stride,
             tries: 0,
             excess: 1.0,
             leeway: 1.0,
