@@ -1,12 +1,14 @@
 //! What a contact pair does at a configuration: nodal forces, their resultant, pressure, gap, area.
 //!
-//! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Pressures are forces over the present area, around an axis that
-//! of the circumference. A mortar method's multipliers are the nodal values of a linear field that presses where the surface is covered: at a
-//! node that is covered in part the field is continued to where nothing is, and its value there can be many times what presses. So the share
-//! that is not covered takes the mean of the field over the node's part of the contact instead, which is the nodal force over that of a
-//! unit pressure. Each patch of a kernel has an own side (the nodes of its
+//! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Each patch of a kernel has an own side (the nodes of its
 //! constraint rows) and another one on which the opposite forces act. So a surface in contact with itself is covered, too: each pair of
 //! its facets is taken once, and its force is that on the side that was taken as secondary.
+//!
+//! Pressures are forces over the present area, around an axis that of the circumference. A mortar method's multipliers are the nodal
+//! values of a linear field that presses where the surface is covered: at a node that is covered in part the field is continued to where
+//! nothing is, and its value there can be many times what presses. So the share that is not covered takes the mean of the field over the
+//! node's part of the contact instead, which is the nodal force over that of a unit pressure. Around an axis, the ends of a surface have
+//! no such unit with dual multipliers, and show up to half more than what presses.
 
 use super::fields::ContactFields;
 use super::ledger::ContactTotals;
@@ -125,8 +127,8 @@ fn areas(pair: &ContactPair, q: &[f64]) -> Vec<f64> {
     areas
 }
 
-/// Whether a mortar method's node touches the other side on the axis of bodies of revolution, where the circumference is nothing, and with it
-/// the multiplier, whatever presses.
+/// Whether a mortar method's node touches the other side on the axis of bodies of revolution, where the circumference is nothing, and
+/// with it the multiplier, whatever presses.
 fn is_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
     let Loaded { pair, evaluation, .. } = contact;
     let secondary = pair.kernel.secondary();
