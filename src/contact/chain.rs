@@ -369,8 +369,8 @@ mod tests {
         assert!((gap(-quarter, [-0.1, -0.3]) + 0.3).abs() < 1e-16);
     }
 
-    /// A dent of two facets that turn by a right angle, the chain going on flat on the right: a branch knows nothing of the other one, goes on
-    /// as a line beyond the vertex, and follows the chain at its far end.
+    /// A dent of two facets that turn by a right angle, the chain going on flat on the right: a branch knows nothing of the other one,
+    /// goes on as a line beyond the vertex, and follows the chain at its far end.
     #[test]
     fn a_branch_goes_on_as_a_line_beyond_its_vertex() {
         let chain = Chain::new(vec![[1, 2], [2, 3], [3, 4]]);

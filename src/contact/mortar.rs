@@ -91,9 +91,9 @@ impl Mortar {
         Mortar { dual: true, ..self }
     }
 
-    /// Shape functions of each pair's secondary facet in a step from `q_0`, from the pairs' overlaps: dual ones where the pairs that take part
-    /// cover a facet wholly, and something is opposite all of its neighbors, if only a facet away. Would these have to take part, the shape
-    /// functions, and with them the constraints that are closed, would change wherever two bodies roll on each other.
+    /// Shape functions of each pair's secondary facet in a step from `q_0`, from the pairs' overlaps: dual ones where the pairs that take
+    /// part cover a facet wholly, and something is opposite all of its neighbors, if only a facet away. Would these have to take part, the
+    /// shape functions, and with them the constraints that are closed, would change wherever two bodies roll on each other.
     fn shapes(&self, overlaps: &[Option<Overlap>], q_0: &[f64]) -> Vec<Shape> {
         let (pairs, secondary) = (self.search.candidates.pairs(), &self.sides.secondary);
         // Of each facet the share that is covered by pairs that take part, and by these and open ones.

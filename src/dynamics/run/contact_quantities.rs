@@ -3,6 +3,12 @@
 //! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Each patch of a kernel has an own side (the nodes of its
 //! constraint rows) and another one on which the opposite forces act. So a surface in contact with itself is covered, too: each pair of
 //! its facets is taken once, and its force is that on the side that was taken as secondary.
+//!
+//! Pressures are forces over the present area, around an axis that of the circumference. A mortar method's multipliers are the nodal
+//! values of a linear field that presses where the surface is covered: at a node that is covered in part the field is continued to where
+//! nothing is, and its value there can be many times what presses. So the share that is not covered takes the mean of the field over the
+//! node's part of the contact instead, which is the nodal force over that of a unit pressure. Around an axis, the ends of a surface have
+//! no such unit with dual multipliers, and show up to half more than what presses.
 
 use super::fields::ContactFields;
 use super::ledger::ContactTotals;
@@ -14,6 +20,8 @@ use crate::math::tolerances;
 pub struct ContactForces {
     /// On the secondary nodes, from the rows that each of them owns and from corners `[force]`.
     pub own: Vec<[f64; 3]>,
+    /// Mean pressure of the rows on the part of each secondary node that is covered `[stress]`.
+    mean: Vec<f64>,
     /// Sizes of what corners press on each secondary node `[force]`.
     pressed: Vec<f64>,
     /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`.
@@ -30,9 +38,10 @@ pub struct Loaded<'a> {
 }
 
 impl Loaded<'_> {
-    /// Tells the force of every row on every node of its patches: the node, whether it owns a row of the patch, the force.
-    fn for_each_force<const D: usize>(&self, mut tell: impl FnMut(u32, bool, [f64; 3])) {
-        let Loaded { pair, evaluation, lambda, .. } = self;
+    /// Tells the force of every row with its multiplier on every node of its patches: the node, whether it owns a row of the patch, the
+    /// force.
+    fn for_each_force<const D: usize>(&self, lambda: &[f64], mut tell: impl FnMut(u32, bool, [f64; 3])) {
+        let Loaded { pair, evaluation, .. } = self;
         for row in pair.live_rows(evaluation) {
             let factor = lambda[row.row - pair.rows.start];
             if factor == 0.0 {
@@ -48,21 +57,22 @@ impl Loaded<'_> {
     }
 }
 
-/// Forces of a contact and of its corners.
-pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded]) -> ContactForces {
+/// Forces of a contact and of its corners at the positions `q`.
+pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactForces {
     let secondary = contact.pair.kernel.secondary();
     let with_itself = secondary == contact.pair.kernel.primary();
     let count = secondary.nodes().len();
-    let mut forces = ContactForces { own: vec![[0.0; 3]; count], pressed: vec![0.0; count], all: Vec::new() };
-    contact.for_each_force::<D>(|node, own, force| {
+    let mut forces = ContactForces { own: vec![[0.0; 3]; count], mean: Vec::new(), pressed: vec![0.0; count], all: Vec::new() };
+    contact.for_each_force::<D>(contact.lambda, |node, own, force| {
         forces.all.push((node, force));
         if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| forces.own[index][i] += force[i]);
         }
     });
+    forces.mean = mean_pressures::<D>(contact, &forces.own, q);
     let mut more = vec![[0.0; 3]; count];
     for corners in corners {
-        corners.for_each_force::<D>(|node, own, force| {
+        corners.for_each_force::<D>(corners.lambda, |node, own, force| {
             forces.all.push((node, force));
             // On a surface that touches itself, the corner's side.
             if (!with_itself || own)
@@ -79,26 +89,89 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded]) -> Co
     forces
 }
 
+/// Nodal forces of a contact over those of a unit pressure, along these.
+fn mean_pressures<const D: usize>(contact: Loaded, forces: &[[f64; 3]], q: &[f64]) -> Vec<f64> {
+    let (pair, secondary) = (contact.pair, contact.pair.kernel.secondary());
+    let stride = pair.kernel.rows_per_node();
+    if stride != 1 || pair.kernel.is_nodal() || contact.lambda.iter().all(|lambda| *lambda == 0.0) {
+        return vec![0.0; forces.len()];
+    }
+    let unit: Vec<f64> = secondary.nodes().iter().map(|&node| pair.circumference(node, q)).collect();
+    let mut of_unit = vec![[0.0; 3]; forces.len()];
+    contact.for_each_force::<D>(&unit, |node, own, force| {
+        if own && let Some(index) = secondary.index(node) {
+            (0..D).for_each(|i| of_unit[index][i] += force[i]);
+        }
+    });
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let over = |(force, unit): (&[f64; 3], &[f64; 3])| if *unit == [0.0; 3] { 0.0 } else { dot(force, unit) / dot(unit, unit) };
+    forces.iter().zip(&of_unit).map(over).collect()
+}
+
 /// Sums over a contact at a configuration.
 pub fn totals<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactTotals {
-    let forces = contact_forces::<D>(contact, corners);
+    let forces = contact_forces::<D>(contact, corners, q);
     summed(contact, corners, &forces, q)
 }
 
-/// Pressure at each secondary node: its multiplier, and what corners press on it over its length.
+/// Present area of each secondary node, `int N_A ds`; around an axis times the circumference `[length]`, `[length^2]`.
+fn areas(pair: &ContactPair, q: &[f64]) -> Vec<f64> {
+    let secondary = pair.kernel.secondary();
+    let mut areas = vec![0.0; secondary.nodes().len()];
+    for (facet, ends) in secondary.local_facets().iter().enumerate() {
+        let length = secondary.facet_length(facet, q);
+        let [a, b] = secondary.facets()[facet].map(|node| pair.circumference(node, q));
+        areas[ends[0] as usize] += length * (2.0 * a + b) / 6.0;
+        areas[ends[1] as usize] += length * (a + 2.0 * b) / 6.0;
+    }
+    areas
+}
+
+/// Whether a mortar method's node touches the other side on the axis of bodies of revolution, where the circumference is nothing, and
+/// with it the multiplier, whatever presses.
+fn is_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
+    let Loaded { pair, evaluation, .. } = contact;
+    let secondary = pair.kernel.secondary();
+    let around = pair.circumference(secondary.nodes()[index], q);
+    pair.kernel.rows_per_node() == 1
+        && around <= tolerances::CLOSED * secondary.node_length(index, q)
+        && evaluation.coverage[index] > tolerances::SLIVER
+        && evaluation.gap[index] <= pair.closed()
+}
+
+/// Pressure at each secondary node, that of corners on it included.
 fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
-    let (stride, weights) = (contact.pair.kernel.rows_per_node(), contact.pair.kernel.weights());
-    let nodes = contact.pair.kernel.secondary().nodes();
+    let Loaded { pair, evaluation, lambda, .. } = contact;
+    let (kernel, secondary) = (&pair.kernel, pair.kernel.secondary());
+    let (stride, weights, areas) = (kernel.rows_per_node(), kernel.weights(), areas(pair, q));
     let of = |(index, rows): (usize, &[f64])| {
-        (size(rows) + forces.pressed[index] / weights[index * stride]) / contact.pair.circumference(nodes[index], q)
+        let (multiplier, area) = (size(rows), areas[index]);
+        let length = secondary.node_length(index, q);
+        let around = pair.circumference(secondary.nodes()[index], q) * length;
+        let on_axis = is_on_axis(contact, index, q);
+        let pressure = if kernel.is_nodal() {
+            multiplier * weights[index * stride] / area
+        } else if stride > 1 {
+            multiplier
+        } else if multiplier == 0.0 && !on_axis {
+            0.0
+        } else {
+            let covered = evaluation.coverage[index].clamp(0.0, 1.0);
+            let at_node = if on_axis { 0.0 } else { covered * (around / area).min(1.0) };
+            at_node * multiplier * length / around.max(f64::MIN_POSITIVE) + (1.0 - at_node) * forces.mean[index]
+        };
+        pressure + forces.pressed[index] / area
     };
-    contact.lambda.chunks_exact(stride).enumerate().map(of).collect()
+    lambda.chunks_exact(stride).enumerate().map(of).collect()
 }
 
 /// Which secondary nodes are in contact, and how many corners of the other side are.
-fn active_nodes(contact: Loaded, corners: &[Loaded]) -> (Vec<bool>, usize) {
+fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, usize) {
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
     let mut active: Vec<bool> = nodes.map(|rows| rows.contains(&RowState::Closed)).collect();
+    if contact.pair.is_round && active.contains(&true) {
+        (0..active.len()).for_each(|index| active[index] |= is_on_axis(contact, index, q));
+    }
     let mut others = 0;
     for corners in corners {
         let kernel = &corners.pair.kernel;
@@ -125,14 +198,13 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
         (0..3).for_each(|i| totals.force[i] += force[i]);
         totals.normal_force += force[0].hypot(force[1]).hypot(force[2]);
     }
-    let (weights, pressures) = (pair.kernel.secondary().weights(q), pressures(contact, forces, q));
-    let (active, others) = active_nodes(contact, corners);
+    let (areas, pressures) = (areas(pair, q), pressures(contact, forces, q));
+    let (active, others) = active_nodes(contact, corners, q);
     totals.active = others;
-    for (node, weight) in weights.iter().enumerate() {
-        let row = node * stride;
+    for (node, area) in areas.iter().enumerate() {
         if active[node] {
             totals.active += 1;
-            totals.area += coverage[row] * weight * pair.circumference(pair.kernel.secondary().nodes()[node], q);
+            totals.area += coverage[node * stride] * area;
         }
         totals.pressure = totals.pressure.max(pressures[node]);
     }
@@ -152,7 +224,7 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     let Loaded { pair, evaluation, .. } = contact;
     let (rows, secondary) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
     let (gaps, coverage) = (&evaluation.gap, &evaluation.coverage);
-    let forces = contact_forces::<D>(contact, corners);
+    let forces = contact_forces::<D>(contact, corners, q);
     let totals = summed(contact, corners, &forces, q);
     let position = |node: u32| {
         let mut x = [0.0; 3];
@@ -169,7 +241,7 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
                 if covered > tolerances::SLIVER { size(&gaps[rows]) / (covered * weight) } else { f64::NAN }
             })
             .collect(),
-        active: active_nodes(contact, corners).0,
+        active: active_nodes(contact, corners, q).0,
         forces: forces.own,
         force: totals.force,
         normal_force: totals.normal_force,

@@ -28,7 +28,7 @@ where
         let evaluations = self.system.evaluations_at(q, &self.state.lambda);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
             let (contact, corners) = self.loaded(index, &evaluations);
-            for (node, force) in contact_forces::<D>(contact, &corners).all {
+            for (node, force) in contact_forces::<D>(contact, &corners, q).all {
                 (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
             }
             let fields = contact_fields::<D>(contact, &corners, q);
