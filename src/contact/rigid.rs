@@ -22,6 +22,9 @@ use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{CROSSING, PASSING, PROJECTED_INCREMENT, REMAINDER};
 
+/// How near a node must be to a corner of a polyline, in shortest facets, to keep to one side of it in a step.
+const AT_CORNER: f64 = 0.02;
+
 /// At how many places on a node's way its distance is looked at, at most.
 const LOOKS: f64 = 64.0;
 
@@ -78,6 +81,9 @@ pub struct RigidContact {
     shape: Shape,
     translations: [[f64; 2]; 3],
     start: Vec<[f64; 2]>,
+    /// For nodes that start at a convex corner of a polyline: the line of the side that they are on, which is theirs for the step. A node
+    /// that a side pushes past the corner, and that comes back without the push, would find no solution.
+    lines: Vec<Option<Shape>>,
 }
 
 /// An obstacle made ready for evaluation.
@@ -150,6 +156,25 @@ impl Shape {
                 Some(Distance { gap: measure.gap, normal: [gradient[0], gradient[1]], covered: measure.covered })
             }
         }
+    }
+
+    /// The line of the side on which a point is, where it is as near as that to the surface and a convex corner.
+    fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<Shape> {
+        let Shape::Polyline { tree, corners } = self else { return None };
+        let nearest = tree.nearest_neighbor(x)?;
+        let Line { from, to } = *nearest.geom();
+        if [from, to].iter().all(|end| (x[0] - end[0]).hypot(x[1] - end[1]) > near) {
+            return None;
+        }
+        let (chain, points) = &corners[nearest.data];
+        let z: Vec<f64> = x.iter().chain(&points[2..]).copied().collect();
+        let measure = chain.measure(&z, &[true; 3])?;
+        if !measure.covered || chain.pocket(measure.facet, &z, 0.0).is_some() {
+            return None;
+        }
+        let [from, to] = chain.facets()[measure.facet as usize].map(|node| [z[2 * node as usize], z[2 * node as usize + 1]]);
+        let (along, length) = ([to[0] - from[0], to[1] - from[1]], (to[0] - from[0]).hypot(to[1] - from[1]));
+        Some(Shape::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
     }
 
     /// Second derivative of the distance at a point.
@@ -267,7 +292,13 @@ impl RigidContact {
         }
         let nodes = sides.secondary.nodes().iter();
         let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
-        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], start }
+        let lines = vec![None; sides.weights.len()];
+        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], start, lines }
+    }
+
+    /// The obstacle as the node of that row feels it in this step.
+    fn felt(&self, row: usize) -> &Shape {
+        self.lines[row].as_ref().unwrap_or(&self.shape)
     }
 
     /// With other lengths that belong to the nodes, in ascending order of these `[length]`.
@@ -288,29 +319,29 @@ impl RigidContact {
         match derivative {
             Derivative::DiscreteGradient => {
                 let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
-                self.shape.step_gradient(x_0, self.position(row, q_1, end), self.sides.facet_size)
+                self.felt(row).step_gradient(x_0, self.position(row, q_1, end), self.sides.facet_size)
             }
             Derivative::Gradient(at @ Configuration::Middle) => {
                 let x_1 = self.position(row, q_1, [0.0; 2]);
-                self.plain(std::array::from_fn(|i| 0.5 * (self.start[row][i] + x_1[i]) - middle[i]), at)
+                self.plain(row, std::array::from_fn(|i| 0.5 * (self.start[row][i] + x_1[i]) - middle[i]), at)
             }
-            Derivative::Gradient(at @ Configuration::End) => self.plain(self.position(row, q_1, end), at),
+            Derivative::Gradient(at @ Configuration::End) => self.plain(row, self.position(row, q_1, end), at),
         }
     }
 
     /// Plain gradient at a point that is the node's place in a configuration of the step.
-    fn plain(&self, x: [f64; 2], at: Configuration) -> StepGradient {
+    fn plain(&self, row: usize, x: [f64; 2], at: Configuration) -> StepGradient {
         StepGradient {
-            bar: self.shape.distance(x).map_or([0.0; 2], |distance| distance.normal),
-            tangent: self.shape.curvature(x).map(|row| row.map(|h| at.share() * h)),
+            bar: self.felt(row).distance(x).map_or([0.0; 2], |distance| distance.normal),
+            tangent: self.felt(row).curvature(x).map(|row| row.map(|h| at.share() * h)),
         }
     }
 
-    /// Weighted distances when the obstacle is displaced by `translation`.
-    fn gaps(&self, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
+    /// Weighted distances from `shape` of each row when the obstacle is displaced by `translation`.
+    fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a Shape, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
         let gap = |row: usize| {
             let x = position(row);
-            let distance = self.shape.distance([x[0] - translation[0], x[1] - translation[1]]);
+            let distance = shape(row).distance([x[0] - translation[0], x[1] - translation[1]]);
             self.sides.weights[row] * distance.map_or(0.0, |distance| distance.gap)
         };
         (0..self.sides.weights.len()).map(gap).collect()
@@ -356,10 +387,12 @@ impl ContactKernel for RigidContact {
 
     fn begin_step(&mut self, q_0: &[f64]) {
         self.start = (0..self.sides.patches.len()).map(|row| self.position(row, q_0, [0.0; 2])).collect();
+        let (shift, near) = (self.translations[0], AT_CORNER * self.sides.facet_size);
+        self.lines = self.start.iter().map(|x| self.shape.line_at_corner([x[0] - shift[0], x[1] - shift[1]], near)).collect();
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        self.gaps(self.translations[0], |row| self.start[row])
+        self.gaps(|row| self.felt(row), self.translations[0], |row| self.start[row])
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -368,7 +401,7 @@ impl ContactKernel for RigidContact {
         for row in 0..self.sides.patches.len() {
             let weight = self.sides.weights[row];
             let (end, step) =
-                (self.shape.distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
+                (self.felt(row).distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
             out.live[row] = true;
             let normal = end.map_or([0.0; 2], |end| end.normal);
             for i in 0..2 {
@@ -394,7 +427,7 @@ impl ContactKernel for RigidContact {
             let at_start = if before[row] == 0.0 {
                 [0.0; 2]
             } else {
-                let distance = self.shape.distance([self.start[row][0] - start[0], self.start[row][1] - start[1]]);
+                let distance = self.felt(row).distance([self.start[row][0] - start[0], self.start[row][1] - start[1]]);
                 distance.map_or([0.0; 2], |distance| distance.normal)
             };
             for i in 0..2 {
@@ -407,7 +440,7 @@ impl ContactKernel for RigidContact {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.gaps(self.translations[2], |row| self.position(row, q, [0.0; 2]))
+        self.gaps(|_| &self.shape, self.translations[2], |row| self.position(row, q, [0.0; 2]))
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
