@@ -179,7 +179,8 @@ impl Case {
             }
         }
         // Where the obstacle moves, nothing has energy until they touch.
-        verdict.defect /= if energy > 0.0 { energy } else { 1.0 };
+        verdict.defect /=
+            energy.max(1e-12 * self.body.constants[2] * (dot(self.velocity, self.velocity) + dot(self.body.velocity, self.body.velocity)));
     }
 }
 
