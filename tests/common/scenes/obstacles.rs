@@ -128,8 +128,7 @@ impl Case {
         let motion = self.velocity.map(|v| (v != 0.0).then(|| Arc::new(Ramp { start: 0.0, end, value: v * end }) as Amplitude));
         let partner = Partner::Obstacle { shape, motion };
         model.add_interaction(Interaction { update: self.rule, partner, ..pair });
-        Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, self.dt))
-            .map_err(|error| error.to_string())
+        Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, self.dt)).map_err(|error| error.to_string())
     }
 
     /// Takes the case through time.
@@ -180,7 +179,8 @@ impl Case {
             }
         }
         // Where the obstacle moves, nothing has energy until they touch.
-        verdict.defect /= if energy > 0.0 { energy } else { 1.0 };
+        verdict.defect /=
+            energy.max(1e-12 * self.body.constants[2] * (dot(self.velocity, self.velocity) + dot(self.body.velocity, self.body.velocity)));
     }
 }
 
