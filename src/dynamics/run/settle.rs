@@ -59,9 +59,9 @@ const MAX_PARTS: usize = 200;
 /// Growth of the search's reach after bodies moved beyond it.
 const WIDER: f64 = 3.0;
 
-/// Times that a step is tried again, and those after which smaller parts alone are not expected to help.
+/// Times that a step is tried again, and those up to which one remedy alone is tried.
 const MAX_TRIES: usize = 6;
-const PARTS_FIRST: usize = 3;
+const EARLY_TRIES: usize = 3;
 
 /// Steps with more damping than the forces ask for that may go by without less imbalance: what buckles may pass, what slides off is given
 /// up.
@@ -298,12 +298,14 @@ where
         match refused {
             Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => course.leeway *= WIDER,
             _ => {
-                let has_parts = closes_in_part || present.prescribed > 0.0;
-                if has_parts {
+                // Of an overlap less is closed first. For a motion, damping helps where its end is near, and a shorter way where it is not.
+                if closes_in_part {
                     course.closing.failed();
+                }
+                if present.prescribed > 0.0 && course.tries >= EARLY_TRIES {
                     course.share *= SHORTER;
                 }
-                if !has_parts || course.tries > PARTS_FIRST {
+                if !closes_in_part || course.tries > EARLY_TRIES {
                     course.excess *= MORE_DAMPING;
                 }
             }
