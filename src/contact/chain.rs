@@ -326,7 +326,7 @@ mod tests {
         let chain = Chain::new(vec![[1, 2]]);
         // Traversed from right to left: outwards is up.
         let at = |x: [f64; 2]| [x[0], x[1], 1.0, 0.0, 0.0, 0.0];
-        let gap = |z: &[f64; 6], concave: bool| chain.distance(z, [concave; 2], 0.1).unwrap().gap;
+        let gap = |z: &[f64; 6], concave: bool| chain.distance_of_disk(z, [concave; 2], 0.1).unwrap().gap;
         assert!((gap(&at([0.4, 0.3]), false) - 0.2).abs() < 1e-15);
         assert!((gap(&at([1.3, 0.4]), false) - 0.4).abs() < 1e-15, "three, four, five");
         assert!((gap(&at([-0.3, -0.4]), false) - 0.4).abs() < 1e-15, "in front of the other side of the corner");
@@ -335,11 +335,11 @@ mod tests {
             let z = at(x);
             let gradient = |z: &[f64; 6]| {
                 let mut g = [0.0; 6];
-                chain.add_gradient(&chain.distance(z, [concave; 2], 0.1).unwrap(), z, 2.0, &mut g);
+                chain.add_gradient(&chain.distance_of_disk(z, [concave; 2], 0.1).unwrap(), z, 2.0, &mut g);
                 g
             };
             let mut hessian = [0.0; 36];
-            chain.add_hessian(&chain.distance(&z, [concave; 2], 0.1).unwrap(), &z, 2.0, &mut hessian);
+            chain.add_hessian(&chain.distance_of_disk(&z, [concave; 2], 0.1).unwrap(), &z, 2.0, &mut hessian);
             let step = 1e-5;
             for k in 0..6 {
                 let moved = |by: f64| std::array::from_fn(|i| z[i] + if i == k { by } else { 0.0 });
@@ -352,7 +352,7 @@ mod tests {
                 }
             }
         }
-        let beyond = |by: f64| chain.distance(&at([1.0 + by, 0.3]), [false; 2], 0.1).unwrap().gap;
+        let beyond = |by: f64| chain.distance_of_disk(&at([1.0 + by, 0.3]), [false; 2], 0.1).unwrap().gap;
         assert!((beyond(1e-6) - beyond(-1e-6)).abs() < 1e-11, "the same slope on both sides of an end");
     }
 

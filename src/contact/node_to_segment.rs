@@ -389,6 +389,7 @@ mod tests {
 
     use super::super::fixtures::{Rings, dense_rows, difference, evaluated, product, rings, turned, unbalance};
     use super::*;
+    use crate::integrators::Configuration;
 
     /// A node over a chain of three facets with random corners, convex and concave, and a step of a random size: nodes slide over borders,
     /// penetrate, and leave the chain at its ends.

@@ -26,6 +26,8 @@ pub struct Sides {
     pub patches: Patches,
     /// Weights of the constraint rows `[length]`.
     pub weights: Vec<f64>,
+    /// Lengths of the secondary nodes in the reference positions, half of their facets `[length]`.
+    pub lengths: Vec<f64>,
     /// Length of the shortest secondary facet `[length]`.
     pub facet_size: f64,
 }
@@ -36,7 +38,7 @@ impl Sides {
         let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
         let weights = secondary.weights(reference);
         let facet_size = secondary.shortest_facet(reference);
-        Sides { secondary, primary, patches: Patches::new(2), weights, facet_size }
+        Sides { secondary, primary, patches: Patches::new(2), lengths: weights.clone(), weights, facet_size }
     }
 
     /// Turns the covered length of each secondary node into its share of the node's length at `q`.

@@ -124,7 +124,14 @@ fn areas(pair: &ContactPair, q: &[f64]) -> Vec<f64> {
         areas[ends[0] as usize] += length * (2.0 * a + b) / 6.0;
         areas[ends[1] as usize] += length * (a + 2.0 * b) / 6.0;
     }
+    areas.iter_mut().enumerate().for_each(|(index, area)| *area *= share(pair, index));
     areas
+}
+
+/// What a node has of its edges over what it has of its facets: one, but for edges of second order whose nodes have rows of their own.
+fn share(pair: &ContactPair, index: usize) -> f64 {
+    let sides = pair.kernel.sides();
+    sides.weights[index * pair.kernel.rows_per_node()] / sides.lengths[index]
 }
 
 /// Whether a mortar method's node touches the other side on the axis of bodies of revolution, where the circumference is nothing, and
@@ -146,7 +153,7 @@ fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let (stride, weights, areas) = (kernel.rows_per_node(), kernel.weights(), areas(pair, q));
     let of = |(index, rows): (usize, &[f64])| {
         let (multiplier, area) = (size(rows), areas[index]);
-        let length = secondary.node_length(index, q);
+        let length = share(pair, index) * secondary.node_length(index, q);
         let around = pair.circumference(secondary.nodes()[index], q) * length;
         let on_axis = is_on_axis(contact, index, q);
         let pressure = if kernel.is_nodal() {

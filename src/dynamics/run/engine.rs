@@ -14,7 +14,8 @@ use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::parts::contact_pair::RowState;
-use crate::dynamics::step::newton::{Preferred, Trace};
+use crate::dynamics::step::attempts::Preferred;
+use crate::dynamics::step::newton::Trace;
 use crate::dynamics::step::system::System;
 use crate::linear::Watch;
 

@@ -67,6 +67,7 @@ where
             energy,
             tolerance: options.tolerance,
             at_least: 0,
+            is_patient: !may_be_halved,
             preferred: state.preferred,
             interrupted: &|| options.interrupted(),
         };

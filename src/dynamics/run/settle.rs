@@ -23,11 +23,12 @@ use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Surface, Travel};
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::contact_set::meets;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::newton::{Preferred, Solution, Task, solve};
+use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::follow_prescribed;
 use crate::dynamics::step::start::{Course, REST_WEIGHT, StepStart};
 use crate::math::tolerances;
@@ -375,6 +376,7 @@ where
             energy: self.system.strain_energy(start.q_0).max(floor),
             tolerance: options.tolerance,
             at_least: 1,
+            is_patient: true,
             preferred: Preferred::default(),
             interrupted: &|| options.interrupted(),
         };

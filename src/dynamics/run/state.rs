@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ledger::LedgerRow;
 use crate::dynamics::parts::contact_pair::RowState;
-use crate::dynamics::step::newton::Preferred;
+use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::search_history::SearchHistory;
 
 /// Everything that the future of a simulation depends on. A value: keep it, restore it, branch from it.

@@ -9,10 +9,6 @@ const STALLED: f64 = 100.0;
 /// tenth, and what still falls is no round-off.
 const FALLING: f64 = 0.9;
 
-/// Residuals below their floor may be round-off however much energy they can move; then it must have stopped falling this many times in a
-/// row.
-const STALLS: usize = 2;
-
 /// Growth of the number of iterations while all is met but the energy, which still falls.
 const LONGER: usize = 3;
 
@@ -28,9 +24,10 @@ const CYCLING: usize = 2;
 pub struct Convergence {
     /// Usual number of iterations.
     most: usize,
-    /// Energy of the last iterate, and how often in a row it has not fallen.
+    /// Whether iterations go on although they come no nearer.
+    is_patient: bool,
+    /// Energy of the last iterate.
     last_energy: f64,
-    stalls: usize,
     /// Least distance from a solution, and iterations since.
     nearest: f64,
     idle: usize,
@@ -49,9 +46,9 @@ pub enum Judgement {
 }
 
 impl Convergence {
-    /// Nothing is known yet of an attempt of that many iterations.
-    pub fn new(most: usize) -> Self {
-        Convergence { most, last_energy: f64::INFINITY, stalls: 0, nearest: f64::INFINITY, idle: 0, is_limited: false }
+    /// Nothing is known yet of an attempt of that many iterations; a patient one takes them all.
+    pub fn new(most: usize, is_patient: bool) -> Self {
+        Convergence { most, is_patient, last_energy: f64::INFINITY, nearest: f64::INFINITY, idle: 0, is_limited: false }
     }
 
     /// Whether iterates come no nearer.
@@ -63,20 +60,19 @@ impl Convergence {
     pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> Judgement {
         let falls = record.energy <= FALLING * self.last_energy;
         self.last_energy = record.energy;
-        self.stalls = if falls { 0 } else { self.stalls + 1 };
-        let is_round_off = (record.energy <= STALLED && self.stalls > 0) || (record.residual <= record.floor && self.stalls >= STALLS);
+        let is_round_off = !falls && (record.energy <= STALLED || record.residual <= record.floor);
         let is_met = record.residual <= record.target && record.violation <= 1.0;
         if iteration >= at_least && is_met && (record.energy <= 1.0 || is_round_off) {
             return Judgement::Done;
         }
         let distance = (record.residual / record.target).max(record.violation);
-        if distance <= NEARER * self.nearest {
-            (self.nearest, self.idle) = (distance, 0);
+        // What is met has only its energy to lose.
+        if is_met || distance <= NEARER * self.nearest {
+            (self.nearest, self.idle) = (distance.min(self.nearest), 0);
         } else if !self.is_limited {
             self.idle += 1;
         }
-        // What is met has only its energy to lose.
-        let is_idle = self.idle > MAX_IDLE && !(is_met && falls);
+        let is_idle = self.idle > MAX_IDLE && !self.is_patient;
         let is_over = iteration >= if is_met && falls { LONGER * self.most } else { self.most };
         if is_idle || is_over { Judgement::GivesUp } else { Judgement::GoesOn }
     }

@@ -1,6 +1,7 @@
 //! One step of a model: its equations, their linearization at an iterate as a value, Newton's method, contact conditions, prediction.
 
 pub mod assembly;
+pub mod attempts;
 pub mod conditions;
 pub mod constraints;
 pub mod contact_set;

@@ -4,8 +4,7 @@
 //! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap sit out the step; convergence is decided by the
 //! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
-use serde::{Deserialize, Serialize};
-
+use super::attempts::{ATTEMPTS, Preferred, Strategy};
 use super::conditions::Conditions;
 use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, starting_set, violation, worst_violation};
 use super::convergence::{Convergence, Judgement};
@@ -29,16 +28,6 @@ pub struct Solution {
     pub active: Vec<RowState>,
     /// The attempt that a later step tries first.
     pub preferred: Preferred,
-}
-
-/// The attempt that succeeded where the usual first one failed: the steps that follow try it first, because what made the usual one fail
-/// lasts for some steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Preferred {
-    /// Its place in the list of attempts.
-    attempt: u8,
-    /// Steps in a row that it has solved.
-    steps: u8,
 }
 
 /// The course of Newton's method, kept for the report of a failure.
@@ -75,15 +64,6 @@ pub struct Iteration {
     pub active: usize,
 }
 
-/// How Newton's method proceeds.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Strategy {
-    /// Set finished on the frozen linearisation, increments limited.
-    InnerLoop,
-    /// One set update per iteration, backtracking on the residual: for what the first did not solve.
-    Backtracking,
-}
-
 /// Where Newton's method starts and when it is done.
 pub struct Task<'a> {
     /// The step.
@@ -100,56 +80,27 @@ pub struct Task<'a> {
     pub tolerance: f64,
     /// Iterations before it may be done: a step that starts at its own solution moves no energy, whatever its residual.
     pub at_least: usize,
+    /// Whether attempts go on that come no nearer to a solution, and change sets as long as that helps: where nothing else can be tried.
+    pub is_patient: bool,
     /// What the last steps tell of the order of attempts.
     pub preferred: Preferred,
     /// Whether the user wants the run to end.
     pub interrupted: &'a dyn Fn() -> bool,
 }
 
-const MAX_ITERATIONS: usize = 25;
-const MAX_BACKTRACKING_ITERATIONS: usize = 40;
-
 /// Sets that the inner loop tries on one linearisation: a solution is found within a few, or not at all, and then the next linearisation
 /// is worth more than a further set.
+/// Where nothing else can be tried it takes its time.
 const MAX_INNER: usize = 6;
+const MAX_PATIENT_INNER: usize = 20;
 
 /// Proximal term of a multiplier over the compliance of its own node: small enough for few more iterations, large enough against what the
 /// neighbours' gradients lack to be independent. Where that is not enough, the next iteration has ten times as much, up to the largest.
 const PROXIMAL: f64 = 0.1;
 const LARGEST_PROXIMAL: f64 = 10.0;
 
-/// Steps after which the usual attempt goes first again.
-const PREFERRED_STEPS: u8 = 8;
-
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
-
-/// The ways in which a step is tried until one converges: how Newton's method proceeds, and with which discrete gradient of the contacts.
-const ATTEMPTS: [(Strategy, Correction); 5] = [
-    (Strategy::InnerLoop, Correction::PerPatch),
-    (Strategy::InnerLoop, Correction::SteadyEnds),
-    (Strategy::InnerLoop, Correction::PerNode),
-    (Strategy::Backtracking, Correction::PerPatch),
-    (Strategy::Backtracking, Correction::PerNode),
-];
-
-impl Preferred {
-    /// The attempts in the order in which they are tried.
-    fn order(self) -> impl Iterator<Item = usize> {
-        let first = if self.steps < PREFERRED_STEPS { usize::from(self.attempt) } else { 0 };
-        std::iter::once(first).chain((0..ATTEMPTS.len()).filter(move |&attempt| attempt != first))
-    }
-
-    /// After a step that an attempt has solved.
-    fn after(self, attempt: usize) -> Preferred {
-        let attempt = attempt as u8;
-        match attempt {
-            0 => Preferred::default(),
-            _ if attempt == self.attempt && self.steps < PREFERRED_STEPS => Preferred { attempt, steps: self.steps + 1 },
-            _ => Preferred { attempt, steps: 1 },
-        }
-    }
-}
 
 /// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` tells their course.
 ///
@@ -222,7 +173,7 @@ where
         system,
         task,
     };
-    let mut convergence = Convergence::new(if strategy == Strategy::InnerLoop { MAX_ITERATIONS } else { MAX_BACKTRACKING_ITERATIONS });
+    let mut convergence = Convergence::new(strategy.iterations(), task.is_patient);
     let moved: Vec<f64> = task.predicted.iter().zip(task.start.q_0).map(|(predicted, q_0)| predicted - q_0).collect();
     let mut at = attempt.system.linearize(task.start, task.predicted, &moved, &lambda)?;
     for iteration in 0.. {
@@ -262,7 +213,7 @@ where
         attempt.active = set;
         trace.iterations.push(record);
         convergence.is_limited = largest_size(&increment) > attempt.limit;
-        let searches = strategy == Strategy::Backtracking || convergence.is_cycling();
+        let searches = strategy == Strategy::Backtracking || (convergence.is_cycling() && !task.is_patient);
         at = attempt.moved(searches, at, &increment, &new_lambda, &mut trace.q_1)?;
     }
     Err(Failure::Iterations)
@@ -384,7 +335,11 @@ where
     /// conditions solvable, and nothing is left of it where multipliers do not change any more.
     fn inner_loop(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<(Vec<f64>, Vec<f64>), Failure> {
         let begun = set.clone();
-        let rounds = if self.proximal.is_some() { 1 } else { MAX_INNER };
+        let rounds = match self.proximal {
+            _ if self.task.is_patient => MAX_PATIENT_INNER,
+            Some(_) => 1,
+            None => MAX_INNER,
+        };
         let (is_solved, solution) = self.find_set(at, set, rounds, None)?;
         if is_solved {
             self.proximal = None;
