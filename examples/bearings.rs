@@ -58,8 +58,8 @@ fn main() {
             let (Bearing { dt, torque, held, method, rule, .. }, Outcome { steps, iterations, factorizations, .. }) = (bearing, &outcome);
             let Outcome { defect, given, taken, drift, depth, .. } = outcome;
             println!(
-                "{dt:.5} {torque:.4} {held:5} {:28} {steps:5} {iterations:10.2} {factorizations:14.2} {defect:8.1e} {given:8.1e} {taken:8.1e} \
-                 {drift:8.1e} {depth:5.3} {}",
+                "{dt:.5} {torque:.4} {held:5} {:28} {steps:5} {iterations:10.2} {factorizations:14.2} {defect:8.1e} {given:8.1e} \
+                 {taken:8.1e} {drift:8.1e} {depth:5.3} {}",
                 format!("{}, {}", method.name, rule.name),
                 outcome.faults(rule).join(", ")
             );

@@ -35,9 +35,12 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Cosine of the turn of a surface above which it has a corner, 20 degrees: weighted gaps hold blunter bends to a tenth of the coarser facet,
-/// and a constraint of a node at a smooth bend would keep the surfaces apart that they bring together.
+/// Cosine of the turn of a surface above which it has a corner, 20 degrees: weighted gaps hold blunter bends to a tenth of the coarser
+/// facet, and a constraint of a node at a smooth bend would keep the surfaces apart that they bring together.
 const CORNER: f64 = 0.9397;
+
+/// The same, 2 degrees, for what is a corner in the reference positions: it stays one while the body gives way.
+const BENT: f64 = 0.9994;
 
 /// Cosine of the turn of a rigid chain above which a point is one, a tenth of a degree: nothing but its points holds it between two nodes.
 const RIGID_CORNER: f64 = 0.999_998;
@@ -68,8 +71,13 @@ pub struct NodeToSegment {
 /// Which nodes count as corners.
 #[derive(Clone, Debug)]
 enum Corners {
-    /// Where a side is bent at the start of the step, for both sides.
-    Bends([Vec<bool>; 2]),
+    /// Where both sides are bent: in the reference positions, and at the start of the step.
+    Bends {
+        /// Corners that are there from the beginning.
+        reference: [Vec<bool>; 2],
+        /// Those of this step.
+        bent: [Vec<bool>; 2],
+    },
     /// These points of the secondary side.
     Points(Vec<bool>),
 }
@@ -101,7 +109,10 @@ impl NodeToSegment {
         let both = [&sides.secondary, &sides.primary];
         let corners = |side: &Surface| side.bends(reference, CORNER).iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
         let corners = if both.into_iter().any(corners) {
-            Corners::Bends(both.map(|side| vec![true; side.nodes().len()]))
+            Corners::Bends {
+                reference: both.map(|side| side.bends(reference, CORNER)),
+                bent: both.map(|side| vec![true; side.nodes().len()]),
+            }
         } else if sides.secondary.is_closed() {
             return None;
         } else {
@@ -158,8 +169,10 @@ impl NodeToSegment {
 
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
-        if let Some(Corners::Bends(bent)) = &mut self.corners {
-            *bent = [&self.sides.secondary, &self.sides.primary].map(|side| side.bends(q, CORNER));
+        let Some(Corners::Bends { reference, bent }) = &mut self.corners else { return };
+        for (side, surface) in [&self.sides.secondary, &self.sides.primary].into_iter().enumerate() {
+            let [is_corner, is_bent] = [CORNER, BENT].map(|cosine| surface.bends(q, cosine));
+            bent[side] = (0..is_bent.len()).map(|node| is_corner[node] || is_bent[node] && reference[side][node]).collect();
         }
     }
 
@@ -168,7 +181,7 @@ impl NodeToSegment {
         match &self.corners {
             None => true,
             Some(Corners::Points(points)) => points[point],
-            Some(Corners::Bends([own, others])) => {
+            Some(Corners::Bends { bent: [own, others], .. }) => {
                 let primary = self.sides.primary.local_facets();
                 own[point] || facets.iter().any(|&facet| primary[facet as usize].iter().any(|&node| others[node as usize]))
             }

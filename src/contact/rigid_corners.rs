@@ -14,12 +14,13 @@ use super::window::{Outlook, Travel};
 use super::{Candidates, ContactKernel};
 use crate::integrators::Derivative;
 
-/// Radius in shortest facets up to which the constraints of a disk leave less than those of corners: on larger ones facets are nearly round.
+/// Radius in shortest facets up to which the constraints of a disk leave less than those of corners: on larger ones facets are nearly
+/// round.
 const ROUND: f64 = 10.0;
 
 /// Disks so much larger than the longest facet of a surface need no constraints of their own: between two nodes on such a disk a facet,
-/// even stretched to half more, is as deep in it as such constraints would leave it.
-const LARGE: f64 = 14.0;
+/// even stretched to half more, is less than a tenth of it deep in it; and where nodes hold it already, more constraints depend on theirs.
+const LARGE: f64 = 3.0;
 
 /// Contact of an obstacle's points with a surface.
 pub struct RigidCorners {
@@ -66,8 +67,8 @@ impl RigidCorners {
         Some(RigidCorners { inner, sides, points, components: reference.len(), translations: [[0.0; 2]; 3], start })
     }
 
-    /// Share of the overlap that constraints of corners leave alone which those of an obstacle's points do: where a disk is small, its nodes
-    /// and facets take turns, and what lies between them is felt as a ripple.
+    /// Share of the overlap that constraints of corners leave alone which those of an obstacle's points do: where a disk is small, its
+    /// nodes and facets take turns, and what lies between them is felt as a ripple.
     pub fn slack(obstacle: &Obstacle, facet_size: f64) -> f64 {
         match obstacle {
             Obstacle::Disk { radius, .. } => (radius / (ROUND * facet_size)).min(1.0),

@@ -1,8 +1,8 @@
 //! Contact of a rigid disk with the facets of a surface: what the distances of the surface's nodes do not see of a small one.
 //!
-//! Each facet has a constraint, the distance of the disk's center from it less the radius, so that the disk may touch several at once, as in
-//! a slot. Beyond the facet's ends that is the distance from a node, which is the node's own constraint as well: rows that hold the facets
-//! alone would jump where the disk passes a node.
+//! Each facet has a constraint, the distance of the disk's center from it less the radius, so that the disk may touch several at once, as
+//! in a slot. Beyond the facet's ends that is the distance from a node, which is the node's own constraint as well: rows that hold the
+//! facets alone would jump where the disk passes a node.
 
 use super::depth::Seen;
 use super::kernel::ContactKernel;

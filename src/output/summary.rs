@@ -86,8 +86,8 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
     (
         "halvings_by_cause",
-        "an object: all halvings by cause; `sliding`, `approach` and `passing` were foreseen, `came_through` was seen after convergence, the \
-         others followed a failure of Newton's method",
+        "an object: all halvings by cause; `sliding`, `approach` and `passing` were foreseen, `came_through` was seen after convergence, \
+         the others followed a failure of Newton's method",
     ),
     (
         "findings",

@@ -4,7 +4,7 @@
 //! independent code, the project's prototype in NumPy, SciPy and JAX (`bearing.py --T 0.5`), written before this program from the same
 //! formulas.
 
-use conserva::dynamics::{Hat, LedgerRow, LoadKind, Simulation};
+use conserva::dynamics::{GAP, Hat, LedgerRow, LoadKind, Simulation};
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::materials::NeoHookean;
 use conserva::mesh::ring;
@@ -29,6 +29,8 @@ fn bearing(held: bool, dt: f64) -> Simulation {
         builder.fix(outer, "outer", [true; 3]);
     }
     builder.contact((inner, "outer"), (outer, "inner"));
+    // The prototype's rule.
+    builder.model.interactions[0].update = &GAP;
     builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
     builder.simulate(&ENERGY_MOMENTUM, dt)
 }

@@ -242,8 +242,8 @@ impl StepError {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
             StepError::NotConverged { cure, .. } => cure.clone(),
             StepError::StillOverlaps { .. } => {
-                "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it grow \
-                 over several calls of `settle` with times; in motion, try a smaller `dt`"
+                "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it \
+                 grow over several calls of `settle` with times; in motion, try a smaller `dt`"
                     .into()
             }
             StepError::Interrupted { .. } => "everything up to this time is kept".into(),

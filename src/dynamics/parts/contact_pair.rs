@@ -133,8 +133,8 @@ pub struct PatchRow<'a> {
 }
 
 impl ContactPair {
-    /// A pair of a contact with that name, held by multipliers under the rule of contacts that name none; `modulus` is that of its secondary body and `reach`
-    /// the largest coordinate of the model.
+    /// A pair of a contact with that name, held by multipliers under the rule of contacts that name none; `modulus` is that of its
+    /// secondary body and `reach` the largest coordinate of the model.
     pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
         let size = kernel.facet_size();
         ContactPair {

@@ -31,8 +31,8 @@ pub struct Piece {
     /// Square of the frequency of its slowest elastic motion: wave speed over its extent.
     pub frequency_squared: f64,
     modulus: f64,
-    /// Largest modulus times the cells' aspect ratio, for the round-off of forces: that of a strain is over the shortest edge, and its force
-    /// acts on the longest.
+    /// Largest modulus times the cells' aspect ratio, for the round-off of forces: that of a strain is over the shortest edge, and its
+    /// force acts on the longest.
     stiffness: f64,
     extent: f64,
 }

@@ -267,7 +267,8 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
     let share = discarded as f64 / factorizations.max(1) as f64;
     if share > DISCARDED && factorizations > FEW {
         let explanation = format!(
-            "of {factorizations} factorizations {discarded} belong to attempts of Newton's method that failed or to steps that were taken back"
+            "of {factorizations} factorizations {discarded} belong to attempts of Newton's method that failed or to steps that were taken \
+             back"
         );
         let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
         found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
@@ -412,13 +413,15 @@ mod tests {
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
-            Depth, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough, PositiveContactWork, ReserveHeld, TooFast,
+            Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough, PositiveContactWork, ReserveHeld,
+            TooFast,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
             TooFast(Sliding),
             PassedThrough,
             Failures("divergence"),
+            Discarded,
         ]);
         let names: Vec<&str> = kinds.map(RunFindingKind::name).collect();
         assert_eq!(names, RunFindingKind::ALL.iter().map(|(name, _)| *name).collect::<Vec<_>>());

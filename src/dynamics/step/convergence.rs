@@ -1,13 +1,12 @@
 //! When the iterations of one attempt are done, go on or are given up.
 
-use super::newton::Iteration;
-
 /// Growth of the energy, over what is tolerated, up to which a residual that falls no longer may be round-off.
 const STALLED: f64 = 100.0;
 
-/// The part of the last iteration's energy above which it falls no longer: an iteration with an inexact tangent may take as little as a
-/// tenth, and what still falls is no round-off.
-const FALLING: f64 = 0.9;
+/// The part of the last iteration's energy above which it falls no longer, where it may be round-off by its size, and where only the
+/// residual says so: an iteration with an inexact tangent may take as little as a tenth, and what still falls is no round-off.
+const FALLING: f64 = 0.5;
+const FALLING_FAR: f64 = 0.9;
 
 /// Growth of the number of iterations while all is met but the energy, which still falls.
 const LONGER: usize = 3;
@@ -15,10 +14,33 @@ const LONGER: usize = 3;
 /// The part of the least distance from a solution that counts as nearer, and the iterations without coming nearer after which an attempt
 /// is given up: what cycles does so until the last iteration.
 const NEARER: f64 = 0.7;
-const MAX_IDLE: usize = 6;
+const MAX_IDLE: usize = 14;
 
 /// Iterations without coming nearer after which increments are taken in part: two linearisations of a kink lead to each other for ever.
-const CYCLING: usize = 2;
+const CYCLING: usize = 10;
+
+/// What an iteration looked like.
+#[derive(Clone, Debug, Default)]
+pub struct Iteration {
+    /// Largest component of the residual.
+    pub residual: f64,
+    /// Its unknown.
+    pub worst: usize,
+    /// Force by which residuals are judged in this iteration.
+    pub target: f64,
+    /// Round-off of the forces: a residual below it cannot be trusted to fall.
+    pub floor: f64,
+    /// Energy that the residual can still move, over what is tolerated.
+    pub energy: f64,
+    /// Largest violation of the contact conditions over what is tolerated.
+    pub violation: f64,
+    /// Its constraint.
+    pub worst_row: usize,
+    /// Constraints whose contact state changed.
+    pub changed: Vec<usize>,
+    /// Active contact nodes.
+    pub active: usize,
+}
 
 /// What the iterations so far tell.
 pub struct Convergence {
@@ -58,7 +80,7 @@ impl Convergence {
 
     /// Judges an iterate; not before the iteration `at_least` is it a solution.
     pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> Judgement {
-        let falls = record.energy <= FALLING * self.last_energy;
+        let falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.last_energy;
         self.last_energy = record.energy;
         let is_round_off = !falls && (record.energy <= STALLED || record.residual <= record.floor);
         let is_met = record.residual <= record.target && record.violation <= 1.0;

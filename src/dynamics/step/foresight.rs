@@ -31,9 +31,9 @@ impl<const D: usize> System<D> {
         None
     }
 
-    /// How far nodes have come through a rigid obstacle in a converged step that began at `q_0`, or how deep they are behind the other side
-    /// under the persistency rule, if too far: elastic motion is not foreseen. Of open constraints their own gap counts, and of any node its
-    /// depth where that has grown: a closed weighted gap holds a mean, beside which a node may go in.
+    /// How far nodes have come through a rigid obstacle in a converged step that began at `q_0`, or how deep they are behind the other
+    /// side under the persistency rule, if too far: elastic motion is not foreseen. Of open constraints their own gap counts, and of any
+    /// node its depth where that has grown: a closed weighted gap holds a mean, beside which a node may go in.
     pub fn came_through(&self, q_0: &[f64], at: &Linearization, conditions: &Conditions) -> Option<LargeMotion> {
         let passed = |pair: &ContactPair| {
             let facets = passing(pair, &at.q_1, false)?;
@@ -137,8 +137,8 @@ fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 
     near.map(travel).fold(0.0, f64::max)
 }
 
-/// By how many facets nodes of a pair and its rigid obstacle pass each other in a step to `q_1`, if too far: through the obstacle, or, where
-/// that is only predicted, towards it.
+/// By how many facets nodes of a pair and its rigid obstacle pass each other in a step to `q_1`, if too far: through the obstacle, or,
+/// where that is only predicted, towards it.
 fn passing(pair: &ContactPair, q_1: &[f64], is_predicted: bool) -> Option<f64> {
     let [swing, crossing] = pair.kernel.passage(q_1);
     let is_too_far = is_predicted && swing > tolerances::PASSING || crossing > 0.0;

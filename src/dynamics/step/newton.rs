@@ -7,7 +7,7 @@
 use super::attempts::{ATTEMPTS, Preferred, Strategy};
 use super::conditions::Conditions;
 use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, starting_set, violation, worst_violation};
-use super::convergence::{Convergence, Judgement};
+use super::convergence::{Convergence, Iteration, Judgement};
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::StepStart;
@@ -41,29 +41,6 @@ pub struct Trace {
     pub earlier: Vec<Vec<Iteration>>,
 }
 
-/// What an iteration looked like.
-#[derive(Clone, Debug, Default)]
-pub struct Iteration {
-    /// Largest component of the residual.
-    pub residual: f64,
-    /// Its unknown.
-    pub worst: usize,
-    /// Force by which residuals are judged in this iteration.
-    pub target: f64,
-    /// Round-off of the forces: a residual below it cannot be trusted to fall.
-    pub floor: f64,
-    /// Energy that the residual can still move, over what is tolerated.
-    pub energy: f64,
-    /// Largest violation of the contact conditions over what is tolerated.
-    pub violation: f64,
-    /// Its constraint.
-    pub worst_row: usize,
-    /// Constraints whose contact state changed.
-    pub changed: Vec<usize>,
-    /// Active contact nodes.
-    pub active: usize,
-}
-
 /// Where Newton's method starts and when it is done.
 pub struct Task<'a> {
     /// The step.
@@ -91,7 +68,7 @@ pub struct Task<'a> {
 /// Sets that the inner loop tries on one linearisation: a solution is found within a few, or not at all, and then the next linearisation
 /// is worth more than a further set.
 /// Where nothing else can be tried it takes its time.
-const MAX_INNER: usize = 6;
+const MAX_INNER: usize = 10;
 const MAX_PATIENT_INNER: usize = 20;
 
 /// Proximal term of a multiplier over the compliance of its own node: small enough for few more iterations, large enough against what the
@@ -132,6 +109,9 @@ where
     }
     outcome
 }
+
+/// An increment of the positions, and the multipliers that go with it.
+type Increment = (Vec<f64>, Vec<f64>);
 
 /// An attempt that goes on.
 struct Attempt<'a, const D: usize> {
@@ -315,7 +295,8 @@ where
         let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let kick = size(resultant) + size(turning) / system.nodes.extent;
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
-        // Positions carry round-off in proportion to their size, displacements of a step to theirs; stiffness and inertia turn it into force.
+        // Positions carry round-off in proportion to their size, displacements of a step to theirs; stiffness and inertia turn it into
+        // force.
         let reach = largest_size(&at.q_1).max(system.nodes.extent);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.modulus * system.nodes.extent.powi(D as i32 - 2), system.nodes.largest_nodal_mass);
@@ -333,7 +314,7 @@ where
     /// Where nodes are covered in part or secondary facets are much finer than primary ones, gradients of neighbours all but depend on one
     /// another, and no set may solve it. Then multipliers get a proximal term (Rockafellar, SIAM J. Control Optim. 14, 1976): it makes the
     /// conditions solvable, and nothing is left of it where multipliers do not change any more.
-    fn inner_loop(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    fn inner_loop(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<Increment, Failure> {
         let begun = set.clone();
         let rounds = match self.proximal {
             _ if self.task.is_patient => MAX_PATIENT_INNER,
@@ -360,7 +341,7 @@ where
         set: &mut Vec<RowState>,
         rounds: usize,
         proximal: Option<&[f64]>,
-    ) -> Result<(bool, (Vec<f64>, Vec<f64>)), Failure> {
+    ) -> Result<(bool, Increment), Failure> {
         let mut seen = vec![set.clone()];
         let mut one_at_a_time = false;
         for round in 1.. {

@@ -44,6 +44,7 @@ const COLUMNS: &[(&str, &str)] = &[
         "newton_iterations",
         "the Newton iterations of the step, those of attempts that failed and of larger steps that were refused included",
     ),
+    ("factorizations", "the numeric factorizations of the step, counted as its iterations"),
     ("halvings", "how often the step was tried and halved before it was accepted; what is halved untried is not counted"),
     ("active", "the number of closed contact nodes"),
     ("max_penetration", "the largest depth of a node of either side in the other body, point by point [length]"),
