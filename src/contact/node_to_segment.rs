@@ -39,6 +39,9 @@ const SPARE: f64 = 1.0;
 /// facet, and a constraint of a node at a smooth bend would keep the surfaces apart that they bring together.
 const CORNER: f64 = 0.9397;
 
+/// The same, 10 degrees, where the contact itself holds single nodes: no weighted gap sees those of its other side.
+const CORNER_BESIDE_NODES: f64 = 0.985;
+
 /// The same, 2 degrees, for what is a corner in the reference positions: it stays one while the body gives way.
 const BENT: f64 = 0.9994;
 
@@ -73,6 +76,8 @@ pub struct NodeToSegment {
 enum Corners {
     /// Where both sides are bent: in the reference positions, and at the start of the step.
     Bends {
+        /// Cosine of the turn above which they are.
+        cosine: f64,
         /// Corners that are there from the beginning.
         reference: [Vec<bool>; 2],
         /// Those of this step.
@@ -104,13 +109,15 @@ impl NodeToSegment {
     ///
     /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose
     /// distances are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
-    pub fn of_corners(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Option<Self> {
+    pub fn of_corners([secondary, primary]: [&[[u32; 2]]; 2], reference: &[f64], facet_size: f64, is_beside_nodes: bool) -> Option<Self> {
+        let cosine = if is_beside_nodes { CORNER_BESIDE_NODES } else { CORNER };
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
         let both = [&sides.secondary, &sides.primary];
-        let corners = |side: &Surface| side.bends(reference, CORNER).iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
+        let corners = |side: &Surface| side.bends(reference, cosine).iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
         let corners = if both.into_iter().any(corners) {
             Corners::Bends {
-                reference: both.map(|side| side.bends(reference, CORNER)),
+                cosine,
+                reference: both.map(|side| side.bends(reference, cosine)),
                 bent: both.map(|side| vec![true; side.nodes().len()]),
             }
         } else if sides.secondary.is_closed() {
@@ -169,9 +176,9 @@ impl NodeToSegment {
 
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
-        let Some(Corners::Bends { reference, bent }) = &mut self.corners else { return };
+        let Some(Corners::Bends { cosine, reference, bent }) = &mut self.corners else { return };
         for (side, surface) in [&self.sides.secondary, &self.sides.primary].into_iter().enumerate() {
-            let [is_corner, is_bent] = [CORNER, BENT].map(|cosine| surface.bends(q, cosine));
+            let [is_corner, is_bent] = [*cosine, BENT].map(|cosine| surface.bends(q, cosine));
             bent[side] = (0..is_bent.len()).map(|node| is_corner[node] || is_bent[node] && reference[side][node]).collect();
         }
     }

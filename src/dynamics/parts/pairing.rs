@@ -121,7 +121,8 @@ impl Pairing<'_> {
             for (on, against) in cornered(interaction) {
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
                 let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes);
-                if let Some(kernel) = NodeToSegment::of_corners(&seen.secondary, &seen.primary, &seen.reference, size(of)) {
+                let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
+                if let Some(kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), pairs[of].kernel.is_nodal()) {
                     add(of, PairKind::Surfaces, on[0].body, 1.0, seen.on_nodes(Box::new(kernel)));
                 }
             }
