@@ -12,7 +12,7 @@ const FALLING_FAR: f64 = 0.9;
 const LONGER: usize = 3;
 
 /// The part of the least distance from a solution that counts as nearer, and the iterations without coming nearer after which an attempt
-/// is given up: what cycles does so until the last iteration.
+/// is given up: what cycles does so until the last iteration. Fewer lead to other attempts too early, which may find another solution.
 const NEARER: f64 = 0.7;
 const MAX_IDLE: usize = 14;
 
