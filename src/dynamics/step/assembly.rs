@@ -159,6 +159,9 @@ where
     }
 
     fn add_contact_tangent(&mut self, start: &StepStart, at: &mut Linearization) {
+        if self.is_far {
+            return;
+        }
         let clock = Instant::now();
         for (pair, evaluation) in self.pairs.iter().zip(&at.pairs) {
             pair.tangent_into::<D>(evaluation, start.weight(), &mut at.tangent);

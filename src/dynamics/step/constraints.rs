@@ -39,17 +39,26 @@ where
     /// # Errors
     /// The system is singular, or the run was interrupted.
     pub fn solve(&mut self, start: &StepStart, at: &mut Linearization, rows: &ConstraintRows) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+        let mut right = self.write_system(start, at, rows)?;
+        self.solve_with(&at.tangent, &mut right, Instant::now())?;
+        let lambda = right.split_off(right.len() - self.multipliers);
+        Ok((right, lambda))
+    }
+
+    /// Writes Newton's system at an iterate into its tangent; returns the right-hand side.
+    ///
+    /// # Errors
+    /// The tangent cannot be computed.
+    pub fn write_system(&mut self, start: &StepStart, at: &mut Linearization, rows: &ConstraintRows) -> Result<Vec<f64>, Failure> {
         self.complete_tangent(start, at)?;
         let clock = Instant::now();
         let Linearization { forces, pairs, tangent, .. } = at;
         self.write_constraints(pairs, &rows.gradient, &rows.diagonal, start.weight(), |pair| &pair.gradient_bar, tangent);
-        let unknowns = forces.without_contact.len();
         let residual = forces.without_contact.iter().zip(&self.supports.fixed);
         let mut right: Vec<f64> = residual.map(|(r, &fixed)| if fixed { 0.0 } else { -r }).collect();
         right.extend_from_slice(&rows.right);
-        self.solve_with(tangent, &mut right, clock)?;
-        let lambda = right.split_off(unknowns);
-        Ok((right, lambda))
+        self.counters.times.factorization += clock.elapsed();
+        Ok(right)
     }
 }
 
@@ -80,13 +89,6 @@ impl<const D: usize> System<D> {
             pair.constraints_into::<D>(evaluation, active, columns(evaluation), weight, values);
         }
         self.matrix.finish(diagonal, self.nodes.modulus, values);
-    }
-
-    /// Constraint values after an increment `dq`, on the linearization of an iterate.
-    pub fn linearized_gaps(&self, pairs: &[Evaluation], dq: &[f64]) -> Vec<f64> {
-        let mut gaps: Vec<f64> = pairs.iter().flat_map(|pair| pair.gap.iter().copied()).collect();
-        self.for_each_end_gradient(pairs, |_, row, k, gradient| gaps[row] += gradient * dq[k]);
-        gaps
     }
 
     /// Rates `grad Phi_A(q_1).v` of all constraints at an iterate, as seen from obstacles that move.

@@ -14,10 +14,7 @@ const LONGER: usize = 3;
 /// The part of the least distance from a solution that counts as nearer, and the iterations without coming nearer after which an attempt
 /// is given up: what cycles does so until the last iteration. Fewer lead to other attempts too early, which may find another solution.
 const NEARER: f64 = 0.7;
-const MAX_IDLE: usize = 14;
-
-/// Iterations without coming nearer after which increments are taken in part: two linearisations of a kink lead to each other for ever.
-const CYCLING: usize = 10;
+const MAX_IDLE: usize = 8;
 
 /// What an iteration looked like.
 #[derive(Clone, Debug, Default)]
@@ -71,11 +68,6 @@ impl Convergence {
     /// Nothing is known yet of an attempt of that many iterations; a patient one takes them all.
     pub fn new(most: usize, is_patient: bool) -> Self {
         Convergence { most, is_patient, last_energy: f64::INFINITY, nearest: f64::INFINITY, idle: 0, is_limited: false }
-    }
-
-    /// Whether iterates come no nearer.
-    pub fn is_cycling(&self) -> bool {
-        self.idle >= CYCLING
     }
 
     /// Judges an iterate; not before the iteration `at_least` is it a solution.

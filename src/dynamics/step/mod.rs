@@ -1,5 +1,6 @@
 //! One step of a model: its equations, their linearization at an iterate as a value, Newton's method, contact conditions, prediction.
 
+pub mod active_set;
 pub mod assembly;
 pub mod attempts;
 pub mod conditions;
@@ -9,6 +10,7 @@ pub mod convergence;
 pub mod counters;
 pub mod failure;
 pub mod foresight;
+pub mod frozen;
 pub mod iterate;
 pub mod large_motion;
 pub mod matrix;

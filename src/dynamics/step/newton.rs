@@ -65,16 +65,12 @@ pub struct Task<'a> {
     pub interrupted: &'a dyn Fn() -> bool,
 }
 
-/// Sets that the inner loop tries on one linearisation: a solution is found within a few, or not at all, and then the next linearisation
-/// is worth more than a further set.
-/// Where nothing else can be tried it takes its time.
-const MAX_INNER: usize = 10;
-const MAX_PATIENT_INNER: usize = 20;
+/// Growth of the limit of increments after one that was limited and did what the linearisation says, and the largest limit over the first.
+const GROWTH: f64 = 4.0;
+const LARGEST_LIMIT: f64 = 10.0;
 
-/// Proximal term of a multiplier over the compliance of its own node: small enough for few more iterations, large enough against what the
-/// neighbours' gradients lack to be independent. Where that is not enough, the next iteration has ten times as much, up to the largest.
-const PROXIMAL: f64 = 0.1;
-const LARGEST_PROXIMAL: f64 = 10.0;
+/// Increment over the first limit beyond which the next linearisation leaves out how contact forces turn with the surfaces.
+const FAR: f64 = 2.0;
 
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
@@ -97,6 +93,7 @@ where
         system.set_correction(correction);
         outcome = attempt(system, task, strategy, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
         system.set_correction(Correction::default());
+        system.is_far = false;
         match &mut outcome {
             Ok(solution) => solution.preferred = task.preferred.after(index),
             Err(_) => system.counters.discarded += system.counters.factorizations - before,
@@ -111,20 +108,23 @@ where
 }
 
 /// An increment of the positions, and the multipliers that go with it.
-type Increment = (Vec<f64>, Vec<f64>);
+pub(super) type Increment = (Vec<f64>, Vec<f64>);
 
 /// An attempt that goes on.
-struct Attempt<'a, const D: usize> {
-    system: &'a mut System<D>,
-    task: &'a Task<'a>,
+pub(super) struct Attempt<'a, const D: usize> {
+    pub(super) system: &'a mut System<D>,
+    pub(super) task: &'a Task<'a>,
     /// Constraints that sit out the step.
-    dropped: Vec<bool>,
+    pub(super) dropped: Vec<bool>,
     /// The active set of the last iteration.
     active: Vec<RowState>,
-    /// Largest component of an increment that is taken whole.
+    /// Largest component of an increment that is taken whole, now and at first.
     limit: f64,
+    first_limit: f64,
+    /// The part of the last increment that was taken.
+    taken: f64,
     /// Proximal term of the multipliers over the compliance of their nodes, where no set solved the last linearisation without one.
-    proximal: Option<f64>,
+    pub(super) proximal: Option<f64>,
 }
 
 /// Solves one step in one way; `trace` tells its course.
@@ -142,14 +142,17 @@ where
     let members = &task.conditions.members;
     let lambda: Vec<f64> = task.lambda.iter().zip(members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
     let facet = system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min);
+    let limit = match strategy {
+        Strategy::InnerLoop => facet * tolerances::STEP_LIMIT,
+        Strategy::Backtracking => f64::INFINITY,
+    };
     let mut attempt = Attempt {
         dropped: members.iter().map(|member| !member).collect(),
         active: vec![RowState::Open; system.multipliers],
+        limit,
+        first_limit: limit,
+        taken: 1.0,
         proximal: None,
-        limit: match strategy {
-            Strategy::InnerLoop => facet * tolerances::STEP_LIMIT,
-            Strategy::Backtracking => f64::INFINITY,
-        },
         system,
         task,
     };
@@ -182,7 +185,7 @@ where
         let (mut set, increment, new_lambda);
         set = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
         (increment, new_lambda) = match strategy {
-            Strategy::InnerLoop => attempt.inner_loop(&mut at, &mut set)?,
+            Strategy::InnerLoop => attempt.finish_set(&mut at, &mut set)?,
             Strategy::Backtracking => {
                 let rows = constraint_rows(attempt.system, &at, task.conditions, &set);
                 attempt.system.solve(task.start, &mut at, &rows)?
@@ -191,9 +194,10 @@ where
         record.changed = (0..set.len()).filter(|&row| set[row] != attempt.active[row]).collect();
         record.active = set.iter().filter(|row| row.is_closed()).count();
         attempt.active = set;
+        attempt.adapt_limit(trace.iterations.last(), &record);
         trace.iterations.push(record);
         convergence.is_limited = largest_size(&increment) > attempt.limit;
-        let searches = strategy == Strategy::Backtracking || (convergence.is_cycling() && !task.is_patient);
+        let searches = strategy == Strategy::Backtracking;
         at = attempt.moved(searches, at, &increment, &new_lambda, &mut trace.q_1)?;
     }
     Err(Failure::Iterations)
@@ -212,6 +216,16 @@ where
         let (q_1, moved) = (at.q_1.clone(), at.moved.clone());
         self.system.recycle(at);
         self.system.linearize(self.task.start, &q_1, &moved, &lambda)
+    }
+
+    /// Lets increments be longer where the last one, of which a part was taken, reduced what is missing as much as that part should,
+    /// and shorter again where it did not.
+    fn adapt_limit(&mut self, last: Option<&Iteration>, now: &Iteration) {
+        let Some(last) = last.filter(|_| self.taken < 1.0) else { return };
+        let expected = 1.0 - 0.5 * self.taken;
+        let is_right = now.residual <= expected * last.residual && now.violation <= expected * last.violation;
+        let limit = if is_right { self.limit * GROWTH } else { self.limit / GROWTH };
+        self.limit = limit.clamp(self.first_limit, LARGEST_LIMIT * self.first_limit);
     }
 
     /// The next iterate, by the limited increment or by the part of it that backtracking finds, whose positions `q_1` tells even where
@@ -234,9 +248,9 @@ where
             [by_increment(&at.q_1), by_increment(&at.moved), multipliers]
         };
         let first = if largest > self.limit { self.limit / largest } else { 1.0 };
+        (self.taken, self.system.is_far) = (first, largest > FAR * self.first_limit);
         if !searches {
-            let alpha = first;
-            let [q, moved, lambda] = moved_to(&at, alpha);
+            let [q, moved, lambda] = moved_to(&at, first);
             self.system.recycle(at);
             *q_1 = q;
             return self.system.linearize(self.task.start, q_1, &moved, &lambda);
@@ -307,104 +321,6 @@ where
         let small = task.tolerance * task.energy.max(forces.internal_work.abs());
         record.energy = momentum.max(work.abs() + contact_work.abs()) / small;
         record
-    }
-
-    /// Solves the frozen linearisation together with its set: active nodes that pull leave, inactive nodes that would overlap enter.
-    ///
-    /// Where nodes are covered in part or secondary facets are much finer than primary ones, gradients of neighbours all but depend on one
-    /// another, and no set may solve it. Then multipliers get a proximal term (Rockafellar, SIAM J. Control Optim. 14, 1976): it makes the
-    /// conditions solvable, and nothing is left of it where multipliers do not change any more.
-    fn inner_loop(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<Increment, Failure> {
-        let begun = set.clone();
-        let rounds = match self.proximal {
-            _ if self.task.is_patient => MAX_PATIENT_INNER,
-            Some(_) => 1,
-            None => MAX_INNER,
-        };
-        let (is_solved, solution) = self.find_set(at, set, rounds, None)?;
-        if is_solved {
-            self.proximal = None;
-            return Ok(solution);
-        }
-        *set = begun;
-        let factor = self.proximal.unwrap_or(PROXIMAL);
-        let terms = self.proximal_terms(at, factor);
-        let (is_solved, solution) = self.find_set(at, set, MAX_INNER, Some(&terms))?;
-        self.proximal = Some(if is_solved { PROXIMAL } else { (10.0 * factor).min(LARGEST_PROXIMAL) });
-        Ok(solution)
-    }
-
-    /// Changes a set, some rounds long, until it solves the frozen linearisation; whether it does, and the last solution.
-    fn find_set(
-        &mut self,
-        at: &mut Linearization,
-        set: &mut Vec<RowState>,
-        rounds: usize,
-        proximal: Option<&[f64]>,
-    ) -> Result<(bool, Increment), Failure> {
-        let mut seen = vec![set.clone()];
-        let mut one_at_a_time = false;
-        for round in 1.. {
-            let mut rows = constraint_rows(self.system, at, self.task.conditions, set);
-            if let Some(terms) = proximal {
-                rows.add_proximal(terms, &at.lambda);
-            }
-            let (increment, new_lambda) = self.system.solve(self.task.start, at, &rows)?;
-            let mut gaps = self.system.linearized_gaps(&at.pairs, &increment);
-            if let Some(terms) = proximal {
-                gaps.iter_mut().zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
-            }
-            let (mut next, worst) = self.next_set(at, set, &gaps, &new_lambda);
-            if next == *set || round == rounds {
-                return Ok((next == *set, (increment, new_lambda)));
-            }
-            one_at_a_time |= seen.contains(&next);
-            if one_at_a_time {
-                next.clone_from(set);
-                // Without a worst one, what would change is round-off.
-                let Some(worst) = worst else { return Ok((true, (increment, new_lambda))) };
-                next[worst] = set[worst].switched();
-                if seen.contains(&next) {
-                    return Ok((false, (increment, new_lambda)));
-                }
-            }
-            seen.push(next.clone());
-            *set = next;
-        }
-        unreachable!("the last round returns")
-    }
-
-    /// Weighted gap per change of the multiplier of every row: a part of what the row's own node gives way by.
-    fn proximal_terms(&self, at: &Linearization, factor: f64) -> Vec<f64> {
-        let mut terms = self.system.row_stiffness(self.task.start);
-        for (pair, evaluation) in pairs_at(self.system, at) {
-            for (term, coverage) in terms[pair.rows.clone()].iter_mut().zip(&evaluation.coverage) {
-                *term = factor * coverage * coverage / *term;
-            }
-        }
-        terms
-    }
-
-    /// The set that the solution of Newton's system asks for, and the constraint that asks most.
-    fn next_set(&self, at: &Linearization, set: &[RowState], gaps: &[f64], lambda: &[f64]) -> (Vec<RowState>, Option<usize>) {
-        let mut next = set.to_vec();
-        let (mut largest, mut worst) = (0.0, None);
-        for (pair, evaluation) in pairs_at(self.system, at).filter(|(pair, _)| !pair.equality && pair.has_multipliers()) {
-            for row in pair.rows.clone().filter(|&row| !self.dropped[row] && has_row(pair, evaluation, row - pair.rows.start)) {
-                let violation = if set[row].is_closed() {
-                    -lambda[row] / pair.c
-                } else {
-                    self.task.conditions.targets[row] - gaps[row] - tolerances::CLEARLY * pair.gap_tolerance
-                };
-                if violation > 0.0 || (set[row].is_closed() && lambda[row] <= 0.0) {
-                    next[row] = set[row].switched();
-                    if violation > largest {
-                        (largest, worst) = (violation, Some(row));
-                    }
-                }
-            }
-        }
-        (next, worst)
     }
 
     /// Size of residual and contact violation, for the line search: forces and multipliers times facet size.

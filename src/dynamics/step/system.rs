@@ -56,6 +56,9 @@ pub struct System<const D: usize> {
     pub spare: Spare,
     /// What the next step takes over from the ones before, as it was asked for last.
     search: Arc<SearchHistory>,
+    /// Whether an iterate is so far from a solution that tangents leave out how contact forces turn with the surfaces: with multipliers
+    /// that do not belong to its positions that is no stiffness, and may make the matrix all but singular.
+    pub is_far: bool,
     pub workers: Workers,
 }
 
@@ -108,6 +111,7 @@ where
             counters: Counters::default(),
             spare: Spare::default(),
             search: Arc::default(),
+            is_far: false,
             workers,
         };
         system.place();

@@ -1,0 +1,141 @@
+//! The set of active rows, finished on the frozen linearisation of one iteration.
+
+use super::contact_set::{constraint_rows, has_row, pairs_at};
+use super::failure::Failure;
+use super::frozen::{Frozen, RowValues};
+use super::iterate::Linearization;
+use super::newton::{Attempt, Increment};
+use crate::bodies::{Elements, Space};
+use crate::dynamics::parts::contact_pair::RowState;
+use crate::math::tolerances;
+
+/// Sets that are tried on one linearisation: a solution is found within some, or not at all, and then the next linearisation is worth more
+/// than a further set.
+const MAX_SETS: usize = 30;
+
+/// Proximal term of a multiplier over the compliance of its own node: small enough for few more iterations, large enough against what the
+/// neighbours' gradients lack to be independent.
+const PROXIMAL: f64 = 0.1;
+
+/// Where that is not enough, the next iteration has so many times as much, up to the largest; where it is, so many times less, because
+/// multipliers come near their values only as fast as the term lets them.
+const MORE_PROXIMAL: f64 = 10.0;
+const LESS_PROXIMAL: f64 = 3.0;
+const LARGEST_PROXIMAL: f64 = 10.0;
+
+impl<const D: usize> Attempt<'_, D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Solves the frozen linearisation together with its set: active nodes that pull leave, inactive nodes that would overlap enter.
+    ///
+    /// Where nodes are covered in part or secondary facets are much finer than primary ones, gradients of neighbours all but depend on one
+    /// another, and no set may solve it. Then multipliers get a proximal term (Rockafellar, SIAM J. Control Optim. 14, 1976): it makes the
+    /// conditions solvable, and nothing is left of it where multipliers do not change any more.
+    pub(super) fn finish_set(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<Increment, Failure> {
+        let begun = set.clone();
+        let most = if self.proximal.is_some() && !self.task.is_patient { 1 } else { MAX_SETS };
+        let (is_solved, solution) = self.find_set(at, set, most, None)?;
+        if is_solved {
+            self.proximal = None;
+            return Ok(solution);
+        }
+        *set = begun;
+        let factor = self.proximal.unwrap_or(PROXIMAL);
+        let terms = self.proximal_terms(at, factor);
+        let (is_solved, solution) = self.find_set(at, set, MAX_SETS, Some(&terms))?;
+        self.proximal = Some(if is_solved { factor / LESS_PROXIMAL } else { (MORE_PROXIMAL * factor).min(LARGEST_PROXIMAL) });
+        Ok(solution)
+    }
+
+    /// Changes a set until it solves the frozen linearisation, with at most so many sets; whether it does, and the last solution.
+    fn find_set(
+        &mut self,
+        at: &mut Linearization,
+        set: &mut Vec<RowState>,
+        most: usize,
+        proximal: Option<&[f64]>,
+    ) -> Result<(bool, Increment), Failure> {
+        let (mut seen, mut frozen): (_, Option<Frozen>) = (vec![set.clone()], None);
+        let mut one_at_a_time = false;
+        let is_solved = loop {
+            let RowValues { gaps, lambda } = self.rows_of(at, set, proximal, &mut frozen)?;
+            let (mut next, worst) = self.next_set(at, set, &gaps, &lambda);
+            if next == *set || seen.len() == most {
+                break next == *set;
+            }
+            one_at_a_time |= seen.contains(&next);
+            if one_at_a_time {
+                // Without a worst one, what would change is round-off.
+                let Some(worst) = worst else { break true };
+                next.clone_from(set);
+                next[worst] = set[worst].switched();
+                if seen.contains(&next) {
+                    break false;
+                }
+            }
+            seen.push(next.clone());
+            *set = next;
+        };
+        let frozen = frozen.expect("the first set makes it");
+        Ok((is_solved, self.system.thaw(frozen, self.task.start, at)?))
+    }
+
+    /// Weighted gaps and multipliers after the increment that solves the frozen linearisation with a set: by what is frozen, or anew.
+    fn rows_of(
+        &mut self,
+        at: &mut Linearization,
+        set: &[RowState],
+        proximal: Option<&[f64]>,
+        frozen: &mut Option<Frozen>,
+    ) -> Result<RowValues, Failure> {
+        let mut rows = constraint_rows(self.system, at, self.task.conditions, set);
+        if let Some(terms) = proximal {
+            rows.add_proximal(terms, &at.lambda);
+        }
+        let known = frozen.as_mut().and_then(|frozen| self.system.rows_with(frozen, self.task.start, at, &rows));
+        let mut values = match known {
+            Some(values) => values,
+            None => frozen.insert(self.system.freeze(self.task.start, at, &rows)?).base().clone(),
+        };
+        let evaluated = at.pairs.iter().flat_map(|pair| &pair.gap);
+        values.gaps.iter_mut().zip(evaluated).for_each(|(change, gap)| *change += gap);
+        if let Some(terms) = proximal {
+            values.gaps.iter_mut().zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
+        }
+        Ok(values)
+    }
+
+    /// Weighted gap per change of the multiplier of every row: a part of what the row's own node gives way by.
+    fn proximal_terms(&self, at: &Linearization, factor: f64) -> Vec<f64> {
+        let mut terms = self.system.row_stiffness(self.task.start);
+        for (pair, evaluation) in pairs_at(self.system, at) {
+            for (term, coverage) in terms[pair.rows.clone()].iter_mut().zip(&evaluation.coverage) {
+                *term = factor * coverage * coverage / *term;
+            }
+        }
+        terms
+    }
+
+    /// The set that the solution of Newton's system asks for, and the constraint that asks most.
+    fn next_set(&self, at: &Linearization, set: &[RowState], gaps: &[f64], lambda: &[f64]) -> (Vec<RowState>, Option<usize>) {
+        let mut next = set.to_vec();
+        let (mut largest, mut worst) = (0.0, None);
+        for (pair, evaluation) in pairs_at(self.system, at).filter(|(pair, _)| !pair.equality && pair.has_multipliers()) {
+            for row in pair.rows.clone().filter(|&row| !self.dropped[row] && has_row(pair, evaluation, row - pair.rows.start)) {
+                let violation = if set[row].is_closed() {
+                    -lambda[row] / pair.c
+                } else {
+                    self.task.conditions.targets[row] - gaps[row] - tolerances::CLEARLY * pair.gap_tolerance
+                };
+                if violation > 0.0 || (set[row].is_closed() && lambda[row] <= 0.0) {
+                    next[row] = set[row].switched();
+                    if violation > largest {
+                        (largest, worst) = (violation, Some(row));
+                    }
+                }
+            }
+        }
+        (next, worst)
+    }
+}

@@ -1,0 +1,164 @@
+//! Newton's system of one iterate, factorised with one set of active rows and solved with others that differ from it in some rows.
+//!
+//! With `A` the matrix of the set in the factors, `x_A` its solution, an open row `r` that closes brings its multiplier `lambda_r` as an
+//! unknown, a closed row `s` that opens a slack `t_s`, by which its equation is missed:
+//!
+//! ```text
+//! x = x_A + sum_r lambda_r A^-1 (w Gbar_r + e_r) + sum_s t_s A^-1 e_s,   (G_r dq + d_r lambda_r)(x) = right_r,   lambda_s(x) = 0
+//! ```
+//!
+//! One substitution for every row that ever changes, and a small system, in place of a factorisation for every set (principal pivoting;
+//! Cottle, Pang and Stone 1992, chapter 4).
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::constraints::ConstraintRows;
+use super::failure::Failure;
+use super::iterate::Linearization;
+use super::start::StepStart;
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
+
+/// Rows that may change before the matrix is factorised with another set: each costs a substitution.
+const MOST_CHANGES: usize = 64;
+
+/// Newton's system of one iterate with a set of active rows in its factors.
+pub struct Frozen {
+    /// Rows that are in the factors.
+    closed: Vec<bool>,
+    /// Right-hand side and solution with that set.
+    right: Vec<f64>,
+    solution: Vec<f64>,
+    /// What all rows are there.
+    base: RowValues,
+    /// What all rows answer to a unit of what a changed row brings.
+    answers: BTreeMap<usize, RowValues>,
+    /// How much of it there is with the present set.
+    amounts: Vec<(usize, f64)>,
+}
+
+impl Frozen {
+    /// The rows with the set in the factors.
+    pub fn base(&self) -> &RowValues {
+        &self.base
+    }
+}
+
+/// What a solution makes of the rows.
+#[derive(Clone, Debug)]
+pub struct RowValues {
+    /// Linear part of the weighted gaps, `G_1 dq`.
+    pub gaps: Vec<f64>,
+    /// Multipliers.
+    pub lambda: Vec<f64>,
+}
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Factorises Newton's system of an iterate with the rows of a set, and solves it.
+    ///
+    /// # Errors
+    /// The system is singular, or the run was interrupted.
+    pub fn freeze(&mut self, start: &StepStart, at: &mut Linearization, rows: &ConstraintRows) -> Result<Frozen, Failure> {
+        let right = self.write_system(start, at, rows)?;
+        let mut solution = right.clone();
+        self.solve_with(&at.tangent, &mut solution, Instant::now())?;
+        let base = self.row_values(&at.pairs, &solution);
+        Ok(Frozen { closed: rows.gradient.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
+    }
+
+    fn row_values(&self, pairs: &[Evaluation], solution: &[f64]) -> RowValues {
+        let (increment, lambda) = solution.split_at(solution.len() - self.multipliers);
+        let mut gaps = vec![0.0; self.multipliers];
+        self.for_each_end_gradient(pairs, |_, row, k, gradient| gaps[row] += gradient * increment[k]);
+        RowValues { gaps, lambda: lambda.to_vec() }
+    }
+
+    /// Adds to a right-hand side what a changed row brings.
+    fn add_brought(&self, frozen: &Frozen, weight: f64, pairs: &[Evaluation], amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
+        let unknowns = right.len() - self.multipliers;
+        for (&row, amount) in amounts {
+            right[unknowns + row] += amount;
+        }
+        for (pair, evaluation) in self.pairs.iter().zip(pairs).filter(|(pair, _)| amounts.range(pair.rows.clone()).next().is_some()) {
+            for row in pair.live_rows(evaluation) {
+                let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.closed[row.row]) else { continue };
+                let gradient = &evaluation.gradient_bar[row.gradient];
+                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                    for i in 0..D {
+                        let unknown = node as usize * D + i;
+                        if !self.supports.fixed[unknown] {
+                            right[unknown] += amount * weight * gradient[i];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn substitute(&mut self, values: &[f64], right: &mut [f64]) -> Result<(), Failure> {
+        let clock = Instant::now();
+        let outcome = self.matrix.factorization.solve(values, right);
+        self.counters.times.solve += clock.elapsed();
+        outcome.map(drop).map_err(Failure::Linear)
+    }
+
+    /// The rows with another set, whose equations are `rows`; nothing where the system should be factorised with that set instead.
+    pub fn rows_with(&mut self, frozen: &mut Frozen, start: &StepStart, at: &Linearization, rows: &ConstraintRows) -> Option<RowValues> {
+        let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.gradient[row] != frozen.closed[row]).collect();
+        let fresh: Vec<usize> = changed.iter().copied().filter(|row| !frozen.answers.contains_key(row)).collect();
+        if frozen.answers.len() + fresh.len() > MOST_CHANGES {
+            return None;
+        }
+        for row in fresh {
+            let mut right = vec![0.0; frozen.right.len()];
+            self.add_brought(frozen, start.weight(), &at.pairs, &BTreeMap::from([(row, 1.0)]), &mut right);
+            self.substitute(&at.tangent, &mut right).ok()?;
+            frozen.answers.insert(row, self.row_values(&at.pairs, &right));
+        }
+        // What a changed row must have: the equation of one that closes, no multiplier of one that opens.
+        let of = |row: usize, values: &RowValues| {
+            if frozen.closed[row] { values.lambda[row] } else { values.gaps[row] + rows.diagonal[row] * values.lambda[row] }
+        };
+        let matrix = DMatrix::from_fn(changed.len(), changed.len(), |i, j| of(changed[i], &frozen.answers[&changed[j]]));
+        let wanted = |row: usize| if frozen.closed[row] { 0.0 } else { rows.right[row] };
+        let right = DVector::from_iterator(changed.len(), changed.iter().map(|&row| wanted(row) - of(row, &frozen.base)));
+        let amounts = matrix.lu().solve(&right).filter(|amounts| amounts.iter().all(|amount| amount.is_finite()))?;
+        frozen.amounts = changed.iter().copied().zip(amounts.iter().copied()).collect();
+        let mut values = frozen.base.clone();
+        for (row, amount) in &frozen.amounts {
+            let answer = &frozen.answers[row];
+            values.gaps.iter_mut().zip(&answer.gaps).for_each(|(value, answer)| *value += amount * answer);
+            values.lambda.iter_mut().zip(&answer.lambda).for_each(|(value, answer)| *value += amount * answer);
+        }
+        // Open rows have no multiplier, not one of round-off.
+        values.lambda.iter_mut().zip(&rows.gradient).filter(|(_, closed)| !**closed).for_each(|(lambda, _)| *lambda = 0.0);
+        Some(values)
+    }
+
+    /// The increment and the multipliers with the set that was asked for last.
+    ///
+    /// # Errors
+    /// The system is singular.
+    pub fn thaw(&mut self, frozen: Frozen, start: &StepStart, at: &Linearization) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+        let amounts: BTreeMap<usize, f64> = frozen.amounts.iter().copied().collect();
+        let mut solution;
+        if amounts.is_empty() {
+            solution = frozen.solution;
+        } else {
+            solution = frozen.right.clone();
+            self.add_brought(&frozen, start.weight(), &at.pairs, &amounts, &mut solution);
+            self.substitute(&at.tangent, &mut solution)?;
+            let unknowns = solution.len() - self.multipliers;
+            amounts.keys().filter(|&&row| frozen.closed[row]).for_each(|row| solution[unknowns + row] = 0.0);
+        }
+        let lambda = solution.split_off(solution.len() - self.multipliers);
+        Ok((solution, lambda))
+    }
+}
