@@ -74,4 +74,26 @@ impl PairSearch {
         }
         deepest
     }
+
+    /// How far facets of both sides that cross at `q` have come through each other: the least distance of an end of one of them from the
+    /// other, over the longer of the two. Where a node has entered the other body that is at most its depth; where corners have passed
+    /// through each other no node is inside.
+    pub fn crossing(&self, sides: &Sides, q: &[f64]) -> f64 {
+        let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
+        let mut worst = 0.0f64;
+        for &[own, other] in self.candidates.pairs() {
+            let (own, other) = (sides.secondary.facets()[own as usize], sides.primary.facets()[other as usize]);
+            let seen = own.map(|node| Seen::new(node, other, q));
+            if seen[0].gap * seen[1].gap >= 0.0 {
+                continue;
+            }
+            let back = other.map(|node| Seen::new(node, own, q));
+            if back[0].gap * back[1].gap < 0.0 {
+                let least = seen.iter().chain(&back).map(|seen| seen.distance).fold(f64::INFINITY, f64::min);
+                let length = |[a, b]: [u32; 2]| (at(b)[0] - at(a)[0]).hypot(at(b)[1] - at(a)[1]);
+                worst = worst.max(least / length(own).max(length(other)));
+            }
+        }
+        worst
+    }
 }

@@ -183,9 +183,19 @@ pub trait ContactKernel: Send + Sync {
     /// weighted gap `[length^2]`).
     fn gap(&self, q: &[f64]) -> Vec<f64>;
 
+    /// Slack of the constraint of every row in this step, over that of the pair.
+    fn slacks(&self) -> Vec<f64> {
+        vec![1.0; self.weights().len()]
+    }
+
     /// Largest depth of a node of either side in the other body at `q` `[length]`, point by point, among what takes part; 0 where none is.
     fn deepest(&self, q: &[f64]) -> f64 {
         self.search().map_or(0.0, |search| search.deepest(self.sides(), q))
+    }
+
+    /// How far facets of both sides that cross at `q` have come through each other, in facets; 0 where none do.
+    fn crossing(&self, q: &[f64]) -> f64 {
+        self.search().map_or(0.0, |search| search.crossing(self.sides(), q))
     }
 
     /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.

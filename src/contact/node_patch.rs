@@ -22,6 +22,8 @@ pub struct Start {
     pub pocket: Option<[[u32; 2]; 2]>,
     /// The round surface about the point, with the facet that it is opposite; otherwise the point is one of a surface.
     pub round: Option<Round>,
+    /// Slack of its constraint over that of the pair.
+    pub slack: f64,
 }
 
 /// A rigid disk opposite a single facet.

@@ -35,9 +35,14 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Cosine of the turn of a surface above which it has a corner, 20 degrees: weighted gaps hold blunter bends to a tenth of the coarser
-/// facet, and a constraint of a node at a smooth bend would keep the surfaces apart that they bring together.
+/// Cosine of the turn of a surface above which it has a corner, 20 degrees: a constraint of a node at a smooth bend would keep the surfaces
+/// apart that weighted gaps bring together.
 const CORNER: f64 = 0.9397;
+
+/// The same for a bend that weighted gaps let in too far where another one lies opposite, 12 degrees: two of 20 meet with a depth of a
+/// seventh of a facet. Their constraints leave alone what weighted gaps let in at one of them, so that smooth answers are as they were.
+const BEND: f64 = 0.978;
+const BEND_SLACK: f64 = 3.5;
 
 /// The same, 10 degrees, where the contact itself holds single nodes: no weighted gap sees those of its other side.
 const CORNER_BESIDE_NODES: f64 = 0.985;
@@ -74,17 +79,41 @@ pub struct NodeToSegment {
 /// Which nodes count as corners.
 #[derive(Clone, Debug)]
 enum Corners {
-    /// Where both sides are bent: in the reference positions, and at the start of the step.
-    Bends {
-        /// Cosine of the turn above which they are.
-        cosine: f64,
-        /// Corners that are there from the beginning.
-        reference: [Vec<bool>; 2],
-        /// Those of this step.
-        bent: [Vec<bool>; 2],
-    },
+    /// Where both sides are bent, sharply or bluntly.
+    Bends { sharp: Bends, blunt: Bends },
     /// These points of the secondary side.
     Points(Vec<bool>),
+}
+
+/// Where the sides are bent, in the reference positions and at the start of the step.
+#[derive(Clone, Debug)]
+struct Bends {
+    /// Cosine of the turn above which they are.
+    cosine: f64,
+    /// Bends that are there from the beginning.
+    reference: [Vec<bool>; 2],
+    /// Those of this step.
+    now: [Vec<bool>; 2],
+}
+
+impl Bends {
+    fn new(sides: [&Surface; 2], reference: &[f64], cosine: f64) -> Self {
+        let bends = sides.map(|side| side.bends(reference, cosine));
+        Bends { cosine, now: bends.clone(), reference: bends }
+    }
+
+    fn find(&mut self, sides: [&Surface; 2], q: &[f64]) {
+        for (side, surface) in sides.into_iter().enumerate() {
+            let [is_corner, is_bent] = [self.cosine, BENT].map(|cosine| surface.bends(q, cosine));
+            self.now[side] = (0..is_bent.len()).map(|node| is_corner[node] || is_bent[node] && self.reference[side][node]).collect();
+        }
+    }
+
+    /// Whether a point is at one, or some facets of the other side are.
+    fn are_at(&self, point: usize, facets: &[u32], other: &Surface) -> bool {
+        let [own, others] = &self.now;
+        own[point] || facets.iter().any(|&facet| other.local_facets()[facet as usize].iter().any(|&node| others[node as usize]))
+    }
 }
 
 impl NodeToSegment {
@@ -110,16 +139,13 @@ impl NodeToSegment {
     /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose
     /// distances are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
     pub fn of_corners([secondary, primary]: [&[[u32; 2]]; 2], reference: &[f64], facet_size: f64, is_beside_nodes: bool) -> Option<Self> {
-        let cosine = if is_beside_nodes { CORNER_BESIDE_NODES } else { CORNER };
+        let cosines = if is_beside_nodes { [CORNER_BESIDE_NODES; 2] } else { [CORNER, BEND] };
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
         let both = [&sides.secondary, &sides.primary];
-        let corners = |side: &Surface| side.bends(reference, cosine).iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
-        let corners = if both.into_iter().any(corners) {
-            Corners::Bends {
-                cosine,
-                reference: both.map(|side| side.bends(reference, cosine)),
-                bent: both.map(|side| vec![true; side.nodes().len()]),
-            }
+        let [sharp, blunt] = cosines.map(|cosine| Bends::new(both, reference, cosine));
+        let within = |(side, bends): (&Surface, &Vec<bool>)| bends.iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
+        let corners = if both.into_iter().zip(&blunt.reference).any(within) {
+            Corners::Bends { sharp, blunt }
         } else if sides.secondary.is_closed() {
             return None;
         } else {
@@ -176,22 +202,21 @@ impl NodeToSegment {
 
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
-        let Some(Corners::Bends { cosine, reference, bent }) = &mut self.corners else { return };
-        for (side, surface) in [&self.sides.secondary, &self.sides.primary].into_iter().enumerate() {
-            let [is_corner, is_bent] = [*cosine, BENT].map(|cosine| surface.bends(q, cosine));
-            bent[side] = (0..is_bent.len()).map(|node| is_corner[node] || is_bent[node] && reference[side][node]).collect();
-        }
+        let Some(Corners::Bends { sharp, blunt }) = &mut self.corners else { return };
+        let sides = [&self.sides.secondary, &self.sides.primary];
+        sharp.find(sides, q);
+        blunt.find(sides, q);
     }
 
-    /// Whether a point has a constraint beside these facets in this step.
-    fn has_constraint(&self, point: usize, facets: &[u32]) -> bool {
+    /// Slack of the constraint that a point has beside these facets in this step, over that of a corner; nothing where it has none.
+    fn slack_beside(&self, point: usize, facets: &[u32]) -> Option<f64> {
+        let primary = &self.sides.primary;
         match &self.corners {
-            None => true,
-            Some(Corners::Points(points)) => points[point],
-            Some(Corners::Bends { bent: [own, others], .. }) => {
-                let primary = self.sides.primary.local_facets();
-                own[point] || facets.iter().any(|&facet| primary[facet as usize].iter().any(|&node| others[node as usize]))
+            Some(Corners::Points(points)) if !points[point] => None,
+            Some(Corners::Bends { sharp, blunt }) if !sharp.are_at(point, facets, primary) => {
+                blunt.are_at(point, facets, primary).then_some(BEND_SLACK)
             }
+            _ => Some(1.0),
         }
     }
 
@@ -239,7 +264,8 @@ impl NodeToSegment {
             self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, &normals, outlook)
         };
         let mut admitted: Vec<u32> = self.facets[p].iter().copied().filter(|&facet| is_admitted(facet)).collect();
-        if !self.has_constraint(point, &admitted) {
+        let slack = self.slack_beside(point, &admitted);
+        if slack.is_none() {
             admitted.clear();
         }
         let mut closest = with_neighbors(primary, &admitted);
@@ -259,7 +285,7 @@ impl NodeToSegment {
             }));
         }
         let closest = facets.iter().map(|facet| closest.binary_search(facet).is_ok()).collect();
-        Start { places, chain: Chain::new(chain), closest, ..Start::default() }
+        Start { places, chain: Chain::new(chain), closest, slack: slack.unwrap_or(1.0), ..Start::default() }
     }
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
@@ -337,7 +363,7 @@ impl ContactKernel for NodeToSegment {
                         .zip(&start.closest)
                         .any(|(local, &closest)| closest && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
                 });
-                !was && self.has_constraint(point, &[facet]) && self.admits(point, facet, &self.normals(point, q_0), &outlook)
+                !was && self.slack_beside(point, &[facet]).is_some() && self.admits(point, facet, &self.normals(point, q_0), &outlook)
             }
         })
     }
@@ -375,6 +401,14 @@ impl ContactKernel for NodeToSegment {
 
     fn start_gap(&self) -> Vec<f64> {
         node_patch::start_gaps(&self.sides, &self.start)
+    }
+
+    fn slacks(&self) -> Vec<f64> {
+        let mut slacks = vec![1.0; self.sides.weights.len()];
+        for (p, start) in self.start.iter().enumerate() {
+            self.sides.patches.rows(p).iter().for_each(|&row| slacks[row as usize] = start.slack);
+        }
+        slacks
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

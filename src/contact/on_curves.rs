@@ -322,6 +322,16 @@ impl ContactKernel for OnCurves {
         self.inner.deepest(&self.points.points(q))
     }
 
+    fn slacks(&self) -> Vec<f64> {
+        let weights = self.inner.weights();
+        let weighted: Vec<f64> = weights.iter().zip(self.inner.slacks()).map(|(weight, slack)| weight * slack).collect();
+        self.gathered(&weighted).iter().zip(&self.sides.weights).map(|(weighted, weight)| weighted / weight).collect()
+    }
+
+    fn crossing(&self, q: &[f64]) -> f64 {
+        self.inner.crossing(&self.points.points(q))
+    }
+
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.weights.len()];
         self.cover(&self.inner.coverage(&self.points.points(q)), &mut sums);

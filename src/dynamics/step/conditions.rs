@@ -72,8 +72,8 @@ impl<const D: usize> System<D> {
     /// Weighted gaps of closed constraints: zero, but for corners.
     pub fn closed_gaps(&self) -> Vec<f64> {
         let of = |pair: &ContactPair| -> Vec<f64> {
-            let slack = pair.corners.map_or(0.0, |corners| corners.slack);
-            pair.kernel.weights().iter().map(|weight| -slack * weight).collect()
+            let Some(corners) = pair.corners else { return vec![0.0; pair.kernel.weights().len()] };
+            pair.kernel.weights().iter().zip(pair.kernel.slacks()).map(|(weight, slack)| -corners.slack * slack * weight).collect()
         };
         self.pairs.iter().flat_map(of).collect()
     }

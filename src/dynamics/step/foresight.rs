@@ -4,6 +4,7 @@ use super::conditions::Conditions;
 use super::iterate::Linearization;
 use super::large_motion::{LargeMotion, MotionKind};
 use super::system::System;
+use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
 use crate::math::tolerances;
 
@@ -42,8 +43,10 @@ impl<const D: usize> System<D> {
         if let Some(motion) = self.pairs.iter().find_map(passed) {
             return Some(motion);
         }
-        self.pairs.iter().zip(&at.pairs).filter(|(pair, _)| pair.may_penetrate()).find_map(|(pair, evaluation)| {
-            let facets = through(pair, conditions, &evaluation.gap, &evaluation.coverage).max(sunk(pair, q_0, &at.q_1));
+        let held = |(pair, _): &(&ContactPair, &Evaluation)| pair.has_multipliers() && !pair.equality;
+        self.pairs.iter().zip(&at.pairs).filter(held).find_map(|(pair, evaluation)| {
+            let opened = if pair.may_penetrate() { through(pair, conditions, &evaluation.gap, &evaluation.coverage) } else { 0.0 };
+            let facets = opened.max(sunk(pair, q_0, &at.q_1));
             (facets > tolerances::CAME_THROUGH).then(|| LargeMotion { contact: pair.name.clone(), kind: MotionKind::CameThrough, facets })
         })
     }
@@ -152,9 +155,10 @@ fn through(pair: &ContactPair, conditions: &Conditions, gaps: &[f64], coverage: 
     open.map(|k| -gaps[k] / (coverage[k] * weights[k] * size)).fold(0.0, f64::max)
 }
 
-/// Depth of the deepest node of a pair at `q_1` in secondary facets, if it has grown since `q_0`; else nothing.
+/// Depth of the deepest node of a pair at `q_1` in secondary facets, or of facets that have come through each other, if it has grown since
+/// `q_0`; else nothing.
 fn sunk(pair: &ContactPair, q_0: &[f64], q_1: &[f64]) -> f64 {
-    let depth = |q: &[f64]| pair.kernel.deepest(q) / pair.kernel.facet_size();
+    let depth = |q: &[f64]| (pair.kernel.deepest(q) / pair.kernel.facet_size()).max(pair.kernel.crossing(q));
     let now = depth(q_1);
     // Most steps end with less, and are not compared.
     if now > tolerances::CAME_THROUGH && now > depth(q_0) + tolerances::SUNK_DEEPER { now } else { 0.0 }
