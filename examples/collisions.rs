@@ -62,7 +62,7 @@ fn collision(number: usize, rule: &str, method: &'static ContactMethod, augmente
     let enforcement = if augmented { Enforcement::AugmentedLagrange { factor: 100.0 } } else { enforcement };
     let facing = model.boundary(second, if inside { "inner" } else { "outer" })?;
     let contact = model.add_contact("collision", model.boundary(first, "outer")?, facing);
-    (contact.method, contact.update, contact.enforcement) = (method, update, enforcement);
+    (contact.method, contact.update, contact.enforcement) = (method, Some(update), enforcement);
     let (s, c) = direction.sin_cos();
     for (body, share, spin) in [(first, 0.7 * speed, spins[0]), (second, -0.3 * speed, spins[1])] {
         model.throw(body, [share * c, share * s, 0.0], [0.0, 0.0, spin]);

@@ -14,7 +14,7 @@
 //! let right = model.add_body("right", rectangle([1.0, 0.8], [8, 5], [1.02, -0.1])?, &rubber);
 //! model.throw(left, [1.0, 0.0, 0.0], [0.0; 3]);
 //! let contact = model.add_contact("faces", model.boundary(left, "right")?, model.boundary(right, "left")?);
-//! contact.update = &PERSISTENCY;
+//! contact.update = Some(&PERSISTENCY);
 //!
 //! let mut simulation = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.005))?;
 //! let energy = simulation.row().total();

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use bearings::{Bearing, ITERATIONS};
 use conserva::contact::MORTAR;
-use conserva::dynamics::{DEFAULT_RULE, GAP};
+use conserva::dynamics::{GAP, PERSISTENCY};
 
 /// Runs bearings on all threads; what is wrong with each, and its iterations a step.
 fn judged(bearings: &[Bearing], until: f64) -> Vec<(Vec<String>, f64)> {
@@ -50,7 +50,7 @@ fn bearings_that_once_gained_energy_no_longer_do() {
 
 #[test]
 fn a_bearing_that_names_no_rule_conserves() {
-    let bearing = |torque| Bearing { dt: 0.005, torque, held: true, refine: 1, method: &MORTAR, rule: DEFAULT_RULE };
+    let bearing = |torque| Bearing { dt: 0.005, torque, held: true, refine: 1, method: &MORTAR, rule: &PERSISTENCY };
     let judged = judged(&[0.1, 0.13].map(bearing), 1.0);
     expect_no_faults(&judged);
     assert!(judged.iter().all(|(_, iterations)| *iterations < ITERATIONS), "{judged:?}");

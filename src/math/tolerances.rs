@@ -31,6 +31,10 @@ pub const GAP: f64 = 1e-12;
 /// Round-off floor of the weighted gap, relative to the largest coordinate times the facet size: a few units in the last place.
 pub const GAP_FLOOR: f64 = 2e-15;
 
+/// Distance in shortest secondary facets up to which a node on the axis of bodies of revolution touches the other side: its weighted gap
+/// has no force that would close it.
+pub const TOUCHES_ON_AXIS: f64 = 1e-3;
+
 /// Weighted gap at the start of a step that counts as closed for the `persistency` rule, relative to the square of the shortest secondary
 /// facet: well above Newton's gap tolerance, or nodes would drop out for good; a thousand times below where nodes are held visibly open.
 pub const CLOSED: f64 = 1e-9;

@@ -72,7 +72,7 @@ impl Bearing {
             model.fix(model.boundary(outer, "outer")?, [true; 3]);
         }
         let contact = model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
-        (contact.method, contact.update) = (self.method, self.rule);
+        (contact.method, contact.update) = (self.method, Some(self.rule));
         model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: SPUN, peak: self.torque });
         Ok(model)
     }

@@ -22,7 +22,7 @@ fn collide(method: &'static ContactMethod, update: &'static UpdateRule, enforcem
     let inner = builder.body("inner ring", ring(0.5, 0.95, [2, 28], [0.0; 2], 0.1).expect("the mesh is sound"), &steel);
     builder.contact((inner, "outer"), (outer, "inner"));
     let contact = &mut builder.model.interactions[0];
-    (contact.method, contact.update, contact.enforcement) = (method, update, enforcement);
+    (contact.method, contact.update, contact.enforcement) = (method, Some(update), enforcement);
     builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
     run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.05)
 }
@@ -86,7 +86,7 @@ fn two_passes_of_node_to_segment_contact_conserve() {
         builder.contact((outer, "inner"), (inner, "outer"));
         for (contact, name) in builder.model.interactions.iter_mut().zip(["there", "and back"]) {
             (contact.name, contact.method) = (name.into(), &NODE_TO_SEGMENT);
-            (contact.update, contact.enforcement) = (&PERSISTENCY, enforcement);
+            (contact.update, contact.enforcement) = (Some(&PERSISTENCY), enforcement);
         }
         builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
         let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.03);
@@ -109,7 +109,7 @@ fn equal_blocks_collide_face_to_face() {
         let block = |x: f64| rectangle([1.0, 0.1], [20, 2], [x, 0.0]).expect("the mesh is sound");
         let (left, right) = (builder.body("left", block(0.0), &rubber), builder.body("right", block(1.013), &rubber));
         builder.contact((left, "right"), (right, "left"));
-        builder.model.interactions[0].update = update;
+        builder.model.interactions[0].update = Some(update);
         builder.throw(left, [1.0, 0.0, 0.0], [0.0; 3]);
         let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.002), 0.4);
         let energy = rows[0].total();

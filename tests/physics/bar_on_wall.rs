@@ -45,7 +45,7 @@ fn collide(
         builder.throw(bar, [-SPEED, 0.0, 0.0], [0.0; 3]);
     }
     let partner = Partner::Obstacle { shape: Obstacle::HalfPlane { point: [0.0; 2], normal: [1.0, 0.0] }, motion };
-    builder.model.add_interaction(Interaction { update, enforcement, ..Interaction::new("wall", left, partner) });
+    builder.model.add_interaction(Interaction { update: Some(update), enforcement, ..Interaction::new("wall", left, partner) });
     run(&mut builder.simulate(integrator, dt), until)
 }
 

@@ -30,7 +30,7 @@ fn bearing(held: bool, dt: f64) -> Simulation {
     }
     builder.contact((inner, "outer"), (outer, "inner"));
     // The prototype's rule.
-    builder.model.interactions[0].update = &GAP;
+    builder.model.interactions[0].update = Some(&GAP);
     builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
     builder.simulate(&ENERGY_MOMENTUM, dt)
 }

@@ -34,7 +34,7 @@ fn bounce(obstacle: Obstacle, gravity: f64, rule: (&'static UpdateRule, Enforcem
         builder.body("ring", mesh, &NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range"));
     let outer = builder.boundary(body, "outer");
     let definition = Interaction::obstacle("ground", outer, obstacle);
-    builder.model.add_interaction(Interaction { update: rule.0, enforcement: rule.1, ..definition });
+    builder.model.add_interaction(Interaction { update: Some(rule.0), enforcement: rule.1, ..definition });
     builder.model.gravity = [0.0, -gravity, 0.0];
     builder.throw(body, [2.0, 5.0, 0.0], [0.0, 0.0, 3.0]);
     let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.004), until);

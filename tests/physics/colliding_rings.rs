@@ -19,7 +19,7 @@ fn they_meet_and_part_and_the_ledger_closes() {
     let second = builder.body("second", ring(10.0, 12.0, [2, 50], [15.8, -16.0], 0.0).expect("the mesh is sound"), &stuff);
     builder.contact((second, "outer"), (first, "outer"));
     builder.throw(first, [20.0, 0.0, 0.0], [0.0; 3]);
-    builder.model.interactions[0].update = &GAP;
+    builder.model.interactions[0].update = Some(&GAP);
     let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.01), 1.0);
     let (start, end) = (&rows[0], &rows[rows.len() - 1]);
     let energy = start.total();

@@ -23,7 +23,7 @@ fn hop(inner_is_secondary: bool, update: &'static UpdateRule, enforcement: Enfor
         builder.contact(race, journal)
     }
     let contact = &mut builder.model.interactions[0];
-    (contact.method, contact.update, contact.enforcement) = (&NODE_TO_SEGMENT, update, enforcement);
+    (contact.method, contact.update, contact.enforcement) = (&NODE_TO_SEGMENT, Some(update), enforcement);
     builder.throw(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
     run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.12)
 }
@@ -76,7 +76,7 @@ fn spun_up(method: &'static ContactMethod, radius: f64) -> LedgerRow {
     let inner = builder.body("inner ring", ring(0.5, radius, [3, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     builder.fix(outer, "outer", [true; 3]);
     builder.contact((inner, "outer"), (outer, "inner"));
-    (builder.model.interactions[0].method, builder.model.interactions[0].update) = (method, &GAP);
+    (builder.model.interactions[0].method, builder.model.interactions[0].update) = (method, Some(&GAP));
     builder.model.gravity = [0.0, -50.0, 0.0];
     builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.2, peak: 0.1 });
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.0025);

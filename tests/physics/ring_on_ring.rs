@@ -17,7 +17,7 @@ fn hop(update: &'static UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> 
     let outer = builder.body("outer ring", ring(1.0, 1.5, [3, 48], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     let inner = builder.body("inner ring", ring(0.5, 0.95, [3, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     builder.contact((inner, "outer"), (outer, "inner"));
-    builder.model.interactions[0].update = update;
+    builder.model.interactions[0].update = Some(update);
     builder.model.interactions[0].enforcement = enforcement;
     builder.throw(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
     let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.12);

@@ -3,7 +3,7 @@
 use std::slice;
 
 use super::amplitude::Amplitude;
-use super::update_rules::{DEFAULT_RULE, UpdateRule};
+use super::update_rules::UpdateRule;
 use crate::contact::{ContactMethod, MORTAR, Obstacle};
 use crate::mesh::Boundary;
 
@@ -47,8 +47,8 @@ pub struct Interaction {
     pub partner: Partner,
     /// Discretisation between two surfaces.
     pub method: &'static ContactMethod,
-    /// Condition over a step.
-    pub update: &'static UpdateRule,
+    /// Condition over a step; `None`: that of the time integrator ([`default_rule`](super::update_rules::default_rule)).
+    pub update: Option<&'static UpdateRule>,
     /// What keeps nodes from penetrating.
     pub enforcement: Enforcement,
     /// The paper's bilateral constraints: every covered node is closed, tension is allowed.
@@ -79,10 +79,10 @@ pub enum Partner {
 }
 
 impl Interaction {
-    /// An interaction by mortar contact with multipliers and the `gap` rule; change the fields for anything else.
+    /// An interaction by mortar contact with multipliers and the rule of the time integrator; change the fields for anything else.
     pub fn new(name: &str, secondary: BodyBoundary, partner: Partner) -> Self {
         let (enforcement, equality) = (Enforcement::Multiplier, false);
-        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: DEFAULT_RULE, enforcement, equality }
+        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: None, enforcement, equality }
     }
 
     /// Contact with another boundary.

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::integrators::Scheme;
+
 /// An update rule as a row of the catalogue.
 pub struct UpdateRule {
     /// Name as written in a script.
@@ -58,8 +60,11 @@ pub static VELOCITY: UpdateRule = UpdateRule {
 /// All update rules, in the order of the reference.
 pub static UPDATE_RULES: &[&UpdateRule] = &[&GAP, &PERSISTENCY, &VELOCITY];
 
-/// The rule of a contact that names none: it conserves.
-pub static DEFAULT_RULE: &UpdateRule = &PERSISTENCY;
+/// The rule of a contact that names none: a scheme that keeps the energy has one that does, too. With others `persistency` would keep a
+/// depth for the sake of an energy that is not kept anyway.
+pub fn default_rule(scheme: &Scheme) -> &'static UpdateRule {
+    if scheme.promises.energy { &PERSISTENCY } else { &GAP }
+}
 
 impl PartialEq for UpdateRule {
     fn eq(&self, other: &Self) -> bool {

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::{ContactKernel, Evaluation};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::StepError;
-use crate::dynamics::model::update_rules::{DEFAULT_RULE, Holds, UpdateRule};
+use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
 
@@ -133,7 +133,7 @@ pub struct PatchRow<'a> {
 }
 
 impl ContactPair {
-    /// A pair of a contact with that name, held by multipliers under the rule of contacts that name none; `modulus` is that of its
+    /// A pair of a contact with that name, held by multipliers under the `gap` rule; `modulus` is that of its
     /// secondary body and `reach` the largest coordinate of the model.
     pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
         let size = kernel.facet_size();
@@ -144,7 +144,7 @@ impl ContactPair {
             motion: [None, None],
             obstacle_velocity: [0.0; 2],
             equality: kind == PairKind::Tie,
-            update: DEFAULT_RULE,
+            update: &GAP,
             hold: Hold::Multiplier,
             is_round: false,
             rows: 0..kernel.rows(),

@@ -1,5 +1,7 @@
 //! The nodes of all bodies: where they are at rest, what they weigh, which of them hang together, and the sizes that errors are judged by.
 
+use std::f64::consts::TAU;
+
 use super::body::Body;
 use super::nodal::{half_product, moment, resultant};
 use crate::dynamics::model::definitions::Model;
@@ -71,6 +73,13 @@ impl<const D: usize> Nodes<D> {
             piece_is_free,
             reference,
         }
+    }
+
+    /// Force per displacement of all there is, and that times a length squared an energy, for the floors of round-off: around an axis that
+    /// of the whole circumference `[force/length]`.
+    pub fn stiffness(&self) -> f64 {
+        let around = if self.is_axisymmetric { TAU * self.reference.iter().step_by(D).copied().fold(0.0, f64::max) } else { 1.0 };
+        self.modulus * self.extent.powi(D as i32 - 2) * around
     }
 
     /// Number of nodes.

@@ -5,17 +5,20 @@ use crate::contact::{ContactKernel, Middles, NodeToSegment, RigidContact, RigidC
 use crate::dynamics::model::boundaries::{facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+use crate::dynamics::model::update_rules::UpdateRule;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// All pairs of a model, `facets` a boundary's in the numbering of the model, `middles` those of edges of second order.
+/// All pairs of a model, `facets` a boundary's in the numbering of the model, `middles` those of edges of second order;
+/// `default_rule` is that of contacts that name none.
 pub fn contact_pairs(
     model: &Model,
     facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>,
     middles: &Middles,
     reference: &[f64],
+    default_rule: &'static UpdateRule,
 ) -> Vec<ContactPair> {
-    let made = Pairing { model, facets: &facets, middles, reference, reach: largest_size(reference) };
+    let made = Pairing { model, facets: &facets, middles, reference, reach: largest_size(reference), default_rule };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     pairs.extend(corners);
@@ -38,6 +41,8 @@ struct Pairing<'a> {
     reference: &'a [f64],
     /// Their largest coordinate.
     reach: f64,
+    /// Rule of contacts that name none.
+    default_rule: &'static UpdateRule,
 }
 
 impl Pairing<'_> {
@@ -83,7 +88,7 @@ impl Pairing<'_> {
                 return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie)));
             }
         };
-        (pair.update, pair.equality) = (interaction.update, interaction.equality);
+        (pair.update, pair.equality) = (interaction.update.unwrap_or(self.default_rule), interaction.equality);
         pair.hold = match interaction.enforcement {
             Enforcement::Multiplier => Hold::Multiplier,
             Enforcement::Penalty { factor } => Hold::Penalty { kappa: factor * pair.c },

@@ -7,8 +7,8 @@
 //! Pressures are forces over the present area, around an axis that of the circumference. A mortar method's multipliers are the nodal
 //! values of a linear field that presses where the surface is covered: at a node that is covered in part the field is continued to where
 //! nothing is, and its value there can be many times what presses. So the share that is not covered takes the mean of the field over the
-//! node's part of the contact instead, which is the nodal force over that of a unit pressure. Around an axis, the ends of a surface have
-//! no such unit with dual multipliers, and show up to half more than what presses.
+//! node's part of the contact instead, which is the nodal force over that of a unit pressure. On the axis of bodies of revolution no node
+//! has a force: its pressure is continued from its neighbours'.
 
 use super::fields::ContactFields;
 use super::ledger::ContactTotals;
@@ -134,16 +134,39 @@ fn share(pair: &ContactPair, index: usize) -> f64 {
     sides.weights[index * pair.kernel.rows_per_node()] / sides.lengths[index]
 }
 
-/// Whether a mortar method's node touches the other side on the axis of bodies of revolution, where the circumference is nothing, and
-/// with it the multiplier, whatever presses.
-fn is_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
-    let Loaded { pair, evaluation, .. } = contact;
+/// Whether a node of bodies of revolution lies on the axis, where the circumference is nothing, and with it force and multiplier, whatever
+/// presses.
+fn is_on_axis(pair: &ContactPair, index: usize, q: &[f64]) -> bool {
     let secondary = pair.kernel.secondary();
-    let around = pair.circumference(secondary.nodes()[index], q);
-    pair.kernel.rows_per_node() == 1
-        && around <= tolerances::CLOSED * secondary.node_length(index, q)
-        && evaluation.coverage[index] > tolerances::SLIVER
-        && evaluation.gap[index] <= pair.closed()
+    pair.is_round && pair.circumference(secondary.nodes()[index], q) <= tolerances::CLOSED * secondary.node_length(index, q)
+}
+
+/// Whether such a node touches the other side.
+fn touches_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
+    let Loaded { pair, evaluation, .. } = contact;
+    let row = index * pair.kernel.rows_per_node();
+    let covered = evaluation.coverage[row];
+    is_on_axis(pair, index, q)
+        && covered > tolerances::SLIVER
+        && evaluation.gap[row] <= tolerances::TOUCHES_ON_AXIS * pair.kernel.facet_size() * covered * pair.kernel.weights()[row]
+}
+
+/// Pressure of a node on the axis that touches the other side: an even function of the radius through those of the next two nodes.
+fn pressure_on_axis(contact: Loaded, index: usize, pressures: &[f64], q: &[f64]) -> f64 {
+    let secondary = contact.pair.kernel.secondary();
+    let next = |index: usize, except: usize| {
+        let ends = secondary.adjacent_facets(index).iter().flat_map(|&facet| secondary.local_facets()[facet as usize]);
+        ends.map(|end| end as usize).find(|&end| end != index && end != except)
+    };
+    let Some(first) = next(index, index).filter(|_| touches_on_axis(contact, index, q)) else { return 0.0 };
+    let square = |index: usize| q[2 * secondary.nodes()[index] as usize].powi(2);
+    match next(first, index).filter(|&second| pressures[second] > 0.0 && square(second) > square(first)) {
+        Some(second) => {
+            let rise = (pressures[first] - pressures[second]) * square(first) / (square(second) - square(first));
+            (pressures[first] + rise).max(0.0)
+        }
+        None => pressures[first],
+    }
 }
 
 /// Pressure at each secondary node, that of corners on it included.
@@ -151,25 +174,33 @@ fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let Loaded { pair, evaluation, lambda, .. } = contact;
     let (kernel, secondary) = (&pair.kernel, pair.kernel.secondary());
     let (stride, weights, areas) = (kernel.rows_per_node(), kernel.weights(), areas(pair, q));
+    let mut on_axis = Vec::new();
     let of = |(index, rows): (usize, &[f64])| {
+        if is_on_axis(pair, index, q) {
+            on_axis.push(index);
+            return 0.0;
+        }
         let (multiplier, area) = (size(rows), areas[index]);
         let length = share(pair, index) * secondary.node_length(index, q);
         let around = pair.circumference(secondary.nodes()[index], q) * length;
-        let on_axis = is_on_axis(contact, index, q);
         let pressure = if kernel.is_nodal() {
             multiplier * weights[index * stride] / area
         } else if stride > 1 {
             multiplier
-        } else if multiplier == 0.0 && !on_axis {
+        } else if multiplier == 0.0 {
             0.0
         } else {
             let covered = evaluation.coverage[index].clamp(0.0, 1.0);
-            let at_node = if on_axis { 0.0 } else { covered * (around / area).min(1.0) };
+            let at_node = covered * (around / area).min(1.0);
             at_node * multiplier * length / around.max(f64::MIN_POSITIVE) + (1.0 - at_node) * forces.mean[index]
         };
         pressure + forces.pressed[index] / area
     };
-    lambda.chunks_exact(stride).enumerate().map(of).collect()
+    let mut pressures: Vec<f64> = lambda.chunks_exact(stride).enumerate().map(of).collect();
+    for index in on_axis {
+        pressures[index] = pressure_on_axis(contact, index, &pressures, q);
+    }
+    pressures
 }
 
 /// Which secondary nodes are in contact, and how many corners of the other side are.
@@ -177,7 +208,7 @@ fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, u
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
     let mut active: Vec<bool> = nodes.map(|rows| rows.contains(&RowState::Closed)).collect();
     if contact.pair.is_round && active.contains(&true) {
-        (0..active.len()).for_each(|index| active[index] |= is_on_axis(contact, index, q));
+        (0..active.len()).for_each(|index| active[index] |= touches_on_axis(contact, index, q));
     }
     let mut others = 0;
     for corners in corners {

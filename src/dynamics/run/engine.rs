@@ -13,6 +13,7 @@ use super::state::{Clock, State};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
+use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::contact_pair::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::newton::Trace;
@@ -52,7 +53,7 @@ where
     /// # Errors
     /// A model that cannot be simulated.
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
-        let mut system = System::<D>::new(model, options.threads)?;
+        let mut system = System::<D>::new(model, options.threads, default_rule(options.integrator))?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);

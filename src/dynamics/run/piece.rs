@@ -90,7 +90,7 @@ where
     /// Energy that defects are measured by: that of the state, the predicted kinetic energy, and the work of loads over the prediction.
     fn energy_scale(&self, start: &StepStart, predicted: &[f64]) -> f64 {
         let (row, nodes, dt) = (&self.state.row, &self.system.nodes, start.dt());
-        let floor = tolerances::FORCE_FLOOR * nodes.modulus * nodes.extent.powi(D as i32);
+        let floor = tolerances::FORCE_FLOOR * nodes.stiffness() * nodes.extent.powi(2);
         let mut load = vec![0.0; predicted.len()];
         let work = match self.system.loads_into(predicted, start.time + 0.5 * dt, &mut load) {
             // Kinetic energy that the loads give to nodes at rest within the step.

@@ -366,7 +366,7 @@ where
     }
 
     fn damped_step(&mut self, start: &StepStart, predicted: &[f64], conditions: &Conditions) -> Result<Solution, Failure> {
-        let floor = tolerances::FORCE_FLOOR * self.system.nodes.modulus * self.system.nodes.extent.powi(D as i32);
+        let floor = tolerances::FORCE_FLOOR * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
         let options = &self.options;
         let task = Task {
             start,

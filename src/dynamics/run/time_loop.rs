@@ -158,7 +158,7 @@ where
         let conserves = self.options.integrator.promises.energy;
         Measures {
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
-            stiffness: system.nodes.modulus * system.nodes.extent.powi(D as i32),
+            stiffness: system.nodes.stiffness() * system.nodes.extent.powi(2),
             integrator: self.options.integrator.name,
             defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
             halvings: self.halvings.all(),

@@ -69,7 +69,8 @@ pub struct Task<'a> {
 const GROWTH: f64 = 4.0;
 const LARGEST_LIMIT: f64 = 10.0;
 
-/// Increment over the first limit beyond which the next linearisation leaves out how contact forces turn with the surfaces.
+/// Increment over the first limit beyond which the next linearisation leaves out how contact forces turn with the surfaces; not at rest,
+/// where no inertia makes up for it.
 const FAR: f64 = 2.0;
 
 /// Fractions of an increment that backtracking tries.
@@ -248,7 +249,7 @@ where
             [by_increment(&at.q_1), by_increment(&at.moved), multipliers]
         };
         let first = if largest > self.limit { self.limit / largest } else { 1.0 };
-        (self.taken, self.system.is_far) = (first, largest > FAR * self.first_limit);
+        (self.taken, self.system.is_far) = (first, !self.task.is_patient && largest > FAR * self.first_limit);
         if !searches {
             let [q, moved, lambda] = moved_to(&at, first);
             self.system.recycle(at);
@@ -313,7 +314,7 @@ where
         // force.
         let reach = largest_size(&at.q_1).max(system.nodes.extent);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
-        let (stiffness, mass) = (system.nodes.modulus * system.nodes.extent.powi(D as i32 - 2), system.nodes.largest_nodal_mass);
+        let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
         record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
         record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
         let contact_work;

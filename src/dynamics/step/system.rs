@@ -22,6 +22,7 @@ use crate::dynamics::model::boundaries::{boundary_facets, middles};
 use crate::dynamics::model::definitions::{LoadKind, Model};
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::part::{Numbering, Part};
+use crate::dynamics::model::update_rules::UpdateRule;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
 use crate::dynamics::parts::loads::{NodalLoad, loads_into};
@@ -76,11 +77,11 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The equations of a model in its initial configuration.
+    /// The equations of a model in its initial configuration; `default_rule` is that of contacts that name none.
     ///
     /// # Errors
     /// A model that cannot be simulated.
-    pub fn new(model: &Model, threads: usize) -> Result<Self, ModelError> {
+    pub fn new(model: &Model, threads: usize, default_rule: &'static UpdateRule) -> Result<Self, ModelError> {
         model.check()?;
         let (bodies, reference) = bodies_of(model)?;
         let first = |body: usize| bodies[body].nodes.start;
@@ -92,7 +93,7 @@ where
         let viscous = viscous.map(|part| Box::new(part) as Box<dyn Part>);
         let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).chain(viscous).collect();
         let middles = middles(model, first);
-        let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &middles, &reference);
+        let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &middles, &reference, default_rule);
         let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
         let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
         let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern);

@@ -304,12 +304,12 @@ impl Scene {
             if k > 0 {
                 let partner = Partner::Surfaces(hulls[..k].to_vec());
                 let pair = Interaction::new(&format!("contact {k}"), hulls[k].clone(), partner);
-                model.add_interaction(Interaction { method: self.method, update: self.rule, ..pair });
+                model.add_interaction(Interaction { method: self.method, update: Some(self.rule), ..pair });
             }
             for (number, wall) in self.walls.iter().enumerate() {
                 let name = format!("wall {number} and body {k}");
                 let pair = Interaction::obstacle(&name, hulls[k].clone(), wall.obstacle());
-                model.add_interaction(Interaction { update: self.rule, ..pair });
+                model.add_interaction(Interaction { update: Some(self.rule), ..pair });
             }
         }
         Ok(model)

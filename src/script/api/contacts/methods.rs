@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rhai::Dynamic;
 
 use crate::contact::{ContactMethod, METHODS, MORTAR};
-use crate::dynamics::{DEFAULT_RULE, Enforcement, UPDATE_RULES, UpdateRule};
+use crate::dynamics::{Enforcement, UPDATE_RULES, UpdateRule};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
@@ -61,7 +61,7 @@ pub fn method_parameter() -> Parameter {
 pub fn rule_parameters() -> [Parameter; 3] {
     [
         Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")
-            .or(Absent::Text(DEFAULT_RULE.name)),
+            .or(Absent::Means("`\"persistency\"` with an integrator that keeps the energy, `\"gap\"` with others")),
         Parameter::number(
             "penalty",
             "1",
@@ -88,9 +88,10 @@ pub fn method_of(options: &Options) -> Result<&'static ContactMethod, Failure> {
 }
 
 /// The rules that options name.
-pub fn rules_of(options: &Options) -> Result<(&'static UpdateRule, Enforcement), Failure> {
-    let name = options.text("update")?;
-    let update = UPDATE_RULES.iter().copied().find(|rule| rule.name == name).unwrap_or(DEFAULT_RULE);
+pub fn rules_of(options: &Options) -> Result<(Option<&'static UpdateRule>, Enforcement), Failure> {
+    let given = options.argument("update");
+    let name = if given.is_given() { options.text("update")? } else { String::new() };
+    let update = UPDATE_RULES.iter().copied().find(|rule| rule.name == name);
     let augmented = options.argument("augmented_lagrange");
     let enforcement = match (options.optional_number("penalty")?, options.optional_number("augmented_lagrange")?) {
         (None, None) => Enforcement::Multiplier,

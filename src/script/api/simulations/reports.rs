@@ -10,7 +10,7 @@ use super::columns::{further_values, model_columns, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, busy};
 use super::writing::{path_parameter, write};
 use crate::bodies::{Dilatation, Formulation, Plane};
-use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation};
+use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation, default_rule};
 use crate::output::{Report, ReportTable, Still, kept_rows, report, shapes};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::description::describe_obstacle;
@@ -167,7 +167,7 @@ pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable
     let mut all = vec![
         table("Bodies", &["body", "cells", "nodes", "material", "formulation"], bodies.collect()),
         table("Held and loaded", &[], conditions(data)),
-        table("Contacts", &["contact", "secondary", "primary", "method", "update", "enforcement"], contacts(model)),
+        table("Contacts", &["contact", "secondary", "primary", "method", "update", "enforcement"], contacts(model, simulation)),
         table("Time integration", &[], integration(simulation)),
     ];
     all.retain(|table| !table.rows.is_empty());
@@ -220,7 +220,7 @@ fn conditions(data: &SimulationData) -> Vec<Vec<String>> {
     all
 }
 
-fn contacts(model: &Model) -> Vec<Vec<String>> {
+fn contacts(model: &Model, simulation: &Simulation) -> Vec<Vec<String>> {
     let row = |interaction: &Interaction| {
         let primary = match &interaction.partner {
             Partner::Obstacle { shape, motion } => describe_obstacle(shape, motion),
@@ -235,7 +235,7 @@ fn contacts(model: &Model) -> Vec<Vec<String>> {
         let update = match (interaction.is_tie(), interaction.equality) {
             (true, _) => "tied".into(),
             (_, true) => "bilateral".into(),
-            _ => interaction.update.name.to_string(),
+            _ => interaction.update.unwrap_or_else(|| default_rule(simulation.options().integrator)).name.to_string(),
         };
         let method = interaction.method.name.replace('_', " ");
         vec![interaction.name.clone(), model.boundary_name(&interaction.secondary), primary, method, update, enforcement]
