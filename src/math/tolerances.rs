@@ -127,6 +127,9 @@ pub const BESIDE: f64 = 1e-6;
 /// pair takes part always, so that what is left deeper was not seen; polygons that interlock and weighted gaps leave a tenth.
 pub const LEFT: f64 = 0.5;
 
+/// The same for the hulls of bodies between which no contact presses at all, in the shorter facets there.
+pub const LEFT_PASSED: f64 = 0.25;
+
 /// The same where a multiplier presses: no constraint that holds leaves as much.
 pub const LEFT_HELD: f64 = 1.0;
 

@@ -14,6 +14,9 @@ pub const ALLOWED: f64 = 0.01;
 /// Turn between neighboring facets, in degrees, beyond which a hull has a corner there and is not a curve.
 const CORNER: f64 = 45.0;
 
+/// Distance of a point behind the middle of a facet, over its length, that tells whether hulls overlap whose nodes lie on each other.
+const BEHIND: f64 = 0.25;
+
 /// The hull of a body in the plane, the body on the left of its facets.
 pub struct Hull {
     /// Index of the body.
@@ -104,17 +107,20 @@ impl Hull {
     }
 }
 
-/// The deepest node of one hull inside another: depth, size of the facet there, place.
+/// The deepest node of one hull inside another, or point a part of a facet behind one where nodes lie on the other hull: depth, size of the
+/// facet there, place.
 fn deepest(of: &Hull, inside: &Hull) -> Option<(f64, f64, [f64; 2])> {
     let in_box = |x: &[f64; 2]| (0..2).all(|i| inside.low[i] < x[i] && x[i] < inside.high[i]);
-    let depth = |(index, [x, _]): (usize, &[[f64; 2]; 2])| {
-        let distances = inside.facets.iter().map(|facet| distance(*x, *facet)).enumerate();
+    let depth = |(index, x): (usize, [f64; 2])| {
+        let distances = inside.facets.iter().map(|facet| distance(x, *facet)).enumerate();
         let (nearest, depth) = distances.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let allowed = inside.allowed[nearest] + of.allowed[index];
-        (depth > allowed && inside.contains(*x)).then(|| (depth, length(inside.facets[nearest]).min(length(of.facets[index])), *x))
+        (depth > allowed && inside.contains(x)).then(|| (depth, length(inside.facets[nearest]).min(length(of.facets[index])), x))
     };
-    let found = of.facets.iter().enumerate().filter(|(_, [x, _])| in_box(x)).filter_map(depth);
-    found.max_by(|a, b| a.0.total_cmp(&b.0))
+    let behind = |[a, b]: &[[f64; 2]; 2]| [0, 1].map(|i| 0.5 * (a[i] + b[i]) + BEHIND * [a[1] - b[1], b[0] - a[0]][i]);
+    let nodes = of.facets.iter().map(|[x, _]| *x).enumerate();
+    let points = nodes.chain(of.facets.iter().map(behind).enumerate().filter(|(_, x)| of.contains(*x)));
+    points.filter(|(_, x)| in_box(x)).filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// The crossing of two hulls' facets that is farthest from all their nodes: bodies that pass through each other without a node inside.

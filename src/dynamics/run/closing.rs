@@ -9,10 +9,12 @@ use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::depths::{Depth, Depths};
 use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::hulls::{Hull, Inside, hull_ends};
+use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::system::System;
-use crate::math::tolerances::{LEFT, LEFT_HELD};
+use crate::math::tolerances::{LEFT, LEFT_HELD, LEFT_PASSED};
 
 /// Closing of a step in shortest secondary facets: of the first one, and at most. A step that takes 25 iterations of a tenth of a facet
 /// moves nodes by 2.5 facets.
@@ -122,7 +124,9 @@ where
             facets > LEFT && !(is_held && (pair.penalty().is_some() || facets <= LEFT_HELD))
         };
         let found = self.closing_depths(closing, &is_left);
-        let Some(worst) = found.into_iter().max_by(|a, b| (a.depth / a.size).total_cmp(&(b.depth / b.size))) else { return Ok(()) };
+        let Some(worst) = found.into_iter().max_by(|a, b| (a.depth / a.size).total_cmp(&(b.depth / b.size))) else {
+            return self.check_passed();
+        };
         Err(StepError::StillOverlaps {
             contact: self.model.interactions[worst.contact].name.clone(),
             time: self.state.row.time,
@@ -130,6 +134,34 @@ where
             facets: worst.depth / worst.size,
             at: worst.at,
         })
+    }
+
+    /// The same for bodies that have passed each other so far that no side sees the other any more, and so nothing presses.
+    fn check_passed(&self) -> Result<(), StepError> {
+        if D != 2 || self.options.accepts_overlap {
+            return Ok(());
+        }
+        let q = &self.state.positions;
+        let hull = |body: usize| {
+            let first = self.system.bodies[body].nodes.start;
+            Hull::new(body, &hull_ends(&self.model.bodies[body].mesh), &|node| [0, 1].map(|i| q[2 * (first + node as usize) + i]))
+        };
+        for (index, interaction) in self.model.interactions.iter().enumerate() {
+            let Partner::Surfaces(primary) = &interaction.partner else { continue };
+            let pairs = std::iter::once(&self.system.pairs[index]).chain(self.system.corners_of(index));
+            if pairs.flat_map(|pair| pair.rows.clone()).any(|row| self.state.lambda[row] > 0.0) {
+                continue;
+            }
+            for other in primary.iter().map(|on| on.body).filter(|&other| other != interaction.secondary.body) {
+                if let Some(Inside { depth, size, at }) = hull(interaction.secondary.body).inside(&hull(other))
+                    && depth > LEFT_PASSED * size
+                {
+                    let (contact, time) = (interaction.name.clone(), self.state.row.time);
+                    return Err(StepError::StillOverlaps { contact, time, depth, facets: depth / size, at });
+                }
+            }
+        }
+        Ok(())
     }
 
     fn closing_depths(&self, closing: &Closing, counts: &dyn Fn(&Depth) -> bool) -> Vec<Depth> {

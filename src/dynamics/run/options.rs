@@ -19,6 +19,8 @@ pub struct Options {
     pub dt: f64,
     /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
     pub tolerance: f64,
+    /// Whether bodies that overlap are meant to: then `settle` does not ask whether they are apart where no contact presses.
+    pub accepts_overlap: bool,
     /// How often a step may be halved.
     pub max_halvings: usize,
     /// Multiple of the usual reach of the search for contact. Results do not depend on it: what takes part in a step is decided afterwards.
@@ -35,7 +37,17 @@ impl Options {
     /// Defaults for an integrator and a step size.
     pub fn new(integrator: &'static Scheme, dt: f64) -> Self {
         let tolerance = crate::math::tolerances::NEWTON_ENERGY;
-        Options { integrator, dt, tolerance, max_halvings: 7, reach: 1.0, threads: 1, interrupt: None, progress: None }
+        Options {
+            integrator,
+            dt,
+            tolerance,
+            accepts_overlap: false,
+            max_halvings: 7,
+            reach: 1.0,
+            threads: 1,
+            interrupt: None,
+            progress: None,
+        }
     }
 
     /// Whether the user wants the run to end.

@@ -140,6 +140,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let stills = options.argument("stills");
     let stills = if stills.is_given() { Some(stills.integer()? as usize) } else { None };
     let accepts_overlap = options.flag("accept_overlap")?;
+    kernel.accepts_overlap = accepts_overlap;
     check_overrides(call.host, call.engine(), false)?;
     let model = original.0.borrow().clone();
     let begun = Instant::now();
