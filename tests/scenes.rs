@@ -62,17 +62,10 @@ fn runs() -> &'static [(Scene, Outcome)] {
     })
 }
 
-/// Scenes that are known to be deeper than a tenth of a facet, which is a fault that stands, and how deep they may be: under `gap` with
-/// single nodes a blunt bend of the primary side goes 0.117 facets in.
-const KNOWN_DEEP: [(u64, f64); 1] = [(75, 0.125)];
-
 /// No run has any of these faults.
 fn assert_free_of(faults: &[Fault]) {
     let describe = |(scene, outcome): &(Scene, Outcome)| {
-        let is_known =
-            |fault: Fault, worst: f64| fault == Fault::Deep && KNOWN_DEEP.iter().any(|&(seed, depth)| seed == scene.seed && worst <= depth);
-        let counts = |finding: &&scenes::run::Finding| faults.contains(&finding.fault) && !is_known(finding.fault, finding.worst);
-        let findings: Vec<String> = outcome.findings.iter().filter(counts).map(describe).collect();
+        let findings: Vec<String> = outcome.findings.iter().filter(|finding| faults.contains(&finding.fault)).map(describe).collect();
         let (method, rule) = (scene.method.name, scene.rule.name);
         (!findings.is_empty()).then(|| format!("seed {} ({:?}, {method}, {rule}): {}", scene.seed, scene.kind, findings.join("; ")))
     };

@@ -76,7 +76,7 @@ const FAR: f64 = 2.0;
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` tells their course.
+/// Solves one step by the first attempt that converges, or by the one that is tried first where the step may be halved; `iterations` counts those of all attempts, `trace` tells their course.
 ///
 /// # Errors
 /// Why the last attempt did not converge.
@@ -86,7 +86,9 @@ where
 {
     trace.earlier.clear();
     let mut outcome = Err(Failure::Iterations);
-    for (number, index) in task.preferred.order().enumerate() {
+    // Half the step is the better second attempt: what one strategy does not solve the others seldom do.
+    let most = if task.is_patient { ATTEMPTS.len() } else { 1 };
+    for (number, index) in task.preferred.order().enumerate().take(most) {
         let ((strategy, correction), before) = (ATTEMPTS[index], system.counters.factorizations);
         if number > 0 {
             trace.earlier.push(std::mem::take(&mut trace.iterations));
