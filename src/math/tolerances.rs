@@ -103,7 +103,7 @@ pub const CAME_THROUGH: f64 = 0.09;
 
 /// Growth of the depth of a node within such a step, in secondary facets, from which on it counts: what grows by less grows as slowly in
 /// halves of the step.
-pub const SUNK_DEEPER: f64 = 0.01;
+pub const SUNK_DEEPER: f64 = 0.03;
 
 /// Change of a node's distance from a rigid disk or polyline within a step, in lengths of its facets, beyond which the step is halved
 /// beforehand: on the other side the contact would push on, or there would be none.

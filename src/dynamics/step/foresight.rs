@@ -4,7 +4,6 @@ use super::conditions::Conditions;
 use super::iterate::Linearization;
 use super::large_motion::{LargeMotion, MotionKind};
 use super::system::System;
-use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
 use crate::math::tolerances;
 
@@ -43,10 +42,8 @@ impl<const D: usize> System<D> {
         if let Some(motion) = self.pairs.iter().find_map(passed) {
             return Some(motion);
         }
-        let held = |(pair, _): &(&ContactPair, &Evaluation)| pair.has_multipliers() && !pair.equality;
-        self.pairs.iter().zip(&at.pairs).filter(held).find_map(|(pair, evaluation)| {
-            let opened = if pair.may_penetrate() { through(pair, conditions, &evaluation.gap, &evaluation.coverage) } else { 0.0 };
-            let facets = opened.max(sunk(pair, q_0, &at.q_1));
+        self.pairs.iter().zip(&at.pairs).filter(|(pair, _)| pair.may_penetrate()).find_map(|(pair, evaluation)| {
+            let facets = through(pair, conditions, &evaluation.gap, &evaluation.coverage).max(sunk(pair, q_0, &at.q_1));
             (facets > tolerances::CAME_THROUGH).then(|| LargeMotion { contact: pair.name.clone(), kind: MotionKind::CameThrough, facets })
         })
     }
