@@ -26,9 +26,9 @@ impl Strategy {
 /// The ways in which a step is tried until one converges: how Newton's method proceeds, and with which discrete gradient of the contacts.
 pub const ATTEMPTS: [(Strategy, Correction); 5] = [
     (Strategy::InnerLoop, Correction::PerPatch),
-    (Strategy::Backtracking, Correction::PerPatch),
     (Strategy::InnerLoop, Correction::SteadyEnds),
     (Strategy::InnerLoop, Correction::PerNode),
+    (Strategy::Backtracking, Correction::PerPatch),
     (Strategy::Backtracking, Correction::PerNode),
 ];
 

@@ -76,7 +76,9 @@ const FAR: f64 = 2.0;
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// Solves one step by the first attempt that converges, or by the one that is tried first where the step may be halved; `iterations` counts those of all attempts, `trace` tells their course.
+/// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` tells their course.
+///
+/// A step that may be halved is not tried again where its contact conditions are far from being met.
 ///
 /// # Errors
 /// Why the last attempt did not converge.
@@ -86,9 +88,7 @@ where
 {
     trace.earlier.clear();
     let mut outcome = Err(Failure::Iterations);
-    // Half the step is the better second attempt: what one strategy does not solve the others seldom do.
-    let most = if task.is_patient { ATTEMPTS.len() } else { 1 };
-    for (number, index) in task.preferred.order().enumerate().take(most) {
+    for (number, index) in task.preferred.order().enumerate() {
         let ((strategy, correction), before) = (ATTEMPTS[index], system.counters.factorizations);
         if number > 0 {
             trace.earlier.push(std::mem::take(&mut trace.iterations));
@@ -102,8 +102,11 @@ where
             Err(_) => system.counters.discarded += system.counters.factorizations - before,
         }
         // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
-        let is_hopeless = number == 0 && matches!(outcome, Err(Failure::Inverted { .. }));
-        if system.multipliers == 0 || is_hopeless || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
+        let is_inverted = number == 0 && matches!(outcome, Err(Failure::Inverted { .. }));
+        // Where vertices of both meshes meet, another discrete gradient may be without the kink at which residuals stay. What is not met
+        // at all is rather solved by half the step.
+        let is_far = !task.is_patient && trace.iterations.last().is_some_and(|last| last.violation > 1.0);
+        if system.multipliers == 0 || is_inverted || is_far || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
         }
     }
