@@ -1,4 +1,4 @@
-//! Eight cells that are computed together, lane by lane: from positions of their nodes to strains at their points.
+//! Eight cells that are computed together, lane by lane: from displacements of their nodes to strains at their points.
 //!
 //! Kept per batch is only what it costs least to read again, the cells' nodes and edges; gradients of the shape functions, volumes and
 //! strains are computed anew in every pass, because a processor does that faster than it fetches them from beyond its caches.
@@ -20,8 +20,8 @@ pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {
     pub(super) shapes: [[f64; A]; Q],
     /// Products of the shape functions, for the mass.
     pub(super) products: [[[f64; A]; A]; Q],
-    /// Shares of the nodes in a value at a point, for smoothed fields.
-    pub(super) smoothing: [[f64; A]; Q],
+    /// Factors of the value at a point in what is extrapolated to the nodes.
+    pub(super) extrapolation: [[f64; A]; Q],
     pub(super) gradients: [[[f64; D]; A]; Q],
     pub(super) weights: [f64; Q],
 }
@@ -32,7 +32,7 @@ impl<const D: usize, const A: usize, const Q: usize> Table<D, A, Q> {
         Table {
             shapes: points.map(|(xi, _)| C::shape(xi)),
             products: C::products(),
-            smoothing: points.map(|(xi, _)| C::smoothing(xi)),
+            extrapolation: C::extrapolation(),
             gradients: points.map(|(xi, _)| C::gradients(xi)),
             weights: points.map(|(_, w)| w),
         }
@@ -68,21 +68,21 @@ impl<const D: usize, const A: usize> Batch<D, A> {
         batch
     }
 
-    /// Displacements of the nodes relative to the last node of each cell; of the last node, its position.
+    /// Displacements of the nodes relative to the last node of each cell; of the last node, its own.
     #[inline(always)]
-    pub(super) fn displacements<const FMA: bool>(&self, q: &[f64]) -> [[Lanes<FMA>; D]; A] {
+    pub(super) fn displacements<const FMA: bool>(&self, all: &[f64]) -> [[Lanes<FMA>; D]; A] {
         let mut u = [[Lanes::ZERO; D]; A];
         for a in 0..many::<A>() {
             for lane in 0..WIDTH {
-                let position = &q[self.nodes[a][lane] as usize * D..][..D];
+                let displacement = &all[self.nodes[a][lane] as usize * D..][..D];
                 for i in 0..D {
-                    u[a][i].0[lane] = position[i];
+                    u[a][i].0[lane] = displacement[i];
                 }
             }
         }
         for a in 0..many::<A>() - 1 {
             for i in 0..D {
-                u[a][i] = u[a][i] - u[A - 1][i] - cast(self.edges[a][i]);
+                u[a][i] = u[a][i] - u[A - 1][i];
             }
         }
         u
@@ -141,8 +141,8 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
 
     /// Stretch of the circumference less 1.
     #[inline(always)]
-    pub(super) fn hoop(&self, batch: &Batch<D, A>, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
-        let mut moved = u[A - 1][0] - cast(batch.last);
+    pub(super) fn hoop(&self, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
+        let mut moved = u[A - 1][0];
         for a in 0..many::<A>() - 1 {
             moved = u[a][0].mul_add(Lanes::splat(shapes[a]), moved);
         }

@@ -91,9 +91,9 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         Ok(elements)
     }
 
-    /// Volumes, displacement gradients and strains of a batch at its points; those of rest without positions.
-    fn deform(&self, batch: &Batch<D, A>, q: Option<&[f64]>) -> Deformation<D, S, Q> {
-        dispatch(Deform { cells: self, batch, q })
+    /// Volumes, displacement gradients and strains of a batch at its points; those of rest without displacements.
+    fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
+        dispatch(Deform { cells: self, batch, u })
     }
 
     /// Sets, or adds to what earlier rounds left, forces and values of the span of nodes of a run.
@@ -111,7 +111,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let sums = Sums { force, values, first_unknown, first_value };
         let batches = run.cells.start / WIDTH..run.cells.end.div_ceil(WIDTH);
         dispatch(Assemble { cells: self, step, batches, sums, geometric: 1.0 }).map_err(|batch| {
-            let determinants = self.deform(&self.batches[batch], Some(step.q_1)).smallest_determinants;
+            let determinants = self.deform(&self.batches[batch], Some(step.u_1)).smallest_determinants;
             let lane = (0..WIDTH).find(|&lane| determinants[lane].is_nan() || determinants[lane] <= 0.0).unwrap_or_default();
             Inverted { cell: batch * WIDTH + lane, determinant: determinants[lane] }
         })
@@ -170,7 +170,7 @@ struct Deformation<const D: usize, const S: usize, const Q: usize> {
 struct Deform<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
     cells: &'a Cells<D, S, L, A, Q>,
     batch: &'a Batch<D, A>,
-    q: Option<&'a [f64]>,
+    u: Option<&'a [f64]>,
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Deform<'_, D, S, L, A, Q> {
@@ -185,8 +185,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         if is_round {
             work.revolve(self.batch, table);
         }
-        if let Some(q) = self.q {
-            work.set_end(self.batch, q);
+        if let Some(u) = self.u {
+            work.set_end(self.batch, u);
         }
         let mut deformation = Deformation {
             volumes: std::array::from_fn(|q| Lanes(work.points[q].volume.0)),
@@ -196,7 +196,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             special: None,
         };
         if self.cells.physics.special.is_some() {
-            let points = work.special_points(self.batch, table, [None, self.q.filter(|_| is_round)]);
+            let points = work.special_points(self.batch, table, [None, self.u.filter(|_| is_round)]);
             for hoop in &points.hoop[1][..Q] {
                 for lane in 0..WIDTH {
                     // A body of revolution that crosses its axis is inside out, too.
@@ -244,13 +244,13 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             if is_round {
                 work.revolve(batch, table);
             }
-            work.set_start(batch, step.q_0);
-            work.set_end(batch, step.q_1);
+            work.set_start(batch, step.u_0);
+            work.set_end(batch, step.u_1);
             if work.is_inside_out() {
                 return Err(index);
             }
             let special = physics.special.as_ref().map(|special| {
-                let around = [Some(step.q_0), Some(step.q_1)].map(|q| q.filter(|_| is_round));
+                let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_round));
                 let points = work.special_points(batch, table, around);
                 special.respond(&points, step.derivative, &mut answer);
                 work.take(&answer);
@@ -341,18 +341,18 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         Ok(())
     }
 
-    fn add_material_stiffness(&self, q: &[f64], factor: f64, values: &mut [f64]) {
-        let step = Step { derivative: Derivative::AT_END, weight: factor, inertia: 1.0, q_0: q, q_1: q };
-        let mut force = vec![0.0; q.len()];
+    fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]) {
+        let step = Step { derivative: Derivative::AT_END, weight: factor, inertia: 1.0, u_0: u, u_1: u };
+        let mut force = vec![0.0; u.len()];
         let sums = Sums { force: &mut force, values: Some(values), first_unknown: 0, first_value: 0 };
         // Of a configuration that a step came through to: no cell is inside out.
         let _ = dispatch(Assemble { cells: self, step: &step, batches: 0..self.batches.len(), sums, geometric: 0.0 });
     }
 
-    fn strain_energy(&self, q: &[f64]) -> f64 {
+    fn strain_energy(&self, u: &[f64]) -> f64 {
         let mut sum = 0.0;
         for batch in &self.batches {
-            let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(q));
+            let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(u));
             if let (Some(special), Some(points)) = (&self.physics.special, points) {
                 sum += special.energy(&points).0[..batch.count].iter().sum::<f64>();
                 continue;
@@ -366,10 +366,10 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         sum
     }
 
-    fn smallest_determinant(&self, q: &[f64]) -> Inverted {
+    fn smallest_determinant(&self, u: &[f64]) -> Inverted {
         let mut least = Inverted { cell: 0, determinant: f64::INFINITY };
         for (index, batch) in self.batches.iter().enumerate() {
-            let determinants = self.deform(batch, Some(q)).smallest_determinants;
+            let determinants = self.deform(batch, Some(u)).smallest_determinants;
             for (lane, &determinant) in determinants.iter().enumerate().take(batch.count) {
                 if determinant.is_nan() || determinant < least.determinant {
                     least = Inverted { cell: index * WIDTH + lane, determinant };
@@ -379,12 +379,14 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         least
     }
 
-    fn project(&self, q: &[f64], sums: &mut Projected) {
-        let smoothing = &self.table.smoothing;
+    fn project(&self, u: &[f64], sums: &mut Projected) {
+        let extrapolation = &self.table.extrapolation;
         for (index, batch) in self.batches.iter().enumerate() {
-            let deformation = self.deform(batch, Some(q));
+            let deformation = self.deform(batch, Some(u));
             let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
             let pressure = special.map_or(Lanes::ZERO, |(special, points)| special.pressure(points));
+            // A cell counts by its volume.
+            let volume: [f64; WIDTH] = std::array::from_fn(|lane| deformation.volumes.iter().map(|volume| volume.0[lane]).sum());
             for point in 0..Q {
                 // The spatial law also knows the stress across the plane.
                 let strain = self
@@ -401,7 +403,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                     let green = |i: usize, j: usize| strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
                     let green = [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)];
                     for (a, &node) in self.nodes(index, lane).iter().enumerate() {
-                        let share = deformation.volumes[point].0[lane] * smoothing[point][a];
+                        let share = volume[lane] * extrapolation[point][a];
                         sums.weight[node as usize] += share;
                         let add = |sum: &mut [f64; 6], values: [f64; 6]| {
                             sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value)

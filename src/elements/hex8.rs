@@ -2,7 +2,7 @@
 //!
 //! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a) / 8` (Hughes, The Finite Element Method, 2000, section 3.5).
 
-use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
+use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
 const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
@@ -49,5 +49,9 @@ impl ReferenceCell<3, 8, 8> for Hex8 {
             let factor = [0, 1, 2].map(|i| 1.0 + xi[i] * c[i]);
             [0.125 * c[0] * factor[1] * factor[2], 0.125 * c[1] * factor[0] * factor[2], 0.125 * c[2] * factor[0] * factor[1]]
         })
+    }
+
+    fn extrapolation() -> [[f64; 8]; 8] {
+        extrapolation_of_products(&CORNERS, Self::quadrature())
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a) / 4` (Hughes, The Finite Element Method, 2000, section 3.2).
 
-use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
+use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
@@ -39,5 +39,9 @@ impl ReferenceCell<2, 4, 4> for Quad4 {
 
     fn gradients(xi: [f64; 2]) -> [[f64; 2]; 4] {
         CORNERS.map(|c| [0.25 * c[0] * (1.0 + xi[1] * c[1]), 0.25 * c[1] * (1.0 + xi[0] * c[0])])
+    }
+
+    fn extrapolation() -> [[f64; 4]; 4] {
+        extrapolation_of_products(&PLACES, Self::quadrature())
     }
 }

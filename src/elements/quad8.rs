@@ -3,8 +3,8 @@
 //! `N = (1 + xi xi_a)(1 + eta eta_a)(xi xi_a + eta eta_a - 1)/4` at the corners, `(1 - xi^2)(1 + eta eta_a)/2` and its like at the middles
 //! (Hughes, The Finite Element Method, 2000, section 3.7).
 
-use super::quad9::{self, FACETS, gauss, nearness};
-use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
+use super::quad9::{self, FACETS, gauss};
+use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
 /// Those of the biquadratic cell without its center.
 const PLACES: [[f64; 3]; 8] = *quad9::PLACES.first_chunk().expect("eight of nine");
@@ -48,7 +48,7 @@ impl ReferenceCell<2, 8, 9> for Quad8 {
         })
     }
 
-    fn smoothing(xi: [f64; 2]) -> [f64; 8] {
-        nearness(&PLACES, xi)
+    fn extrapolation() -> [[f64; 8]; 9] {
+        extrapolation_of_products(&PLACES, gauss())
     }
 }

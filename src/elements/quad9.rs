@@ -4,7 +4,7 @@
 //! Method, 2000, section 3.6).
 
 use super::edge::edge_points;
-use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
+use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
 pub(super) const PLACES: [[f64; 3]; 9] = [
     [-1.0, -1.0, 0.0],
@@ -52,13 +52,6 @@ pub(super) fn gauss() -> [([f64; 2], f64); 9] {
     })
 }
 
-/// Weights of the corners of a quadrilateral and of places between, of the sum 1.
-pub(super) fn nearness<const A: usize>(places: &[[f64; 3]], xi: [f64; 2]) -> [f64; A] {
-    let near = |a: usize| (1.0 + xi[0] * places[a][0]) * (1.0 + xi[1] * places[a][1]);
-    let sum: f64 = (0..A).map(near).sum();
-    std::array::from_fn(|a| near(a) / sum)
-}
-
 impl ReferenceCell<2, 9, 9> for Quad9 {
     fn quadrature() -> [([f64; 2], f64); 9] {
         gauss()
@@ -75,7 +68,7 @@ impl ReferenceCell<2, 9, 9> for Quad9 {
         })
     }
 
-    fn smoothing(xi: [f64; 2]) -> [f64; 9] {
-        nearness(&PLACES, xi)
+    fn extrapolation() -> [[f64; 9]; 9] {
+        extrapolation_of_products(&PLACES, gauss())
     }
 }

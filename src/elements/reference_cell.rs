@@ -17,11 +17,9 @@ pub trait ReferenceCell<const D: usize, const A: usize, const Q: usize>: Send + 
         let product = |shape: [f64; A]| shape.map(|a| shape.map(|b| a * b));
         Self::quadrature().map(|(xi, _)| product(Self::shape(xi)))
     }
-    /// Weights, positive and of the sum 1, by which a value at a reference point goes to the nodes when fields are smoothed: the shape
-    /// functions where these are positive.
-    fn smoothing(xi: [f64; D]) -> [f64; A] {
-        Self::shape(xi)
-    }
+    /// Factors by which the values at the points are extrapolated to the nodes, `[point][node]`: for each node of the sum 1, by the
+    /// polynomial through them.
+    fn extrapolation() -> [[f64; A]; Q];
 }
 
 /// What a cell looks like: all of its kind have the same corners.
@@ -90,6 +88,25 @@ pub struct CellRow {
     pub shape: fn([f64; 3]) -> Vec<f64>,
     /// Gradients of the shape functions at a reference point, one for each node.
     pub gradients: fn([f64; 3]) -> Vec<[f64; 3]>,
+}
+
+/// [`ReferenceCell::extrapolation`] of a cell with as many Gauss points along each axis: with Legendre's polynomials `P_k`, of the sum of
+/// which the points hold the first ones, the product over the axes of `sum_k (2k + 1)/2 P_k(x) P_k(xi)` times the weight of the point.
+pub(super) fn extrapolation_of_products<const D: usize, const A: usize, const Q: usize>(
+    places: &[[f64; 3]; A],
+    points: [([f64; D], f64); Q],
+) -> [[f64; A]; Q] {
+    let legendre = |x: f64| [1.0, x, 0.5 * (3.0 * x * x - 1.0)];
+    let along = (1..=legendre(0.0).len()).find(|n: &usize| n.pow(D as u32) == Q).unwrap_or(1);
+    points.map(|(xi, weight)| {
+        std::array::from_fn(|a| {
+            let factor = |i: usize| {
+                let (at_node, at_point) = (legendre(places[a][i]), legendre(xi[i]));
+                (0..along).map(|k| (k as f64 + 0.5) * at_node[k] * at_point[k]).sum::<f64>()
+            };
+            weight * (0..D).map(factor).product::<f64>()
+        })
+    })
 }
 
 /// Three components of a vector in `D` dimensions.

@@ -43,4 +43,8 @@ impl ReferenceCell<3, 4, 1> for Tet4 {
     fn products() -> [[[f64; 4]; 4]; 1] {
         [std::array::from_fn(|a| std::array::from_fn(|b| if a == b { 0.1 } else { 0.05 }))]
     }
+
+    fn extrapolation() -> [[f64; 4]; 1] {
+        [[1.0; 4]]
+    }
 }

@@ -43,4 +43,8 @@ impl ReferenceCell<2, 3, 1> for Tri3 {
     fn products() -> [[[f64; 3]; 3]; 1] {
         [std::array::from_fn(|a| std::array::from_fn(|b| if a == b { 1.0 / 6.0 } else { 1.0 / 12.0 }))]
     }
+
+    fn extrapolation() -> [[f64; 3]; 1] {
+        [[1.0; 3]]
+    }
 }

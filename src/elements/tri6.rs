@@ -86,9 +86,8 @@ impl ReferenceCell<2, 6, 3> for Tri6 {
         [std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b))); 3]
     }
 
-    fn smoothing(xi: [f64; 2]) -> [f64; 6] {
-        // Each node takes by how near it is in area coordinates; the six sum to 1 + 1.
-        let (l, _) = area(xi);
-        std::array::from_fn(|a| 0.5 * if a < 3 { l[a] } else { 0.5 * (l[a - 3] + l[(a - 2) % 3]) })
+    fn extrapolation() -> [[f64; 6]; 3] {
+        // Linear through three points, each of which has 2/3 of its corner and 1/6 of the others.
+        std::array::from_fn(|q| PLACES.map(|[x, y, _]| 2.0 * area([x, y]).0[q] - 1.0 / 3.0))
     }
 }

@@ -16,7 +16,7 @@ pub struct BodyFields {
     pub displacement: Vec<[f64; 3]>,
     /// Velocity `[length/time]`.
     pub velocity: Vec<[f64; 3]>,
-    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, averaged at the nodes (lumped projection of the values at the quadrature points).
+    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, averaged at the nodes (extrapolated from the quadrature points of each cell).
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, averaged likewise.
     pub strain: Vec<[f64; 6]>,

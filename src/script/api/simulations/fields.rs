@@ -106,7 +106,7 @@ fn field() -> Function {
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
         summary: "a field of a body now: an array with a number or a vector for each node, in the order of `position`; stress is Cauchy's, \
-                  strain Green and Lagrange's, both averaged at the nodes",
+                  strain Green and Lagrange's, both extrapolated from the quadrature points of each cell and averaged at the nodes",
         parameters: parameters(),
         returns: "Array",
         example: flight_example("sim.run_to(0.05);\nlet stress = sim.field(\"von_mises\", plate);\nprint(stress.len());"),
