@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::materials::{Kinematics, Material};
+use crate::math::tolerances::AXIS;
 use crate::mesh::Mesh;
 
 /// How a body of plane cells is completed to space. Bodies in space do not ask.
@@ -88,6 +89,17 @@ impl FormulationError {
 }
 
 impl Formulation {
+    /// Puts nodes of a body of revolution that are beside the axis by round-off onto it; gives whether there were any.
+    pub fn put_on_axis(&self, points: &mut [[f64; 3]]) -> bool {
+        let extent = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
+        let is_beside = |x: f64| x != 0.0 && x.abs() <= AXIS * extent;
+        if self.plane != Plane::Axisymmetric || !points.iter().any(|point| is_beside(point[0])) {
+            return false;
+        }
+        points.iter_mut().filter(|point| is_beside(point[0])).for_each(|point| point[0] = 0.0);
+        true
+    }
+
     /// Whether it goes with a material and a mesh.
     ///
     /// # Errors

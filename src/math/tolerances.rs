@@ -31,6 +31,10 @@ pub const GAP: f64 = 1e-12;
 /// Round-off floor of the weighted gap, relative to the largest coordinate times the facet size: a few units in the last place.
 pub const GAP_FLOOR: f64 = 2e-15;
 
+/// Distance from the axis, relative to the largest coordinate of the mesh, up to which a node of a body of revolution is put onto it:
+/// round-off of meshes that were turned or moved there, far below any facet that could be meant.
+pub const AXIS: f64 = 1e-12;
+
 /// Distance in shortest secondary facets up to which a node on the axis of bodies of revolution touches the other side: its weighted gap
 /// has no force that would close it.
 pub const TOUCHES_ON_AXIS: f64 = 1e-3;

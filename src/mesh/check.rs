@@ -6,6 +6,8 @@
 //! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Triangles and tetrahedra count from
 //! the equilateral one, which has 1. Unlike Verdict, the center of a hexahedron is not sampled.
 
+use std::f64::consts::TAU;
+
 use super::error::rounded;
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape, edge_points, edge_shapes};
@@ -138,6 +140,20 @@ impl Mesh {
                 self.weighted_determinants(&samples, &points).map(|(weight, determinant)| weight * determinant).sum::<f64>()
             })
             .sum()
+    }
+
+    /// Volume of the body of revolution whose section the mesh is, turned about the second axis, by quadrature `[length^3]`.
+    pub fn volume_of_revolution(&self) -> f64 {
+        let (samples, row) = (Samples::new(self.kind), self.kind.row());
+        let shapes: Vec<Vec<f64>> = (row.quadrature)().into_iter().map(|(xi, _)| (row.shape)(xi)).collect();
+        let mut points = Vec::with_capacity(self.kind.nodes());
+        let of_cell = |cell| {
+            self.cell_points_into(cell, &mut points);
+            let radius = |shape: &Vec<f64>| shape.iter().zip(&points).map(|(share, point)| share * point[0]).sum::<f64>();
+            let at_points = self.weighted_determinants(&samples, &points).zip(&shapes);
+            at_points.map(|((weight, determinant), shape)| weight * determinant * TAU * radius(shape)).sum::<f64>()
+        };
+        (0..self.cell_count()).map(of_cell).sum()
     }
 
     /// Length or area of a boundary by quadrature `[length^(D-1)]`.

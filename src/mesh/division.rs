@@ -170,7 +170,9 @@ impl Mesh {
             (CellKind::Quad4 | CellKind::Tri3, _) if is_same_shape => {
                 self.divided(kind, &[Template::new(self.kind, kind, &[corners(kind)])], |_| 0)
             }
-            (CellKind::Quad4, CellKind::Tri3 | CellKind::Tri6) => {
+            // By way of triangles: the middle of the diagonal stands on the straight diagonal, not at the place of the cell's centre.
+            (CellKind::Quad4, CellKind::Tri6) => self.with_cells(CellKind::Tri3)?.with_cells(kind),
+            (CellKind::Quad4, CellKind::Tri3) => {
                 let at = corners(self.kind);
                 let cut = |[a, b, c]: [usize; 3]| vec![at[a], at[b], at[c]];
                 let templates =
@@ -294,6 +296,14 @@ mod tests {
             same(&tets, &tets.refine().unwrap());
         }
         assert!(matches!(plane.with_cells(Hex8), Err(MeshError::NoConversion { from: "quad4", to: "hex8" })));
+    }
+
+    #[test]
+    fn the_middle_of_a_diagonal_is_on_the_straight_diagonal() {
+        let mut mesh = rectangle([1.0, 1.0], [1, 1], [0.0; 2]).unwrap();
+        let corner = mesh.points.iter().position(|point| point[0] == 1.0 && point[1] == 1.0).unwrap();
+        mesh.points[corner] = [1.6, 1.2, 0.0];
+        assert!(mesh.with_cells(CellKind::Tri6).unwrap().points.contains(&[0.5, 0.5, 0.0]));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use rhai::Dynamic;
 use super::arguments::node_at;
 use super::handle::{BodyHandle, BoundaryHandle};
 use super::properties::member;
+use crate::bodies::Plane;
 use crate::mesh::Boundary;
 use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
@@ -33,10 +34,18 @@ pub fn functions() -> Vec<Function> {
         member(BodyHandle::receiver(), "material", "the material of the body", MaterialHandle::NAME, |call| {
             Dynamic::from(MaterialHandle(call.receiver::<BodyHandle>().definition().material))
         }),
-        member(BodyHandle::receiver(), "mass", "the mass of the body (per thickness in the plane)", "number", |call| {
-            let body = call.receiver::<BodyHandle>().definition();
-            Dynamic::from(body.mesh.measure() * body.material.density())
-        }),
+        member(
+            BodyHandle::receiver(),
+            "mass",
+            "the mass of the body (per thickness in the plane, of the whole circumference around an axis)",
+            "number",
+            |call| {
+                let body = call.receiver::<BodyHandle>().definition();
+                let is_round = body.formulation.plane == Plane::Axisymmetric;
+                let measure = if is_round { body.mesh.volume_of_revolution() } else { body.mesh.measure() };
+                Dynamic::from(measure * body.material.density())
+            },
+        ),
     ]
 }
 

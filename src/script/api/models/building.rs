@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use rhai::{Array, Dynamic};
 
@@ -12,6 +13,7 @@ use super::handle::{BodyHandle, ModelHandle};
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::contact::Finding;
 use crate::dynamics::{BodyDefinition, InitialDisplacement, InitialVelocity, Model};
+use crate::mesh::Mesh;
 use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
@@ -64,9 +66,13 @@ pub fn add_body() -> Function {
         see_also: &["model", "fix", "add_contact"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, mesh) = (call.text("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
+            let (name, mut mesh) = (call.text("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             let MaterialHandle(material) = call.handle("material")?;
             let formulation = formulation_of(&call.options("formulation")?)?;
+            let mut points = mesh.points.clone();
+            if formulation.put_on_axis(&mut points) {
+                mesh = Arc::new(Mesh { points, ..(*mesh).clone() });
+            }
             if let Err(error) = mesh.check() {
                 let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
                 return Err(failure.hint(error.cure()).into());
