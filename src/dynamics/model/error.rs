@@ -102,6 +102,14 @@ pub enum ModelError {
         /// What did not fit.
         reason: String,
     },
+    /// A boundary that is held and moved in one direction.
+    #[error("\"{boundary}\" is held and moved in the direction {direction}")]
+    HeldAndMoved {
+        /// `body.boundary`.
+        boundary: String,
+        /// x, y or z.
+        direction: &'static str,
+    },
     /// A formulation that does not go with a body.
     #[error("body \"{body}\": {source}")]
     Formulation {
@@ -164,6 +172,9 @@ impl ModelError {
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::Formulation { source, .. } => source.cure(),
+            ModelError::HeldAndMoved { .. } => {
+                "hold the other directions only, as in `fix(boundary, \"x\")`, or leave this one out of `prescribe`".into()
+            }
             ModelError::MixedSymmetry { .. } => "make all bodies of the model axisymmetric, or none".into(),
             ModelError::BreaksSymmetry { .. } => {
                 "keep to motions along the axis, the second direction, and to loads that are even around it".into()

@@ -28,7 +28,6 @@ pub(super) const QUANTITIES: &[(&str, &str)] = &[
 /// Functions that an energy may call, with what they are and how many arguments they take.
 pub(super) const FUNCTIONS: &[(&str, &str, usize)] = &[
     ("ln", "natural logarithm", 1),
-    ("log", "natural logarithm", 1),
     ("exp", "exponential function", 1),
     ("sqrt", "square root", 1),
     ("pow", "`pow(x, p)` is `x^p`, with a fixed `p`", 2),
@@ -41,6 +40,9 @@ pub(super) const FUNCTIONS: &[(&str, &str, usize)] = &[
     ("min", "the smaller of two", 2),
     ("stretch_power", "`stretch_power(a)` is `l1^a + l2^a + l3^a` of the principal stretches, with a fixed `a`", 1),
 ];
+
+/// The logarithm whose base nobody knows: that of other programs is natural, that of scripts to base 10.
+const AMBIGUOUS: &str = "log";
 
 /// Components of the strain in the order of the Mandel components in space.
 const STRAINS: [[&str; 2]; 6] = [["E11", "E11"], ["E22", "E22"], ["E33", "E33"], ["E12", "E21"], ["E23", "E32"], ["E13", "E31"]];
@@ -75,7 +77,7 @@ pub(super) fn constants_of(expression: &Expression) -> Vec<(String, Range<usize>
             Form::Binary(_, a, b) => [a, b].into_iter().for_each(|part| collect(part, found)),
             Form::Call(name, arguments) => {
                 // `mu (I1 - 3)` names a constant and lacks a sign.
-                let is_function = FUNCTIONS.iter().any(|(function, ..)| function == name);
+                let is_function = name == AMBIGUOUS || FUNCTIONS.iter().any(|(function, ..)| function == name);
                 if !is_function && !is_quantity(name) && !found.iter().any(|(known, _)| known == name) {
                     found.push((name.clone(), expression.span.start..expression.span.start + name.len()));
                 }
@@ -249,7 +251,7 @@ impl Translation<'_> {
         let ids = arguments.iter().map(|argument| self.node(argument)).collect::<Result<Vec<Id>, _>>()?;
         let a = ids[0];
         Ok(match name {
-            "ln" | "log" => self.logarithm(a, &arguments[0])?,
+            "ln" => self.logarithm(a, &arguments[0])?,
             "exp" => self.graph.exponential(a),
             "sqrt" => self.square_root(a, &arguments[0])?,
             "pow" => self.power(a, ids[1], &arguments[0])?,
@@ -273,6 +275,11 @@ impl Translation<'_> {
     }
 
     fn not_a_function(&self, name: &str, span: &Range<usize>) -> EnergyError {
+        if name == AMBIGUOUS {
+            let error = self.error(span, "the energy has a logarithm without its base", "natural, or to base 10?");
+            let error = error.cause("`log(x)` of a script is the logarithm to base 10, that of many papers the natural one");
+            return error.hint("write `ln(x)` for the natural logarithm, `ln(x)/ln(10)` for that to base 10");
+        }
         if is_quantity(name) || self.constants.iter().any(|(known, _)| known == name) {
             let error = self.error(span, format!("`{name}` is called like a function, but is none"), "not a function");
             return error.hint(format!("write a product with `*`: `{name}*(…)`"));

@@ -14,15 +14,19 @@ use crate::script::language::values::{as_number, describe};
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     vec![
-        of_numbers("max", "the largest entry of an array of numbers, also `values.max()`; `max(a, b)` is the larger of two", |values| {
-            furthest(values, |entry, best| entry > best)
-        }),
-        of_numbers("min", "the least entry of an array of numbers, also `values.min()`; `min(a, b)` is the smaller of two", |values| {
-            furthest(values, |entry, best| entry < best)
-        }),
-        of_numbers("sum", "the sum of an array of numbers, also `values.sum()`", |values| Some(sum(values))),
-        of_numbers("mean", "the mean of an array of numbers, also `values.mean()`", |values| {
-            (!values.is_empty()).then(|| (numbers(values).sum::<f64>() / values.len() as f64).into())
+        of_numbers(
+            "max",
+            "the largest entry of an array of numbers, also `values.max()`, NaN left out; `max(a, b)` is the larger of two",
+            |values| furthest(values, |entry, best| entry > best),
+        ),
+        of_numbers(
+            "min",
+            "the least entry of an array of numbers, also `values.min()`, NaN left out; `min(a, b)` is the smaller of two",
+            |values| furthest(values, |entry, best| entry < best),
+        ),
+        of_numbers("sum", "the sum of an array of numbers, also `values.sum()`, NaN left out", |values| Some(sum(values))),
+        of_numbers("mean", "the mean of an array of numbers, also `values.mean()`, NaN left out", |values| {
+            (!values.is_empty()).then(|| mean(values).into())
         }),
         linspace(),
     ]
@@ -32,19 +36,27 @@ fn numbers(values: &Array) -> impl Iterator<Item = f64> + '_ {
     values.iter().filter_map(as_number)
 }
 
-/// The entry beyond all others; one that is no number where there is one.
+/// The mean of the entries that are numbers; NaN where none is.
+fn mean(values: &Array) -> f64 {
+    let known: Vec<f64> = numbers(values).filter(|entry| !entry.is_nan()).collect();
+    known.iter().sum::<f64>() / known.len() as f64
+}
+
+/// The entry beyond all others; NaN only where no entry is a number.
 fn furthest(values: &Array, is_beyond: fn(f64, f64) -> bool) -> Option<Dynamic> {
     let beyond = |best: (usize, f64), entry: (usize, f64)| {
-        let is_next = !best.1.is_nan() && (entry.1.is_nan() || is_beyond(entry.1, best.1));
+        let is_next = !entry.1.is_nan() && (best.1.is_nan() || is_beyond(entry.1, best.1));
         if is_next { entry } else { best }
     };
     numbers(values).enumerate().reduce(beyond).map(|(place, _)| values[place].clone())
 }
 
-/// A whole number where all are whole and the sum fits.
+/// A whole number where all are whole and the sum fits; NaN only where no entry is a number.
 fn sum(values: &Array) -> Dynamic {
     let whole = values.iter().try_fold(0_i64, |sum, value| sum.checked_add(value.as_int().ok()?));
-    whole.map_or_else(|| numbers(values).sum::<f64>().into(), Dynamic::from)
+    let known = || numbers(values).filter(|entry| !entry.is_nan());
+    let fraction = || if known().next().is_some() { known().sum() } else { f64::NAN };
+    whole.map_or_else(|| fraction().into(), Dynamic::from)
 }
 
 fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> Option<Dynamic>) -> Function {

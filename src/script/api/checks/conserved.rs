@@ -32,8 +32,13 @@ pub fn expect_conserved() -> Function {
             Parameter::new(
                 "options",
                 Kind::Options(vec![
-                    Parameter::number("after", "time", Interval::Finite, "the time from which it should be constant")
-                        .or(Absent::Number(0.0)),
+                    Parameter::number(
+                        "after",
+                        "time",
+                        Interval::Finite,
+                        "the time from which it should be constant: from the first step that begins there or later",
+                    )
+                    .or(Absent::Number(0.0)),
                     Parameter::number("tolerance", "1", Interval::NonNegative, "the largest drift, relative to the size of the quantity"),
                 ]),
                 "from when and how well",
@@ -54,9 +59,9 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         return Ok(Dynamic::UNIT);
     }
     let rows = handle.0.history.borrow();
-    // The row at `after` may lie a little behind it, because steps meet a time only up to round-off.
-    let last = rows.iter().rposition(|row| row.time <= after + SAME_MOMENT * after.abs().max(row.dt)).unwrap_or(0);
-    let window = &rows[last..];
+    // The first step that begins at `after` or later; it may begin a little before, because steps meet a time only up to round-off.
+    let begins = |row: &LedgerRow| row.time >= after - SAME_MOMENT * after.abs().max(row.dt);
+    let window = &rows[rows.iter().position(begins).unwrap_or(rows.len())..];
     if window.len() < 2 {
         let failure = failed(call, format!("the simulation \"{}\" took no step after t = {}", handle.0.name, number_text(after)));
         let end = rows.last().map_or(0.0, |row| row.time);

@@ -7,10 +7,16 @@ use crate::math::catalogue::Interval;
 use crate::mesh::SelectionError;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::brief;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
+
+/// Angle in radians above which degrees were meant: a little more than once around.
+const MOST_TURNED: f64 = 1.001 * std::f64::consts::TAU;
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
@@ -52,6 +58,11 @@ fn rotate() -> Function {
         body: body(|call| {
             let mesh = call.receiver::<MeshHandle>().mesh();
             let (angle, center) = (call.number("angle")?, vector_or_zero(call, "center", mesh.dimension())?);
+            if angle.abs() > MOST_TURNED {
+                let title = format!("the mesh is turned by {} rad, more than once around", brief(angle));
+                let warning = Diagnostic::warning(title, call.place(&Target::Argument(0)));
+                call.host.warn(warning.hint(format!("for degrees write `deg({})`", brief(angle))));
+            }
             let axis = call.argument("axis");
             let axis = if axis.is_given() { axis.vector(3)? } else { [0.0, 0.0, 1.0] };
             mesh_value(call, (*mesh).clone().rotate_about(angle, center, axis))
