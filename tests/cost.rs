@@ -98,9 +98,9 @@ where
         (elements, pattern)
     };
     let ((elements, pattern), _, bytes) = allocated(make);
-    let q: Vec<f64> = mesh.points.iter().flat_map(|point| point[..D].to_vec()).collect();
-    let (mut force, mut values) = (vec![0.0; q.len()], vec![0.0; pattern.values()]);
-    let step = Step { derivative: Derivative::DiscreteGradient, weight: 1.0, inertia: 0.0, q_0: &q, q_1: &q };
+    let u = vec![0.0; D * mesh.points.len()];
+    let (mut force, mut values) = (vec![0.0; u.len()], vec![0.0; pattern.values()]);
+    let step = Step { derivative: Derivative::DiscreteGradient, weight: 1.0, inertia: 0.0, u_0: &u, u_1: &u };
     let workers = Workers::new(1);
     let ((), calls, _) = allocated(|| {
         elements.assemble(&step, &mut force, Some(&mut values), &workers).expect("no cell turns inside out");

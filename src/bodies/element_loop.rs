@@ -15,7 +15,8 @@ pub struct Inverted {
     pub determinant: f64,
 }
 
-/// A step as the element loop sees it. Positions are flat, node after node, of the whole model.
+/// A step as the element loop sees it. Displacements are flat, node after node, of the whole model: strains have the accuracy of their
+/// own size, however small they are.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     /// How the strain energy is differentiated.
@@ -24,13 +25,13 @@ pub struct Step<'a> {
     pub weight: f64,
     /// Factor of the mass in the tangent.
     pub inertia: f64,
-    /// Positions at the start.
-    pub q_0: &'a [f64],
-    /// Positions at the end.
-    pub q_1: &'a [f64],
+    /// Displacements at the start.
+    pub u_0: &'a [f64],
+    /// Displacements at the end.
+    pub u_1: &'a [f64],
 }
 
-/// The cells of a body in `D` dimensions. Positions, forces and velocities are flat, node after node, of the whole model.
+/// The cells of a body in `D` dimensions. Displacements and forces are flat, node after node, of the whole model.
 pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Node numbers (in the model) of the cells, one clique each.
     fn cliques(&self) -> &[Vec<u32>];
@@ -41,34 +42,35 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Adds the consistent mass.
     fn add_mass(&self, mass: &mut NodeMatrix);
 
-    /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `q_1`
+    /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `u_1`
     /// with the weighted mass; these columns are zero elsewhere. Without `values` only the force, to the same bytes.
     ///
     /// # Errors
-    /// A cell that is inside out at `q_1`, the same one for any number of threads; forces and values are then of no use.
+    /// A cell that is inside out at `u_1`, the same one for any number of threads; forces and values are then of no use.
     fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted>;
 
-    /// Adds the mass and `factor` times the material stiffness `int B^T D B dV` at `q`, the tangent of the static forces without its
+    /// Adds the mass and `factor` times the material stiffness `int B^T D B dV` at `u`, the tangent of the static forces without its
     /// geometric part.
-    fn add_material_stiffness(&self, q: &[f64], factor: f64, values: &mut [f64]);
+    fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]);
 
     /// Strain energy `[energy]`.
-    fn strain_energy(&self, q: &[f64]) -> f64;
+    fn strain_energy(&self, u: &[f64]) -> f64;
 
     /// Smallest determinant of the deformation gradient, and its cell.
-    fn smallest_determinant(&self, q: &[f64]) -> Inverted;
+    fn smallest_determinant(&self, u: &[f64]) -> Inverted;
 
-    /// Adds to the sums of a lumped projection of stress and strain to the nodes.
-    fn project(&self, q: &[f64], sums: &mut Projected);
+    /// Adds stress and strain at the nodes, extrapolated from the quadrature points of each cell, to sums over the cells at a node by their
+    /// volumes (Hinton and Campbell, International Journal for Numerical Methods in Engineering 8, 1974).
+    fn project(&self, u: &[f64], sums: &mut Projected);
 }
 
-/// Values at quadrature points as they are summed up at the nodes, components xx, yy, zz, xy, yz, xz.
+/// Values of cells as they are summed up at their nodes, components xx, yy, zz, xy, yz, xz.
 pub struct Projected {
     /// Cauchy stress times weight, for each node.
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain times weight.
     pub strain: Vec<[f64; 6]>,
-    /// Volume that each node stands for.
+    /// Volume of the cells at each node.
     pub weight: Vec<f64>,
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, con
     pub(super) is_final: bool,
     /// Forces on the nodes.
     pub(super) force: [[Lanes<FMA>; D]; A],
-    /// Tangent, column by column of the nodes: `tangent[b][k][a][i]` is the derivative of `force[a][i]` with respect to `q[b][k]`.
+    /// Tangent, column by column of the nodes: `tangent[b][k][a][i]` is the derivative of `force[a][i]` with respect to `u[b][k]`.
     pub(super) tangent: [[[[Lanes<FMA>; D]; A]; D]; A],
 }
 
@@ -75,11 +75,11 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             points.gradients[0][q] = relabel_rows(&self.gradient_0[q]);
             points.gradients[1][q] = relabel_rows(&self.gradient_1[q]);
         }
-        for (time, positions) in around.into_iter().enumerate() {
-            let Some(positions) = positions else { continue };
-            let u = batch.displacements::<FMA>(positions);
+        for (time, all) in around.into_iter().enumerate() {
+            let Some(all) = all else { continue };
+            let u = batch.displacements::<FMA>(all);
             for q in 0..many::<Q>() {
-                points.hoop[time][q] = Lanes(self.points[q].hoop(batch, &u, &table.shapes[q]).0);
+                points.hoop[time][q] = Lanes(self.points[q].hoop(&u, &table.shapes[q]).0);
             }
         }
         points
@@ -101,8 +101,8 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
 
     /// Displacement gradients and strains at the end of the step.
     #[inline(always)]
-    pub(super) fn set_end(&mut self, batch: &Batch<D, A>, q_1: &[f64]) {
-        let u = batch.displacements(q_1);
+    pub(super) fn set_end(&mut self, batch: &Batch<D, A>, u_1: &[f64]) {
+        let u = batch.displacements(u_1);
         for q in 0..many::<Q>() {
             self.gradient_1[q] = self.points[q].displacement_gradient(&u);
             self.strain_1[q] = self.strain.of(&self.gradient_1[q], Lanes::ZERO);
@@ -111,8 +111,8 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
 
     /// Displacement gradients and strains at the start of the step.
     #[inline(always)]
-    pub(super) fn set_start(&mut self, batch: &Batch<D, A>, q_0: &[f64]) {
-        let u = batch.displacements(q_0);
+    pub(super) fn set_start(&mut self, batch: &Batch<D, A>, u_0: &[f64]) {
+        let u = batch.displacements(u_0);
         for q in 0..many::<Q>() {
             self.gradient_0[q] = self.points[q].displacement_gradient(&u);
             self.strain_0[q] = self.strain.of(&self.gradient_0[q], Lanes::ZERO);

@@ -10,7 +10,7 @@ use crate::math::lanes::Real;
 /// Algorithmic gradient `g` and its derivative `T = dg/dpi_1` (not symmetric).
 ///
 /// `d`: increment of the invariants; `gradient` and `hessian`: of `f` at the mean invariants; `gradient_end`: at `pi_1`;
-/// `remainder`: `R` above. Where `d.d <= threshold` the correction and its derivative are dropped.
+/// `remainder`: `R` above. Where `d.d <= threshold` the derivative of the correction is dropped, the correction itself never.
 #[inline(always)]
 pub fn discrete_gradient<R: Real, const K: usize>(
     d: &[R; K],
@@ -21,8 +21,8 @@ pub fn discrete_gradient<R: Real, const K: usize>(
     threshold: f64,
 ) -> ([R; K], [[R; K]; K]) {
     let square = dot(d, d);
+    let a = remainder * square.if_above(f64::MIN_POSITIVE, R::splat(1.0) / square);
     let inverse = square.if_above(threshold, R::splat(1.0) / square);
-    let a = remainder * inverse;
     let mut g = *gradient;
     let mut tangent = *hessian;
     for k in 0..K {

@@ -165,11 +165,14 @@ impl Model {
 
     /// Positions of a body's nodes at the start `[length]`.
     pub fn start(&self, body: usize) -> Vec<[f64; 3]> {
-        let mut points = self.bodies[body].mesh.points.clone();
-        if let Some(initial) = self.initial_displacements.iter().rfind(|initial| initial.body == body) {
-            points.iter_mut().zip(&initial.displacement).for_each(|(x, u)| (0..3).for_each(|i| x[i] += u[i]));
-        }
-        points
+        let moved = |(x, u): (&[f64; 3], [f64; 3])| std::array::from_fn(|i| x[i] + u[i]);
+        self.bodies[body].mesh.points.iter().zip(self.initial_displacement(body)).map(moved).collect()
+    }
+
+    /// Displacements of a body's nodes at the start `[length]`.
+    pub fn initial_displacement(&self, body: usize) -> Vec<[f64; 3]> {
+        let given = self.initial_displacements.iter().rfind(|initial| initial.body == body);
+        given.map_or_else(|| vec![[0.0; 3]; self.bodies[body].mesh.points.len()], |initial| initial.displacement.clone())
     }
 
     /// Whether its bodies are bodies of revolution.
@@ -197,6 +200,19 @@ impl Model {
             Some(given) => breaks(format!("the initial velocity of body \"{}\"", self.bodies[given.body].name)),
             None => Ok(()),
         }
+    }
+
+    /// No boundary is held and moved in one direction. Nodes that two boundaries share may be: there the motion holds.
+    fn check_held_and_moved(&self) -> Result<(), ModelError> {
+        let contradicts = |support: &Support, moved: &Prescription| {
+            let (held, on) = (&support.on, &moved.on);
+            let is_same = held.body == on.body && held.boundary.facets == on.boundary.facets && held.boundary.nodes == on.boundary.nodes;
+            is_same && support.components[moved.component]
+        };
+        let both = self.prescriptions.iter().find(|moved| self.supports.iter().any(|support| contradicts(support, moved)));
+        both.map_or(Ok(()), |moved| {
+            Err(ModelError::HeldAndMoved { boundary: self.boundary_name(&moved.on), direction: ["x", "y", "z"][moved.component] })
+        })
     }
 
     /// Checks everything that can be said without computing: names, dimensions, empty boundaries, a surface in contact with itself.
@@ -228,6 +244,7 @@ impl Model {
                 return Err(ModelError::EmptyBoundary { boundary: self.boundary_name(on) });
             }
         }
+        self.check_held_and_moved()?;
         let surfaces =
             self.interactions.iter().flat_map(|interaction| std::iter::once(&interaction.secondary).chain(interaction.primary()));
         let spread = self.loads.iter().filter(|load| !matches!(load.kind, LoadKind::Force(_))).map(|load| &load.on);

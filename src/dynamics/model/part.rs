@@ -13,6 +13,15 @@ use crate::integrators::Derivative;
 use crate::linear::Pattern;
 use crate::math::workers::Workers;
 
+/// Where the nodes are. Both are flat, node after node, of the whole model.
+#[derive(Clone, Copy)]
+pub struct Pose<'a> {
+    /// Positions `[length]`.
+    pub q: &'a [f64],
+    /// Displacements, with the accuracy of their own size: strains follow from them `[length]`.
+    pub u: &'a [f64],
+}
+
 /// Where a step stands when its parts are asked for their forces. Positions are flat, node after node, of the whole model.
 pub struct Iterate<'a> {
     /// How potentials are differentiated.
@@ -27,6 +36,10 @@ pub struct Iterate<'a> {
     pub q_0: &'a [f64],
     /// Positions at its end `[length]`.
     pub q_1: &'a [f64],
+    /// Displacements at the start, with the accuracy of their own size: strains follow from them `[length]`.
+    pub u_0: &'a [f64],
+    /// Displacements at the end `[length]`.
+    pub u_1: &'a [f64],
     /// Positions at which loads act `[length]`.
     pub q_test: &'a [f64],
     /// Factor of the mass in the tangent, body by body `[1/time^2]`.
@@ -72,8 +85,8 @@ pub trait Part: Send {
     /// The iterate is no configuration of this part, or a time function failed.
     fn linearize(&self, at: &Iterate, memory: &[f64], sums: &mut Sums) -> Result<(), Refusal>;
 
-    /// What it stores at `q`, remembering `memory` `[energy]`; 0 for what pushes from outside.
-    fn energy(&self, q: &[f64], memory: &[f64]) -> f64;
+    /// What it stores where the nodes are, remembering `memory` `[energy]`; 0 for what pushes from outside.
+    fn energy(&self, at: Pose, memory: &[f64]) -> f64;
 
     /// What it remembers at the start: a block of numbers that every state keeps.
     fn memory(&self) -> Vec<f64> {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::bodies::{ElementLoop, Step};
-use crate::dynamics::model::part::{Iterate, Part, Refusal, Sums};
+use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
 use crate::linear::Pattern;
 
 /// A deformable body. Bodies come first among the parts: they set the sums of their nodes, the others add.
@@ -28,13 +28,13 @@ impl<const D: usize> Part for Body<D> {
     }
 
     fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
-        let Iterate { derivative, weight, q_0, q_1, .. } = *at;
-        let step = Step { derivative, weight, inertia: at.inertia[self.number], q_0, q_1 };
+        let Iterate { derivative, weight, u_0, u_1, .. } = *at;
+        let step = Step { derivative, weight, inertia: at.inertia[self.number], u_0, u_1 };
         let outcome = self.elements.assemble(&step, sums.internal, sums.tangent.as_deref_mut(), sums.workers);
         outcome.map_err(|inverted| Refusal::Inverted { body: self.name.clone(), inverted })
     }
 
-    fn energy(&self, q: &[f64], _memory: &[f64]) -> f64 {
-        self.elements.strain_energy(q)
+    fn energy(&self, at: Pose, _memory: &[f64]) -> f64 {
+        self.elements.strain_energy(at.u)
     }
 }

@@ -4,7 +4,7 @@ use crate::bodies::{Plane, pressure_shares, round_pressure, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
 use crate::dynamics::model::error::StepError;
-use crate::dynamics::model::part::{Iterate, Part, Refusal, Sums};
+use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
 use crate::linear::{Block, Pattern};
 
 /// A load with its nodal weights.
@@ -126,7 +126,7 @@ impl<const D: usize> Part for NodalLoad<D> {
         Ok(())
     }
 
-    fn energy(&self, _q: &[f64], _memory: &[f64]) -> f64 {
+    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
         0.0
     }
 }

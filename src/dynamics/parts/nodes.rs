@@ -82,6 +82,19 @@ impl<const D: usize> Nodes<D> {
         self.modulus * self.extent.powi(D as i32 - 2) * around
     }
 
+    /// Positions of the nodes with these displacements.
+    pub fn positions(&self, u: &[f64]) -> Vec<f64> {
+        let mut q = Vec::new();
+        self.positions_into(u, &mut q);
+        q
+    }
+
+    /// The same in storage that is there.
+    pub fn positions_into(&self, u: &[f64], q: &mut Vec<f64>) {
+        q.clear();
+        q.extend(self.reference.iter().zip(u).map(|(x, u)| x + u));
+    }
+
     /// Number of nodes.
     pub fn count(&self) -> usize {
         self.reference.len() / D

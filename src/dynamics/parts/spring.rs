@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Refusal, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
 use crate::integrators::{Configuration, Derivative};
 use crate::linear::{Block, Pattern};
 
@@ -136,8 +136,8 @@ impl Part for Spring {
         Ok(())
     }
 
-    fn energy(&self, q: &[f64], _memory: &[f64]) -> f64 {
-        0.5 * self.stiffness * (self.vector(q).1 - self.rest_length).powi(2)
+    fn energy(&self, at: Pose, _memory: &[f64]) -> f64 {
+        0.5 * self.stiffness * (self.vector(at.q).1 - self.rest_length).powi(2)
     }
 }
 
@@ -152,7 +152,7 @@ mod tests {
         let mut spring = Spring { dimension, nodes: [0, 1], stiffness: 3.0, rest_length: 0.7, places: Default::default() };
         spring.place(&pattern);
         let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);
-        let at = Iterate { derivative, weight: 1.0, time: 0.0, dt: 0.1, q_0, q_1, q_test: q_1, inertia: &[] };
+        let at = Iterate { derivative, weight: 1.0, time: 0.0, dt: 0.1, q_0, q_1, u_0: q_0, u_1: q_1, q_test: q_1, inertia: &[] };
         let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
         assert!(spring.linearize(&at, &[], &mut sums).is_ok());
         let count = 2 * dimension;
@@ -174,7 +174,7 @@ mod tests {
                 for derivative in Derivative::ALL {
                     let (force, tangent, spring) = linearized(dimension, derivative, q_0, &q_1);
                     let work: f64 = force.iter().zip(q_1.iter().zip(q_0)).map(|(f, (b, a))| f * (b - a)).sum();
-                    let gained = spring.energy(&q_1, &[]) - spring.energy(q_0, &[]);
+                    let gained = spring.energy(Pose { q: &q_1, u: &q_1 }, &[]) - spring.energy(Pose { q: q_0, u: q_0 }, &[]);
                     assert!(derivative != Derivative::DiscreteGradient || (work - gained).abs() < 1e-15, "{work} {gained}");
                     let count = 2 * dimension;
                     for column in 0..count {

@@ -9,10 +9,10 @@
 
 use nalgebra::{Matrix4, Matrix4x2, SVector, Vector4};
 
-use super::viscous_points::{Contribution, Deformation, Matrix, Point, Strain, points_of};
+use super::viscous_points::{Contribution, Deformation, Frame, Matrix, Point, Strain, points_of};
 use crate::bodies::{Plane, PlaneGradients, Resistance, Thickness};
 use crate::dynamics::model::definitions::BodyDefinition;
-use crate::dynamics::model::part::{Iterate, Part, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Remembered, Sums};
 use crate::integrators::Configuration;
 use crate::linear::{Block, Pattern};
 use crate::materials::{Kinematics, Viscosity};
@@ -94,21 +94,20 @@ impl ViscousBody {
         memory.get(index * size..(index + 1) * size).unwrap_or_default()
     }
 
-    /// Deformation of a point at positions.
-    fn deformation<const D: usize>(&self, cell: usize, point: &Point, q: &[f64]) -> Deformation<D> {
-        let mut f = Matrix::<D>::zeros();
+    /// Deformation of a point by displacements.
+    fn deformation<const D: usize>(&self, cell: usize, point: &Point, u: &[f64]) -> Deformation<D> {
+        let mut h = Matrix::<D>::zeros();
         let last = self.cells[cell].len() - 1;
         let origin = self.cells[cell][last] as usize * D;
         for (&node, gradient) in self.cells[cell].iter().zip(&point.gradients) {
             for i in 0..D {
                 // Relative to one node: gradients sum to zero.
-                let x = q[node as usize * D + i] - q[origin + i];
-                (0..D).for_each(|j| f[(i, j)] += x * gradient[j]);
+                let along = u[node as usize * D + i] - u[origin + i];
+                (0..D).for_each(|j| h[(i, j)] += along * gradient[j]);
             }
         }
-        let stretch = |(&node, share): (&u32, &f64)| q[node as usize * D] * share;
-        let around = if point.around.is_empty() { 1.0 } else { self.cells[cell].iter().zip(&point.around).map(stretch).sum() };
-        Deformation { inner: f, around }
+        let stretch = |(&node, share): (&u32, &f64)| u[node as usize * D] * share;
+        Deformation { inner: h, around: self.cells[cell].iter().zip(&point.around).map(stretch).sum() }
     }
 
     /// Change of the strain between two deformations; a free strain across is left out.
@@ -117,11 +116,11 @@ impl ViscousBody {
     }
 
     /// The deformation by which a force is pulled forward and strains are varied: that of a strain of small displacements stands still.
-    fn frame<const D: usize>(&self, at: Configuration, f_0: &Deformation<D>, f_1: &Deformation<D>) -> Deformation<D> {
+    fn frame<const D: usize>(&self, at: Configuration, f_0: &Deformation<D>, f_1: &Deformation<D>) -> Frame<D> {
         match (self.kinematics, at) {
-            (Kinematics::Linear, _) => Deformation::rest(),
-            (_, Configuration::Middle) => f_0.mean(f_1),
-            (_, Configuration::End) => *f_1,
+            (Kinematics::Linear, _) => Frame::rest(),
+            (_, Configuration::Middle) => f_0.mean(f_1).frame(),
+            (_, Configuration::End) => f_1.frame(),
         }
     }
 
@@ -142,7 +141,7 @@ impl ViscousBody {
             for point in points {
                 strains.clear();
                 strains.extend(self.memory_of(index, memory).chunks_exact(self.components()).take(count).map(Strain::<D>::unpacked));
-                let f = [at.q_0, at.q_1].map(|q| self.deformation::<D>(cell, point, q));
+                let f = [at.u_0, at.u_1].map(|u| self.deformation::<D>(cell, point, u));
                 tell(cell, point, f, &strains);
                 index += 1;
             }
@@ -295,10 +294,10 @@ impl ViscousBody {
     }
 
     /// Energy that a free strain across stores by its distance from that of the law.
-    fn stored_across(&self, q: &[f64], memory: &[f64]) -> f64 {
+    fn stored_across(&self, u: &[f64], memory: &[f64]) -> f64 {
         let Across::Free(thickness) = &self.across else { return 0.0 };
         let points = self.points.iter().enumerate().flat_map(|(cell, points)| points.iter().map(move |point| (cell, point)));
-        let all: Vec<_> = points.map(|(cell, point)| (point.volume, self.deformation::<2>(cell, point, q))).collect();
+        let all: Vec<_> = points.map(|(cell, point)| (point.volume, self.deformation::<2>(cell, point, u))).collect();
         let of_group = |(number, some): (usize, &[(f64, Deformation<2>)])| -> f64 {
             let gradient = plane_gradients(some.len(), |lane| &some[lane].1);
             let energy = thickness.energy(&gradient, self.distances(number, some.len(), memory));
@@ -315,12 +314,12 @@ fn lanes(count: usize, value: impl Fn(usize) -> f64) -> Lanes<false> {
 
 /// Displacement gradients of some points.
 fn plane_gradients<'a>(count: usize, deformation: impl Fn(usize) -> &'a Deformation<2>) -> PlaneGradients {
-    let entry = |i: usize, j: usize| lanes(count, |lane| deformation(lane).inner[(i, j)] - if i == j { 1.0 } else { 0.0 });
+    let entry = |i: usize, j: usize| lanes(count, |lane| deformation(lane).inner[(i, j)]);
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
 /// Variation of the strain at a point with the position of a node of its cell, in Mandel components xx, yy, around, xy.
-fn variation(point: &Point, node: usize, frame: &Deformation<2>) -> Matrix4x2<f64> {
+fn variation(point: &Point, node: usize, frame: &Frame<2>) -> Matrix4x2<f64> {
     let ([g, h, _], f, root) = (point.gradients[node], &frame.inner, std::f64::consts::SQRT_2);
     let mut variation = Matrix4x2::zeros();
     for i in 0..2 {
@@ -352,7 +351,7 @@ impl Part for ViscousBody {
         Ok(())
     }
 
-    fn energy(&self, q: &[f64], memory: &[f64]) -> f64 {
+    fn energy(&self, at: Pose, memory: &[f64]) -> f64 {
         if memory.is_empty() {
             return 0.0;
         }
@@ -360,7 +359,7 @@ impl Part for ViscousBody {
             let memory = self.memory_of(index, memory);
             point.volume * if self.dimension == 2 { self.stored_by::<2>(memory) } else { self.stored_by::<3>(memory) }
         };
-        self.points.iter().flatten().enumerate().map(of_point).sum::<f64>() + self.stored_across(q, memory)
+        self.points.iter().flatten().enumerate().map(of_point).sum::<f64>() + self.stored_across(at.u, memory)
     }
 
     fn memory(&self) -> Vec<f64> {
@@ -403,7 +402,7 @@ mod tests {
                 seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
                 size * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
             };
-            rest.iter().map(|x| x + random()).collect::<Vec<f64>>()
+            rest.iter().map(|_| random()).collect::<Vec<f64>>()
         });
         let mut body = ViscousBody::new(&BodyDefinition { name: "b".into(), mesh: Arc::new(mesh), material, formulation }, 0).unwrap();
         let pattern = Pattern::new(&vec![dimension as u8; rest.len() / dimension], body.cells.iter().map(|cell| &cell[..]));
@@ -411,8 +410,9 @@ mod tests {
         (body, pattern, q)
     }
 
-    fn iterate<'a>(derivative: Derivative, q_0: &'a [f64], q_1: &'a [f64]) -> Iterate<'a> {
-        Iterate { derivative, weight: 0.7, time: 0.0, dt: 0.05, q_0, q_1, q_test: q_1, inertia: &[] }
+    /// Only displacements matter.
+    fn iterate<'a>(derivative: Derivative, u_0: &'a [f64], u_1: &'a [f64]) -> Iterate<'a> {
+        Iterate { derivative, weight: 0.7, time: 0.0, dt: 0.05, q_0: u_0, q_1: u_1, u_0, u_1, q_test: u_1, inertia: &[] }
     }
 
     fn forces(body: &ViscousBody, at: &Iterate, memory: &[f64], values: Option<&mut [f64]>) -> Vec<f64> {
@@ -467,13 +467,13 @@ mod tests {
         for (plane, kind, law) in cases() {
             let (body, _, [q_0, q_1]) = body(plane, kind, &law);
             let (mut from, mut memory) = (q_0.clone(), body.memory());
-            let (mut stored, mut q) = (body.energy(&q_0, &memory), q_1);
+            let (mut stored, mut q) = (body.energy(Pose { q: &q_0, u: &q_0 }, &memory), q_1);
             assert_eq!(stored, 0.0);
             for _ in 0..3 {
                 let at = iterate(Derivative::DiscreteGradient, &from, &q);
                 let work: f64 = forces(&body, &at, &memory, None).iter().zip(q.iter().zip(&from)).map(|(f, (a, b))| f * (a - b)).sum();
                 let Remembered { memory: after, dissipated } = body.remembered(&at, &memory);
-                let energy = body.energy(&q, &after);
+                let energy = body.energy(Pose { q: &q, u: &q }, &after);
                 let scale = work.abs() + energy + dissipated;
                 assert!(dissipated > 0.0 && energy > 0.0, "{plane:?} {kind:?} {law:?}");
                 let defect = work / at.weight - (energy - stored) - dissipated;

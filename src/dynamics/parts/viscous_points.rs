@@ -52,13 +52,28 @@ pub fn points_of(mesh: &Mesh, plane: Plane) -> Vec<Vec<Point>> {
     points.collect()
 }
 
-/// Deformation gradient of a point, and its stretch around an axis, 1 where there is none.
+/// Displacement gradient of a point, and its stretch around an axis less 1, 0 where there is none.
 #[derive(Clone, Copy)]
 pub struct Deformation<const D: usize> {
     /// Among the directions of the cells.
     pub inner: Matrix<D>,
     /// Around.
     pub around: f64,
+}
+
+/// Deformation gradient of a point, and its stretch around an axis.
+pub struct Frame<const D: usize> {
+    /// Among the directions of the cells.
+    pub inner: Matrix<D>,
+    /// Around.
+    pub around: f64,
+}
+
+impl<const D: usize> Frame<D> {
+    /// No displacement.
+    pub fn rest() -> Self {
+        Frame { inner: Matrix::identity(), around: 1.0 }
+    }
 }
 
 /// A symmetric tensor: among the directions of the cells, and across the plane.
@@ -112,9 +127,9 @@ impl<const D: usize> Strain<D> {
 }
 
 impl<const D: usize> Deformation<D> {
-    /// No displacement.
-    pub fn rest() -> Self {
-        Deformation { inner: Matrix::identity(), around: 1.0 }
+    /// The deformation gradient `I + H`, by which forces are pulled forward and strains are varied.
+    pub fn frame(&self) -> Frame<D> {
+        Frame { inner: Matrix::identity() + self.inner, around: 1.0 + self.around }
     }
 
     /// In the middle of a step.
@@ -124,7 +139,7 @@ impl<const D: usize> Deformation<D> {
 
     /// Change of the Green-Lagrange strain to another deformation.
     pub fn strain_to(&self, other: &Self) -> Strain<D> {
-        let middle = self.mean(other);
+        let middle = self.mean(other).frame();
         let product = middle.inner.transpose() * (other.inner - self.inner);
         Strain { inner: (product + product.transpose()) * 0.5, across: middle.around * (other.around - self.around) }
     }

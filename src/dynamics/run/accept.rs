@@ -62,7 +62,7 @@ where
             step: old.step + 1,
             dt,
             kinetic: half_product(&v_1, &momenta),
-            strain: system.strain_energy(&at.q_1),
+            strain: system.strain_energy(&at.u_1),
             reserve: reserve.iter().sum(),
             active: system.touching(&active),
             momentum: system.nodes.resultant(&momenta),
@@ -73,10 +73,9 @@ where
         let (memory, dissipation) = if others { system.memory_after(start, &at) } else { (self.state.memory.clone(), 0.0) };
         row.dissipation = dissipation;
         row.potential =
-            system.nodes.potential_energy(&at.q_1) + system.penalty_energy(&felt) + system.stored_energy(&at.q_1, &memory) + row.reserve;
-        row.load_work = (0..at.q_1.len()).map(|k| outside.load[k] * (at.q_1[k] - start.q_0[k])).sum();
+            system.nodes.potential_energy(&at.q_1) + system.penalty_energy(&felt) + system.stored_energy(at.pose(), &memory) + row.reserve;
         let obstacle_work = outside.obstacle_work + jump.as_ref().map_or(0.0, |jump| jump.work);
-        row.load_work += obstacle_work;
+        row.load_work = (0..at.q_1.len()).map(|k| outside.load[k] * at.moved[k]).sum::<f64>() + obstacle_work;
         if !system.supports.prescribed.is_empty() {
             row.load_work += outside.prescribed_work;
         }
@@ -93,11 +92,12 @@ where
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
-        row.probes = self.probe_values(&at.q_1, &v_1);
+        row.probes = self.probe_values(&at.u_1, &v_1);
         let acted = obstacle_work != 0.0 || outside.load.iter().any(|f| *f != 0.0);
         let state = State {
             row,
             positions: at.q_1.clone(),
+            displacements: at.u_1.clone(),
             velocities: v_1,
             lambda,
             felt,
@@ -142,7 +142,7 @@ where
             obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
         }
         let (prescribed_work, slip_moment) =
-            if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(start, motion, at, v_1) };
+            if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
         Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment })
     }
 
@@ -164,7 +164,7 @@ where
         let found = if system.pairs.iter().any(|pair| !pair.has_multipliers()) && !conditions.end_point {
             system.nodes.potential_energy(start.q_0)
                 + system.penalty_energy(&conditions.gap_n)
-                + system.stored_energy(start.q_0, &self.state.memory)
+                + system.stored_energy(start.pose(), &self.state.memory)
                 + old.reserve
                 - old.potential
         } else {
@@ -206,7 +206,7 @@ where
 
     /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their
     /// velocities are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
-    fn prescribed_work(&self, start: &StepStart, motion: &Motion, at: &Linearization, v_1: &[f64]) -> (f64, [f64; 3]) {
+    fn prescribed_work(&self, motion: &Motion, at: &Linearization, v_1: &[f64]) -> (f64, [f64; 3]) {
         let (Motion { dt, v_0, .. }, unknowns) = (*motion, at.q_1.len());
         let change: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - v_0[k]) / dt).collect();
         let mean: Vec<f64> = (0..unknowns).map(|k| 0.5 * (v_1[k] + v_0[k])).collect();
@@ -214,7 +214,7 @@ where
         let (mut slip, mut work) = (vec![0.0; unknowns], 0.0);
         for k in self.system.supports.prescribed.iter().map(|prescribed| prescribed.unknown) {
             let reaction = at.forces.without_contact[k] - at.forces.contact[k];
-            let moved = at.q_1[k] - start.q_0[k];
+            let moved = at.moved[k];
             slip[k] = moved - dt * mean[k];
             work += inertia[k] * dt * mean[k] + (reaction - inertia[k]) * moved;
         }

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::iterate::Forces;
 use crate::dynamics::step::start::REST_WEIGHT;
@@ -35,6 +36,8 @@ pub struct Piece {
     /// force acts on the longest.
     stiffness: f64,
     extent: f64,
+    /// Largest distance from the axis of a body of revolution.
+    radius: f64,
 }
 
 /// What a state lacks to balance.
@@ -89,21 +92,22 @@ impl Balance {
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
                     numbers.push(number);
                     let (modulus, stiffness) = (definition.material.youngs_modulus(), aspect * definition.material.stiffness());
-                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0 });
+                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0, radius: 0.0 });
                     numbers.len() - 1
                 });
                 pieces[first + place].nodes.push(node);
             }
             for piece in &mut pieces[first..] {
                 piece.extent = (0..D).map(|i| extent_along::<D>(&system.nodes.reference, &piece.nodes, i)).fold(0.0, f64::max);
+                piece.radius = piece.nodes.iter().map(|&node| system.nodes.reference[node * D].abs()).fold(0.0, f64::max);
                 piece.frequency_squared = piece.modulus / definition.material.density() / piece.extent.powi(2);
             }
         }
         Balance { pieces }
     }
 
-    /// Judges the forces of an iterate at rest without damping at `q`.
-    pub fn judge<const D: usize>(&self, system: &System<D>, q: &[f64], forces: &Forces) -> Imbalance
+    /// Judges the forces of an iterate at rest without damping.
+    pub fn judge<const D: usize>(&self, system: &System<D>, Pose { q, u }: Pose, forces: &Forces) -> Imbalance
     where
         Space<D>: Elements<D>,
     {
@@ -111,13 +115,13 @@ impl Balance {
         for piece in &self.pieces {
             let rigid = RigidMotions::new(system, &piece.nodes, q);
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
-            let (mut largest, mut reach) = (0.0f64, piece.extent);
+            let (mut largest, mut reach) = (0.0f64, if system.sees_positions() { piece.extent } else { 0.0 });
             let mut along = SVector::zeros();
             for &node in &piece.nodes {
                 for i in 0..D {
                     let k = node * D + i;
                     let force = (forces.contact[k] - forces.without_contact[k]) / REST_WEIGHT;
-                    reach = reach.max(q[k].abs());
+                    reach = reach.max(if system.sees_positions() { q[k].abs() } else { u[k].abs() });
                     let (load, contact) =
                         (forces.load[k].abs() / REST_WEIGHT + system.nodes.weight[k].abs(), forces.contact[k].abs() / REST_WEIGHT);
                     loads += load;
@@ -135,7 +139,7 @@ impl Balance {
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
             // Forces around an axis are those of the circumference.
-            let around = if system.nodes.is_axisymmetric { std::f64::consts::TAU * reach } else { 1.0 };
+            let around = if system.nodes.is_axisymmetric { std::f64::consts::TAU * piece.radius } else { 1.0 };
             let floor = tolerances::FORCE_FLOOR * piece.stiffness * reach * piece.extent.powi(D as i32 - 2) * around;
             let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
             imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));

@@ -13,6 +13,7 @@ use super::state::{Clock, State};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
+use crate::dynamics::model::part::Pose;
 use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::contact_pair::RowState;
 use crate::dynamics::step::attempts::Preferred;
@@ -57,8 +58,10 @@ where
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);
-        let positions: Vec<f64> = (0..model.bodies.len()).flat_map(|body| model.start(body)).flat_map(|x| x[..D].to_vec()).collect();
-        inverted_at_start(&system, model, &positions)?;
+        let displaced = (0..model.bodies.len()).flat_map(|body| model.initial_displacement(body));
+        let displacements: Vec<f64> = displaced.flat_map(|u| u[..D].to_vec()).collect();
+        let positions = system.nodes.positions(&displacements);
+        inverted_at_start(&system, model, &displacements)?;
         let velocities = initial_velocities(&system, model, &positions);
         if D == 2 {
             system.survey(&positions);
@@ -67,8 +70,8 @@ where
         let memory = system.memory_at_rest();
         let row = LedgerRow {
             kinetic: system.nodes.kinetic_energy(&velocities),
-            strain: if model.initial_displacements.is_empty() { 0.0 } else { system.strain_energy(&positions) },
-            potential: system.nodes.potential_energy(&positions) + system.stored_energy(&positions, &memory),
+            strain: if model.initial_displacements.is_empty() { 0.0 } else { system.strain_energy(&displacements) },
+            potential: system.nodes.potential_energy(&positions) + system.stored_energy(Pose { q: &positions, u: &displacements }, &memory),
             momentum,
             angular_momentum,
             ..LedgerRow::default()
@@ -87,6 +90,7 @@ where
             preferred: Preferred::default(),
             loads_ended: 0.0,
             positions,
+            displacements,
             velocities,
         };
         Ok(Engine {
@@ -110,10 +114,10 @@ where
 }
 
 /// Refuses initial displacements that turn a cell inside out.
-fn inverted_at_start<const D: usize>(system: &System<D>, model: &Model, positions: &[f64]) -> Result<(), ModelError> {
+fn inverted_at_start<const D: usize>(system: &System<D>, model: &Model, u: &[f64]) -> Result<(), ModelError> {
     for initial in &model.initial_displacements {
         let body = &system.bodies[initial.body];
-        let Inverted { cell, determinant } = body.elements.smallest_determinant(positions);
+        let Inverted { cell, determinant } = body.elements.smallest_determinant(u);
         if determinant <= 0.0 {
             return Err(ModelError::InvertedAtStart { body: body.name.clone(), cell, determinant });
         }

@@ -36,7 +36,7 @@ where
             "check supports and loads".into()
         };
         let (cause, cure) = (report.explanation(), report.cure(&smaller));
-        self.failure = Some((report, self.trace.q_1.clone()));
+        self.failure = Some((report, self.trace.u_1.clone()));
         StepError::NotConverged { time, step, dt, halvings, cause, cure }
     }
 

@@ -10,7 +10,7 @@ use crate::dynamics::model::error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::{Solution, Task, solve};
-use crate::dynamics::step::predictor::{follow_prescribed, rigid_motion};
+use crate::dynamics::step::predictor::{displacements_to, follow_prescribed, rigid_motion};
 use crate::dynamics::step::start::{Course, Motion, REST_WEIGHT, StepStart};
 use crate::math::tolerances;
 
@@ -40,7 +40,7 @@ where
         let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
         follow_prescribed(&self.system, &state.positions, &displacement, &mut predicted);
         // What takes part: nodes may move by the prediction or by their velocities.
-        let rigid: Vec<f64> = predicted.iter().zip(&state.positions).map(|(new, old)| new - old).collect();
+        let rigid = displacements_to(&self.system, state.pose(), &displacement, &predicted);
         let elastic: Vec<f64> = state.velocities.iter().map(|v| dt * v).collect();
         let outlook =
             Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach, depth: 0.0 };
@@ -49,7 +49,8 @@ where
 
         let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &state.remembered[..], &prescribed_v_1[..]);
         let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };
-        let start = StepStart { time, q_0: &state.positions, memory: &state.memory, course: Course::Motion(motion) };
+        let start =
+            StepStart { time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, course: Course::Motion(motion) };
         let conditions = self.system.conditions(&start, &state.felt);
         if let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
             if may_be_halved {
@@ -62,6 +63,7 @@ where
         let task = Task {
             start: &start,
             predicted: &predicted,
+            moved: &rigid,
             lambda: &state.lambda,
             conditions: &conditions,
             energy,
@@ -129,13 +131,13 @@ where
     pub fn remember(&mut self) -> Result<(), StepError> {
         let state = self.state.clone();
         let undamped = vec![0.0; self.system.bodies.len()];
-        let start =
-            StepStart { time: state.row.time, q_0: &state.positions, memory: &state.memory, course: Course::Rest { damping: &undamped } };
+        let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
+        let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, course: Course::Rest { damping: &undamped } };
         self.system.move_obstacles(state.row.time, 0.0)?;
         if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {
             return Err(self.failed(&Failure::Linear(error), 0.0, 0));
         }
-        match self.system.linearize(&start, &state.positions, &vec![0.0; state.positions.len()], &state.lambda) {
+        match self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda) {
             Ok(at) => {
                 let share = (1.0 - self.options.integrator.weight) / REST_WEIGHT;
                 let forces = at.forces.without_contact.iter().zip(&at.forces.contact);

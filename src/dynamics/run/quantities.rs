@@ -16,12 +16,13 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    pub fn fields_at(&self, q: &[f64]) -> Vec<BodyFields> {
+    pub fn fields_at(&self, u: &[f64]) -> Vec<BodyFields> {
+        let q = &self.system.nodes.positions(u)[..];
         let v = &self.state.velocities;
         let nodes = self.system.nodes.count();
         let mut sums = Projected::new(nodes);
         for body in &self.system.bodies {
-            body.elements.project(q, &mut sums);
+            body.elements.project(u, &mut sums);
         }
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
@@ -48,7 +49,6 @@ where
             vector[..D].copy_from_slice(&values[node * D..(node + 1) * D]);
             vector
         };
-        let displacement: Vec<f64> = q.iter().zip(&self.system.nodes.reference).map(|(q, x)| q - x).collect();
         self.system
             .bodies
             .iter()
@@ -56,7 +56,7 @@ where
             .map(|(body, definition)| BodyFields {
                 name: body.name.clone(),
                 mesh: definition.mesh.clone(),
-                displacement: body.nodes.clone().map(|node| vector(&displacement, node)).collect(),
+                displacement: body.nodes.clone().map(|node| vector(u, node)).collect(),
                 velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
                 stress: body.nodes.clone().map(|node| sums.stress[node].map(|s| s / sums.weight[node])).collect(),
                 strain: body.nodes.clone().map(|node| sums.strain[node].map(|s| s / sums.weight[node])).collect(),
@@ -84,7 +84,7 @@ where
         BodyTotals {
             mass,
             kinetic: half_product(v, momenta),
-            strain: elements.strain_energy(&state.positions),
+            strain: elements.strain_energy(&state.displacements),
             potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
             momentum: system.nodes.resultant(momenta),
             angular_momentum: system.nodes.moment(q, momenta),
@@ -173,11 +173,11 @@ where
     }
 
     /// Displacement and velocity of the watched nodes.
-    pub fn probe_values(&self, q: &[f64], v: &[f64]) -> Vec<ProbeValues> {
+    pub fn probe_values(&self, u: &[f64], v: &[f64]) -> Vec<ProbeValues> {
         let values = |&node: &usize| {
             let mut values = ProbeValues::default();
             for i in 0..D {
-                values.displacement[i] = q[node * D + i] - self.system.nodes.reference[node * D + i];
+                values.displacement[i] = u[node * D + i];
                 values.velocity[i] = v[node * D + i];
             }
             values

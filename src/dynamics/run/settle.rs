@@ -22,6 +22,7 @@ use super::state::{Clock, State};
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Surface, Travel};
 use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::contact_pair::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::conditions::Conditions;
@@ -29,8 +30,9 @@ use crate::dynamics::step::contact_set::meets;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::newton::{Solution, Task, solve};
-use crate::dynamics::step::predictor::follow_prescribed;
+use crate::dynamics::step::predictor::{displacements_to, follow_prescribed};
 use crate::dynamics::step::start::{Course, REST_WEIGHT, StepStart};
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Damped steps at most: stacks of twenty take seven, a fall from a distance one for each halving of it.
@@ -103,8 +105,10 @@ struct Progress {
 /// The present state as `settle` sees it.
 struct Present {
     positions: Vec<f64>,
-    /// Positions with prescribed motion, and how far that goes.
+    displacements: Vec<f64>,
+    /// Positions with prescribed motion, the displacement that leads there, and how far that goes.
     predicted: Vec<f64>,
+    moved: Vec<f64>,
     prescribed: f64,
     /// Whether that is all of the prescribed motion.
     is_whole: bool,
@@ -178,12 +182,14 @@ where
         let reaction = |k: usize| (forces.without_contact[k] - forces.contact[k]) / REST_WEIGHT;
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
-        let probes = self.probe_values(&self.state.positions, &self.state.velocities);
-        let State { positions: q, velocities: v, row, active, felt, reserve, memory, .. } = Arc::make_mut(&mut self.state);
+        let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
+        let State { positions: q, displacements: u, velocities: v, row, active, felt, reserve, memory, .. } =
+            Arc::make_mut(&mut self.state);
         *memory = self.system.memory_at_rest();
-        row.strain = self.system.strain_energy(q);
+        row.strain = self.system.strain_energy(u);
         let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
-        row.potential = self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(q, memory);
+        row.potential =
+            self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(Pose { q, u }, memory);
         *felt = gaps;
         reserve.fill(0.0);
         row.reserve = 0.0;
@@ -202,10 +208,10 @@ where
 
     /// Judges the present state, with the contact pairs of a state at rest.
     fn look(&mut self, balance: &Balance, course: &Progress) -> Result<Present, StepError> {
-        let positions = self.state.positions.clone();
+        let (positions, displacements) = (self.state.positions.clone(), self.state.displacements.clone());
         let (mut displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
         let prescribed = &self.system.supports.prescribed;
-        let now: Vec<f64> = prescribed.iter().map(|one| positions[one.unknown] - self.system.nodes.reference[one.unknown]).collect();
+        let now: Vec<f64> = prescribed.iter().map(|one| displacements[one.unknown]).collect();
         let farthest = displacement.iter().zip(&now).fold(0.0, |farthest: f64, (then, now)| farthest.max((then - now).abs()));
         let is_whole = course.share == 1.0 && farthest <= course.stride;
         if !is_whole {
@@ -214,22 +220,24 @@ where
         }
         let mut predicted = positions.clone();
         follow_prescribed(&self.system, &positions, &displacement, &mut predicted);
-        let prescribed = predicted.iter().zip(&positions).fold(0.0, |largest: f64, (new, old)| largest.max((new - old).abs()));
+        let moved = displacements_to(&self.system, self.state.pose(), &displacement, &predicted);
+        let prescribed = largest_size(&moved);
         let still = vec![0.0; self.system.nodes.count()];
         let travel = Travel::Each { sizes: &still, besides: 2.0 * prescribed };
         let reaches = course.closing.reaches(&self.system, &positions, self.state.row.time);
         self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach, depth: 0.0 }, &reaches)?;
         let undamped = vec![0.0; self.system.bodies.len()];
         let memory = self.state.memory.clone();
-        let start = StepStart { time: self.state.row.time, q_0: &positions, memory: &memory, course: Course::Rest { damping: &undamped } };
+        let (time, course) = (self.state.row.time, Course::Rest { damping: &undamped });
+        let start = StepStart { time, q_0: &positions, u_0: &displacements, memory: &memory, course };
         let at = match self.system.linearize(&start, &positions, &vec![0.0; positions.len()], &self.state.lambda) {
             Ok(at) => at,
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
         };
         let is_closed = prescribed == 0.0 && meets(&self.system, &at, &self.conditions_at_rest(&start));
-        let imbalance = balance.judge(&self.system, &positions, &at.forces);
-        Ok(Present { positions, predicted, prescribed, is_whole, reaches, at, imbalance, is_closed })
+        let imbalance = balance.judge(&self.system, at.pose(), &at.forces);
+        Ok(Present { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
 
     /// Whether only round-off is left and a further step halved the imbalance neither of sums nor of nodes. That step is taken back, so
@@ -255,7 +263,7 @@ where
 
     /// A damped step, or the experience that more damping is needed or more motion to be expected.
     fn step_to_rest(&mut self, balance: &Balance, present: &Present, course: &mut Progress) -> Result<(), StepError> {
-        let Present { positions, imbalance, .. } = present;
+        let Present { positions, displacements, imbalance, .. } = present;
         let plan = self.plan(balance, imbalance, course, positions);
         // How far nodes may move: as their piece is expected to, and both sides as far as is prescribed.
         let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| course.leeway * size).collect();
@@ -267,22 +275,25 @@ where
         self.begin_at_rest(&outlook, &present.reaches)?;
         let mut predicted = present.predicted.clone();
         balance.shift(&self.system, &plan.shift, &mut predicted);
+        let mut moved: Vec<f64> = predicted.iter().zip(positions).map(|(new, old)| new - old).collect();
+        self.system.supports.prescribed.iter().for_each(|one| moved[one.unknown] = present.moved[one.unknown]);
         let memory = self.state.memory.clone();
         let rest = Course::Rest { damping: &plan.damping };
-        let start = StepStart { time: self.state.row.time, q_0: positions, memory: &memory, course: rest };
+        let start = StepStart { time: self.state.row.time, q_0: positions, u_0: displacements, memory: &memory, course: rest };
         let mut conditions = self.conditions_at_rest(&start);
         let closes_in_part = course.closing.limit(&self.system, positions, &mut conditions);
-        let outcome = self.damped_step(&start, &predicted, &conditions);
+        let outcome = self.damped_step(&start, [&predicted, &moved], &conditions);
         let is_part = closes_in_part || (present.prescribed > 0.0 && !present.is_whole);
         let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
-            Ok(solution) if present.is_pushed_to(&solution.at.q_1, &self.system.supports.fixed) => {
-                let motion: Vec<f64> = solution.at.q_1.iter().zip(positions).map(|(new, old)| new - old).collect();
+            Ok(solution) if present.is_pushed_by(&solution.at.moved, &self.system.supports.fixed) => {
+                let motion = solution.at.moved.clone();
                 course.parts += usize::from(is_part);
                 course.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
                 let state = Arc::make_mut(&mut self.state);
-                (state.positions, state.lambda, state.active) = (solution.at.q_1.clone(), solution.at.lambda.clone(), solution.active);
+                (state.lambda, state.active) = (solution.at.lambda.clone(), solution.active);
+                (state.positions, state.displacements) = (solution.at.q_1.clone(), solution.at.u_1.clone());
                 self.system.recycle(solution.at);
                 state.search = self.system.search();
                 return Ok(());
@@ -365,15 +376,18 @@ where
         }
     }
 
-    fn damped_step(&mut self, start: &StepStart, predicted: &[f64], conditions: &Conditions) -> Result<Solution, Failure> {
-        let floor = tolerances::FORCE_FLOOR * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
+    fn damped_step(&mut self, start: &StepStart, [predicted, moved]: [&[f64]; 2], conditions: &Conditions) -> Result<Solution, Failure> {
+        // The energy of a strain that is round-off of what is seen: of displacements next to nothing.
+        let round_off = if self.system.sees_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
+        let floor = round_off * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
         let options = &self.options;
         let task = Task {
             start,
             predicted,
+            moved,
             lambda: &self.state.lambda,
             conditions,
-            energy: self.system.strain_energy(start.q_0).max(floor),
+            energy: self.system.strain_energy(start.u_0).max(floor),
             tolerance: options.tolerance,
             at_least: 1,
             is_patient: true,
@@ -440,11 +454,11 @@ impl Progress {
 }
 
 impl Present {
-    /// Whether the unbalanced forces push the way that leads to `q_1`. Newton's method may find equilibria that do not last: it climbs to
+    /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
     /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, there is no such way.
-    fn is_pushed_to(&self, q_1: &[f64], fixed: &[bool]) -> bool {
+    fn is_pushed_by(&self, moved: &[f64], fixed: &[bool]) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
-        let work = || (0..q_1.len()).filter(|&k| !fixed[k]).map(|k| push(k) * (q_1[k] - self.positions[k])).sum::<f64>();
+        let work = || (0..moved.len()).filter(|&k| !fixed[k]).map(|k| push(k) * moved[k]).sum::<f64>();
         !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= 0.0
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::ledger::LedgerRow;
+use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::contact_pair::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::search_history::SearchHistory;
@@ -16,6 +17,8 @@ pub struct State {
     pub row: LedgerRow,
     /// Positions of all nodes `[length]`, component by component, body after body.
     pub positions: Vec<f64>,
+    /// Displacements of all nodes since rest, from which positions and strains follow `[length]`.
+    pub displacements: Vec<f64>,
     /// Velocities of all nodes `[length/time]`.
     pub velocities: Vec<f64>,
     /// Multipliers of all contact pairs `[stress]`.
@@ -43,10 +46,15 @@ pub struct State {
 }
 
 impl State {
+    /// Where the nodes are.
+    pub(super) fn pose(&self) -> Pose<'_> {
+        Pose { q: &self.positions, u: &self.displacements }
+    }
+
     /// Bytes that it takes, but for what it shares with others.
     pub fn size(&self) -> usize {
         let rows = 3 * self.lambda.len();
-        8 * (self.positions.len() + self.velocities.len() + self.remembered.len() + rows) + self.active.len()
+        8 * (2 * self.positions.len() + self.velocities.len() + self.remembered.len() + rows) + self.active.len()
     }
 }
 

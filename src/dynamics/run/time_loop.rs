@@ -54,7 +54,7 @@ where
         self.state = Arc::new(state.clone());
         if self.state.row.probes.len() != self.probes.len() {
             // A node that was not watched then.
-            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.positions, &state.velocities);
+            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.displacements, &state.velocities);
         }
         self.system.restore_search(&state.search, &state.positions, state.row.time);
     }
@@ -109,7 +109,7 @@ where
 
     fn watch(&mut self, node: usize) {
         self.probes.push(node);
-        let probes = self.probe_values(&self.state.positions, &self.state.velocities);
+        let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
         Arc::make_mut(&mut self.state).row.probes = probes;
     }
 
@@ -118,7 +118,7 @@ where
     }
 
     fn fields(&self) -> Vec<BodyFields> {
-        self.fields_at(&self.state.positions)
+        self.fields_at(&self.state.displacements)
     }
 
     fn failure(&self) -> Option<&FailureReport> {
@@ -126,7 +126,7 @@ where
     }
 
     fn failed_fields(&self) -> Option<Vec<BodyFields>> {
-        self.failure.as_ref().map(|(_, q)| self.fields_at(q))
+        self.failure.as_ref().map(|(_, u)| self.fields_at(u))
     }
 
     fn body(&self, body: usize) -> BodyTotals {

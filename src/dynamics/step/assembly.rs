@@ -11,7 +11,7 @@ use super::start::{Course, Motion, StepStart};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::model::part::{Iterate, Remembered, Sums};
+use crate::dynamics::model::part::{Iterate, Pose, Remembered, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
@@ -27,13 +27,24 @@ where
 
     /// The equations of a step at `q_1`, after a displacement `moved` in the step, and `lambda`.
     ///
+    /// Where something sees positions, these with their round-off are what strains follow from, too; else the displacements are.
+    ///
     /// # Errors
     /// The iterate is no configuration, a time function failed, or forces are no numbers.
     pub fn linearize(&mut self, start: &StepStart, q_1: &[f64], moved: &[f64], lambda: &[f64]) -> Result<Linearization, Failure> {
         let (mut at, is_probably_last) = self.spare.next();
-        for (own, values) in [(&mut at.q_1, q_1), (&mut at.moved, moved), (&mut at.lambda, lambda)] {
+        for (own, values) in [(&mut at.moved, moved), (&mut at.lambda, lambda)] {
             own.clear();
             own.extend_from_slice(values);
+        }
+        at.u_1.clear();
+        if self.sees_positions() {
+            at.q_1.clear();
+            at.q_1.extend_from_slice(q_1);
+            at.u_1.extend(q_1.iter().zip(&self.nodes.reference).map(|(q, x)| q - x));
+        } else {
+            at.u_1.extend(start.u_0.iter().zip(moved).map(|(u_0, moved)| u_0 + moved));
+            self.nodes.positions_into(&at.u_1, &mut at.q_1);
         }
         at.tangent_of = None;
         self.counters.assemblies += 1;
@@ -57,7 +68,7 @@ where
     /// Forces of all parts and of inertia, and their tangent where it is wanted.
     fn sum_parts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) -> Result<(), Failure> {
         let clock = Instant::now();
-        let Linearization { q_1, moved, forces, tangent, tangent_of, storage_of, .. } = at;
+        let Linearization { q_1, u_1, moved, forces, tangent, tangent_of, storage_of, .. } = at;
         let (unknowns, weight, derivative) = (q_1.len(), start.weight(), start.derivative());
         let generation = Some(self.matrix.generation);
         if wants_tangent && *storage_of != generation {
@@ -80,6 +91,8 @@ where
             dt: start.dt(),
             q_0: start.q_0,
             q_1,
+            u_0: start.u_0,
+            u_1,
             q_test: &motion,
             inertia: &inertia,
         };
@@ -123,8 +136,9 @@ where
         let (derivative, weight, mut q_test) = (start.derivative(), start.weight(), Vec::new());
         derivative.placement().test.positions_into(start.q_0, &at.q_1, &mut q_test);
         let inertia: Vec<f64> = (0..self.bodies.len()).map(|body| start.inertia(body)).collect();
-        let (time, dt, q_0, q_1) = (start.load_time(), start.dt(), start.q_0, &at.q_1[..]);
-        let iterate = Iterate { derivative, weight, time, dt, q_0, q_1, q_test: &q_test, inertia: &inertia };
+        let (time, dt) = (start.load_time(), start.dt());
+        let (Pose { q: q_0, u: u_0 }, Pose { q: q_1, u: u_1 }) = (start.pose(), at.pose());
+        let iterate = Iterate { derivative, weight, time, dt, q_0, q_1, u_0, u_1, q_test: &q_test, inertia: &inertia };
         let mut dissipated = 0.0;
         let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
             let Remembered { memory, dissipated: more } = part.remembered(&iterate, memory);

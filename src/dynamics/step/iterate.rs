@@ -3,12 +3,15 @@
 //! Whoever wants to know something of an iterate reads its linearization; there is no "last one".
 
 use crate::contact::Evaluation;
+use crate::dynamics::model::part::Pose;
 
 /// The equations of a step at an iterate.
 #[derive(Default)]
 pub struct Linearization {
     /// Positions.
     pub q_1: Vec<f64>,
+    /// Displacements since rest, with the accuracy of their own size: strains follow from them.
+    pub u_1: Vec<f64>,
     /// Displacement in the step: `q_1 - q_0`, with the accuracy of its own size. Velocities follow from it, however short the step.
     pub moved: Vec<f64>,
     /// Multipliers.
@@ -23,6 +26,13 @@ pub struct Linearization {
     pub(super) tangent_of: Option<usize>,
     /// Pattern that their storage is of: what is not written there is zero.
     pub(super) storage_of: Option<usize>,
+}
+
+impl Linearization {
+    /// Where the nodes are.
+    pub fn pose(&self) -> Pose<'_> {
+        Pose { q: &self.q_1, u: &self.u_1 }
+    }
 }
 
 /// Forces of a step at one iterate.

@@ -35,8 +35,8 @@ pub struct Solution {
 pub struct Trace {
     /// The iterations of the last strategy.
     pub iterations: Vec<Iteration>,
-    /// The last iterate.
-    pub q_1: Vec<f64>,
+    /// Displacements of the last iterate.
+    pub u_1: Vec<f64>,
     /// The iterations of strategies that were tried before.
     pub earlier: Vec<Vec<Iteration>>,
 }
@@ -45,8 +45,9 @@ pub struct Trace {
 pub struct Task<'a> {
     /// The step.
     pub start: &'a StepStart<'a>,
-    /// Positions to begin with.
+    /// Positions to begin with, and the displacement in the step that leads there.
     pub predicted: &'a [f64],
+    pub moved: &'a [f64],
     /// Multipliers to begin with.
     pub lambda: &'a [f64],
     /// What contacts demand.
@@ -144,7 +145,8 @@ fn attempt<const D: usize>(
 where
     Space<D>: Elements<D>,
 {
-    *trace = Trace { iterations: Vec::new(), q_1: task.predicted.to_vec(), earlier: std::mem::take(&mut trace.earlier) };
+    let u_1 = task.start.u_0.iter().zip(task.moved).map(|(u_0, moved)| u_0 + moved).collect();
+    *trace = Trace { iterations: Vec::new(), u_1, earlier: std::mem::take(&mut trace.earlier) };
     let members = &task.conditions.members;
     let lambda: Vec<f64> = task.lambda.iter().zip(members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
     let facet = system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min);
@@ -163,8 +165,7 @@ where
         task,
     };
     let mut convergence = Convergence::new(strategy.iterations(), task.is_patient);
-    let moved: Vec<f64> = task.predicted.iter().zip(task.start.q_0).map(|(predicted, q_0)| predicted - q_0).collect();
-    let mut at = attempt.system.linearize(task.start, task.predicted, &moved, &lambda)?;
+    let mut at = attempt.system.linearize(task.start, task.predicted, task.moved, &lambda)?;
     for iteration in 0.. {
         if (task.interrupted)() {
             return Err(Failure::Fatal(StepError::Interrupted { time: task.start.time }));
@@ -204,7 +205,7 @@ where
         trace.iterations.push(record);
         convergence.is_limited = largest_size(&increment) > attempt.limit;
         let searches = strategy == Strategy::Backtracking;
-        at = attempt.moved(searches, at, &increment, &new_lambda, &mut trace.q_1)?;
+        at = attempt.moved(searches, at, &increment, &new_lambda, &mut trace.u_1)?;
     }
     Err(Failure::Iterations)
 }
@@ -234,7 +235,7 @@ where
         self.limit = limit.clamp(self.first_limit, LARGEST_LIMIT * self.first_limit);
     }
 
-    /// The next iterate, by the limited increment or by the part of it that backtracking finds, whose positions `q_1` tells even where
+    /// The next iterate, by the limited increment or by the part of it that backtracking finds, whose displacements `u_1` tells even where
     /// forces cannot be computed.
     fn moved(
         &mut self,
@@ -242,7 +243,7 @@ where
         at: Linearization,
         increment: &[f64],
         lambda: &[f64],
-        q_1: &mut Vec<f64>,
+        u_1: &mut Vec<f64>,
     ) -> Result<Linearization, Failure> {
         let largest = largest_size(increment);
         if !largest.is_finite() {
@@ -256,17 +257,18 @@ where
         let first = if largest > self.limit { self.limit / largest } else { 1.0 };
         (self.taken, self.system.is_far) = (first, !self.task.is_patient && largest > FAR * self.first_limit);
         if !searches {
-            let [q, moved, lambda] = moved_to(&at, first);
+            let [q_1, moved, lambda] = moved_to(&at, first);
             self.system.recycle(at);
-            *q_1 = q;
-            return self.system.linearize(self.task.start, q_1, &moved, &lambda);
+            u_1.clear();
+            u_1.extend(self.task.start.u_0.iter().zip(&moved).map(|(u_0, moved)| u_0 + moved));
+            return self.system.linearize(self.task.start, &q_1, &moved, &lambda);
         }
         let merit_before = self.merit(&at);
         let mut best: Option<(f64, Linearization)> = None;
         let mut refused = None;
         for alpha in FRACTIONS.map(|fraction| first * fraction) {
-            let [q, moved, lambda] = moved_to(&at, alpha);
-            let trial = match self.system.linearize(self.task.start, &q, &moved, &lambda) {
+            let [q_1, moved, lambda] = moved_to(&at, alpha);
+            let trial = match self.system.linearize(self.task.start, &q_1, &moved, &lambda) {
                 Ok(trial) => trial,
                 Err(failure) => {
                     refused = Some(failure);
@@ -283,7 +285,7 @@ where
         }
         let (_, best) = best.ok_or_else(|| refused.unwrap_or(Failure::Diverged))?;
         self.system.recycle(at);
-        q_1.clone_from(&best.q_1);
+        u_1.clone_from(&best.u_1);
         Ok(best)
     }
 
@@ -315,9 +317,9 @@ where
         let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let kick = size(resultant) + size(turning) / system.nodes.extent;
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
-        // Positions carry round-off in proportion to their size, displacements of a step to theirs; stiffness and inertia turn it into
-        // force.
-        let reach = largest_size(&at.q_1).max(system.nodes.extent);
+        // Displacements carry round-off in proportion to their size, and positions, where something sees them, to theirs; stiffness and
+        // inertia turn it into force.
+        let reach = if system.sees_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { largest_size(&at.u_1) };
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
         record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));

@@ -6,6 +6,7 @@
 
 use super::system::System;
 use crate::bodies::{Elements, Space};
+use crate::dynamics::model::part::Pose;
 
 /// Predicted positions of all nodes at the end of a step.
 pub fn rigid_motion<const D: usize>(system: &System<D>, q_0: &[f64], v_0: &[f64], dt: f64) -> Vec<f64>
@@ -95,6 +96,20 @@ pub fn follow_prescribed<const D: usize>(system: &System<D>, q_0: &[f64], displa
     for (k, prescribed) in system.supports.prescribed.iter().enumerate() {
         predicted[prescribed.unknown] = target(k);
     }
+}
+
+/// Displacements in a step to predicted positions, those of prescribed nodes with the accuracy of their own size.
+pub fn displacements_to<const D: usize>(system: &System<D>, from: Pose, displacement: &[f64], predicted: &[f64]) -> Vec<f64>
+where
+    Space<D>: Elements<D>,
+{
+    let mut moved: Vec<f64> = predicted.iter().zip(from.q).map(|(predicted, q)| predicted - q).collect();
+    if !system.sees_positions() {
+        for (prescribed, displacement) in system.supports.prescribed.iter().zip(displacement) {
+            moved[prescribed.unknown] = displacement - from.u[prescribed.unknown];
+        }
+    }
+    moved
 }
 
 fn vector<const D: usize>(values: &[f64], node: usize) -> nalgebra::Vector3<f64> {

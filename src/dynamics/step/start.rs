@@ -1,5 +1,6 @@
 //! What a step starts from, and what opposes the forces in it: inertia, or a damping at rest.
 
+use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::supports::PrescribedUnknown;
 use crate::integrators::{Derivative, Scheme};
 
@@ -9,6 +10,8 @@ pub struct StepStart<'a> {
     pub time: f64,
     /// Positions there.
     pub q_0: &'a [f64],
+    /// Displacements there.
+    pub u_0: &'a [f64],
     /// What parts remember, block by block.
     pub memory: &'a [Vec<f64>],
     /// What opposes the forces.
@@ -45,6 +48,11 @@ pub struct Motion<'a> {
 pub const REST_WEIGHT: f64 = 0.5;
 
 impl StepStart<'_> {
+    /// Where the nodes are at the start.
+    pub fn pose(&self) -> Pose<'_> {
+        Pose { q: self.q_0, u: self.u_0 }
+    }
+
     /// Factor of a body's mass in the tangent.
     pub fn inertia(&self, body: usize) -> f64 {
         match &self.course {

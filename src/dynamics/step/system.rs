@@ -21,7 +21,7 @@ use crate::contact::{Correction, Outlook};
 use crate::dynamics::model::boundaries::{boundary_facets, middles};
 use crate::dynamics::model::definitions::{LoadKind, Model};
 use crate::dynamics::model::error::{ModelError, StepError};
-use crate::dynamics::model::part::{Numbering, Part};
+use crate::dynamics::model::part::{Numbering, Part, Pose};
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
@@ -119,9 +119,14 @@ where
         Ok(system)
     }
 
+    /// Whether something depends on positions, not on displacements alone.
+    pub fn sees_positions(&self) -> bool {
+        !self.pairs.is_empty() || !self.others.is_empty()
+    }
+
     /// Energy that parts other than bodies store with what each part remembers `[energy]`.
-    pub fn stored_energy(&self, q: &[f64], memory: &[Vec<f64>]) -> f64 {
-        self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.energy(q, memory)).sum()
+    pub fn stored_energy(&self, at: Pose, memory: &[Vec<f64>]) -> f64 {
+        self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.energy(at, memory)).sum()
     }
 
     /// What the parts remember at the start, and at rest.
@@ -130,8 +135,8 @@ where
     }
 
     /// Strain energy `[energy]`.
-    pub fn strain_energy(&self, q: &[f64]) -> f64 {
-        self.bodies.iter().map(|body| body.elements.strain_energy(q)).sum()
+    pub fn strain_energy(&self, u: &[f64]) -> f64 {
+        self.bodies.iter().map(|body| body.elements.strain_energy(u)).sum()
     }
 }
 
