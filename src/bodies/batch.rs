@@ -9,7 +9,7 @@ use crate::integrators::discrete_gradient;
 use crate::materials::{Components, IncrementResponse};
 use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
 use crate::math::tensor::{mandel_index, mandel_scale};
-use crate::math::tolerances::STRAIN_INCREMENT_SQUARED;
+use crate::math::tolerances::STRAIN_INCREMENT;
 
 /// Most nodes and points for which loops are written out: those of the cells of first order.
 const FEW: usize = 4;
@@ -183,12 +183,16 @@ pub(super) fn discrete_stress<const FMA: bool, const S: usize>(
     increment: &IncrementResponse<S>,
 ) -> ([Lanes<FMA>; S], [[Lanes<FMA>; S]; S]) {
     let mut d = [Lanes::<FMA>::ZERO; S];
+    let mut size = Lanes::<FMA>::ZERO;
     for s in 0..S {
-        d[s] = cast::<FMA>(strains[1][s]) - cast(strains[0][s]);
+        let [start, end] = [cast::<FMA>(strains[0][s]), cast(strains[1][s])];
+        d[s] = end - start;
+        size = start.mul_add(start, end.mul_add(end, size));
     }
+    let threshold = size * (STRAIN_INCREMENT * STRAIN_INCREMENT);
     let IncrementResponse { mean, stress_end, remainder } = increment;
     let (gradient, hessian) = (relabel(&mean.stress), relabel_rows(&mean.tangent));
-    discrete_gradient(&d, &gradient, &hessian, &relabel(stress_end), cast(*remainder), STRAIN_INCREMENT_SQUARED)
+    discrete_gradient(&d, &gradient, &hessian, &relabel(stress_end), cast(*remainder), threshold)
 }
 
 /// Determinant and cofactor matrix.

@@ -10,7 +10,7 @@ use crate::math::lanes::Real;
 /// Algorithmic gradient `g` and its derivative `T = dg/dpi_1` (not symmetric).
 ///
 /// `d`: increment of the invariants; `gradient` and `hessian`: of `f` at the mean invariants; `gradient_end`: at `pi_1`;
-/// `remainder`: `R` above. Where `d.d <= threshold` the derivative of the correction is dropped, the correction itself never.
+/// `remainder`: `R` above. Where `d.d <= threshold` the correction and its derivative are dropped.
 #[inline(always)]
 pub fn discrete_gradient<R: Real, const K: usize>(
     d: &[R; K],
@@ -18,11 +18,11 @@ pub fn discrete_gradient<R: Real, const K: usize>(
     hessian: &[[R; K]; K],
     gradient_end: &[R; K],
     remainder: R,
-    threshold: f64,
+    threshold: R,
 ) -> ([R; K], [[R; K]; K]) {
     let square = dot(d, d);
-    let a = remainder * square.if_above(f64::MIN_POSITIVE, R::splat(1.0) / square);
-    let inverse = square.if_above(threshold, R::splat(1.0) / square);
+    let inverse = (square - threshold).if_above(0.0, R::splat(1.0) / square);
+    let a = remainder * inverse;
     let mut g = *gradient;
     let mut tangent = *hessian;
     for k in 0..K {

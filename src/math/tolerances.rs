@@ -43,9 +43,9 @@ pub const TOUCHES_ON_AXIS: f64 = 1e-3;
 /// facet: well above Newton's gap tolerance, or nodes would drop out for good; a thousand times below where nodes are held visibly open.
 pub const CLOSED: f64 = 1e-9;
 
-/// Squared strain increment below which the derivative of the discrete gradient's correction is dropped (|dE| = 1e-8):
-/// it is a quotient of two round-offs there and Newton does not feel its absence.
-pub const STRAIN_INCREMENT_SQUARED: f64 = 1e-16;
+/// Strain increment, relative to the strains, below which the correction of the discrete gradient is dropped: it is 1e-16 of the stress
+/// there, and its derivative a quotient of two round-offs.
+pub const STRAIN_INCREMENT: f64 = 1e-8;
 
 /// Step strain |dE| above which the energy quotient is accurate enough as it stands; below it a five-point Lobatto rule is exact to
 /// round-off.

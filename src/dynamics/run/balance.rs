@@ -121,7 +121,7 @@ impl Balance {
                 for i in 0..D {
                     let k = node * D + i;
                     let force = (forces.contact[k] - forces.without_contact[k]) / REST_WEIGHT;
-                    reach = reach.max(if system.sees_positions() { q[k].abs() } else { u[k].abs() });
+                    reach = reach.max(u[k].abs()).max(if system.sees_positions() { q[k].abs() } else { 0.0 });
                     let (load, contact) =
                         (forces.load[k].abs() / REST_WEIGHT + system.nodes.weight[k].abs(), forces.contact[k].abs() / REST_WEIGHT);
                     loads += load;

@@ -319,7 +319,8 @@ where
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
         // Displacements carry round-off in proportion to their size, and positions, where something sees them, to theirs; stiffness and
         // inertia turn it into force.
-        let reach = if system.sees_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { largest_size(&at.u_1) };
+        let of_positions = if system.sees_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { 0.0 };
+        let reach = largest_size(&at.u_1).max(of_positions);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
         record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
