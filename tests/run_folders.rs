@@ -236,6 +236,60 @@ fn damage_and_absence_have_a_place_and_a_cure() {
 }
 
 /// Lines of a log, each a JSON object with an event.
+#[test]
+fn a_run_replaces_the_files_of_the_run_before_and_a_failed_start_nothing() {
+    let home = folder("replaced", PUNCH);
+    let names = |files: &Path| -> Vec<String> {
+        let text = std::fs::read_to_string(files.join(".files")).unwrap();
+        text.lines().map(String::from).collect()
+    };
+    run(&home, &["--out", "o"]);
+    let (out, first) = (home.join("o"), names(&home.join("o")));
+    assert!(first.contains(&"fields/fields_000000.vtu".to_string()) && first.contains(&"summary.json".to_string()), "{first:?}");
+    assert!(first.iter().all(|name| out.join(name).is_file()), "all that it names is there");
+    // Nothing of what stands there is touched by what does not come to a simulation.
+    std::fs::write(out.join("mine.txt"), "kept").unwrap();
+    let summary = std::fs::read(out.join("summary.json")).unwrap();
+    std::fs::create_dir_all(out.join("checkpoints")).unwrap();
+    std::fs::write(out.join("checkpoints/000001.checkpoint"), "of an interrupted run").unwrap();
+    std::fs::write(home.join("broken.rhai"), "let a = (1;").unwrap();
+    std::fs::write(home.join("early.rhai"), "let m = modell(\"a\");").unwrap();
+    for script in ["mistyped.rhai", "broken.rhai", "early.rhai"] {
+        let (code, _) = refused(&home, &["run", script, "--quiet", "--out", "o"]);
+        assert_eq!(code, Some(2), "{script}");
+        assert_eq!(std::fs::read(out.join("summary.json")).unwrap(), summary, "{script}");
+        assert!(out.join("checkpoints/000001.checkpoint").is_file(), "{script}");
+        let (code, _) = refused(&home, &["run", script, "--quiet", "--out", "new"]);
+        assert_eq!((code, home.join("new/summary.json").exists()), (Some(2), script == "early.rhai"), "{script}: nothing is hidden");
+    }
+    // Another script in the same folder: only its own files, and what was never a run's.
+    let shorter = PUNCH.replace("run_to(0.1)", "run_to(0.03)").replace("sim.table(\"some.csv\"", "sim.table(\"other.csv\"");
+    std::fs::write(home.join("main.rhai"), shorter).unwrap();
+    run(&home, &["--out", "o"]);
+    let second = names(&out);
+    assert!(second.contains(&"other.csv".to_string()) && second.len() < first.len());
+    for gone in first.iter().filter(|name| !second.contains(name)) {
+        assert!(!out.join(gone).exists(), "{gone}");
+    }
+    assert_eq!(std::fs::read_to_string(out.join("mine.txt")).unwrap(), "kept");
+    assert!(!out.join("checkpoints").exists());
+}
+
+/// The record is a file that anybody may write: what it names elsewhere stays.
+#[test]
+fn a_record_that_names_files_elsewhere_removes_none() {
+    let home = folder("record", PUNCH);
+    let out = home.join("o");
+    std::fs::create_dir_all(&out).unwrap();
+    std::fs::write(home.join("theirs"), "kept").unwrap();
+    let absolute = home.join("theirs").display().to_string();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(&home, out.join("link")).unwrap();
+    std::fs::write(out.join(".files"), format!("../theirs\n{absolute}\nlink/theirs\n\n.\no\n")).unwrap();
+    run(&home, &["--out", "o"]);
+    assert_eq!(std::fs::read_to_string(home.join("theirs")).unwrap(), "kept");
+}
+
 fn events(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|error| panic!("{error}: {line}"))).collect()
 }

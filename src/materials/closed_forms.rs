@@ -43,14 +43,15 @@ fn sheared(g: f64) -> Matrix {
 
 /// Stresses that a law gives, next to those that it must give.
 struct Compared {
+    material: Material,
     law: std::sync::Arc<dyn BatchedLaw<6>>,
     name: &'static str,
 }
 
 impl Compared {
     fn new(row: &'static MaterialRow) -> Self {
-        let law = Material::new(row, &row.example(1.0, 1.0)).unwrap().space();
-        Compared { law, name: row.name }
+        let material = Material::new(row, &row.example(1.0, 1.0)).unwrap();
+        Compared { law: material.space(), material, name: row.name }
     }
 
     #[track_caller]
@@ -178,7 +179,7 @@ fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
         compared.close(&format!("along {stretches:?}"), s[(0, 0)] / mu, along / mu);
         free.iter().for_each(|&i| compared.close(&format!("across {stretches:?}"), s[(i, i)] / mu, 0.0));
         let piece = if free.len() == 2 { Piece::Uniaxial } else { Piece::Equibiaxial };
-        let found = path(&compared.law, piece, &[stretches[0]])[0].nominal_stress;
+        let found = path(&compared.material, piece, &[stretches[0]])[0].nominal_stress;
         compared.close(&format!("{piece:?} {stretches:?}"), found / mu, along * j / stretches[0] / mu);
     };
     for l in [0.4f64, 0.8, 1.0 + 1e-9, 1.5, 3.0] {
@@ -214,7 +215,8 @@ fn fibers_pull_and_do_not_push() {
     let row = &holzapfel_gasser_ogden::ROW;
     let mut values = row.example(1.0, 1.0);
     values[4] = 0.0;
-    let law = Compared { law: Material::new(row, &values).unwrap().space(), name: row.name };
+    let material = Material::new(row, &values).unwrap();
+    let law = Compared { law: material.space(), material, name: row.name };
     law.volume(simo_taylor);
     let slopes = |i1: f64, i4: f64| {
         let e = f64::max(kappa * (i1 - 3.0) + (1.0 - 3.0 * kappa) * (i4 - 1.0), 0.0);

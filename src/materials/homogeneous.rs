@@ -3,11 +3,11 @@
 //! The stretches that a test prescribes are given, all other components of the strain follow from the stresses that vanish (Newton's method
 //! on the components, from the last stretch on a path). Nominal stresses: force per undeformed area.
 
-use std::sync::Arc;
-
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use super::batched::{BatchedLaw, Components, Response};
+use super::laws::Kinematics;
+use super::material::Material;
 use crate::math::lanes::Lanes;
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 use crate::math::tolerances::FREE_STRESS;
@@ -50,7 +50,7 @@ pub struct Homogeneous {
     pub stretch: f64,
     /// Force along the first axis per undeformed area `[stress]`.
     pub nominal_stress: f64,
-    /// Green-Lagrange strain.
+    /// Strain of the kind that the law takes.
     strain: [f64; 6],
 }
 
@@ -59,11 +59,15 @@ const ITERATIONS: usize = 30;
 const HALVINGS: u32 = 12;
 
 /// States of a piece at the given stretches, which go away from 1; ends where there is none.
-pub fn path(law: &Arc<dyn BatchedLaw<6>>, piece: Piece, stretches: &[f64]) -> Vec<Homogeneous> {
+pub fn path(material: &Material, piece: Piece, stretches: &[f64]) -> Vec<Homogeneous> {
+    let law = &*material.space();
+    if material.kinematics() == Kinematics::Linear {
+        return stretches.iter().filter_map(|&stretch| linear(law, piece, stretch)).collect();
+    }
     let mut states: Vec<Homogeneous> = Vec::new();
     let mut last = Homogeneous { stretch: 1.0, nominal_stress: 0.0, strain: [0.0; 6] };
     for &stretch in stretches {
-        let Some(state) = reach(&**law, piece, &last, stretch) else { break };
+        let Some(state) = reach(law, piece, &last, stretch) else { break };
         states.push(state);
         last = state;
     }
@@ -106,11 +110,27 @@ fn metric(strain: &[f64; 6]) -> Matrix3<f64> {
     c
 }
 
+/// Components of the strain that a test leaves free: it shears neither by the clamps where two axes are held.
+fn free_components(piece: Piece) -> Vec<usize> {
+    if piece.given() == 1 { (1..6).collect() } else { vec![2, 4, 5] }
+}
+
+/// The state of a law of small strains, the stretch less 1.
+fn linear(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> Option<Homogeneous> {
+    let mut strain = [0.0; 6];
+    strain[..if piece == Piece::Equibiaxial { 2 } else { 1 }].fill(stretch - 1.0);
+    let free = free_components(piece);
+    let (stress, tangent) = response(law, &strain);
+    let residual = DVector::from_iterator(free.len(), free.iter().map(|&i| stress[i]));
+    let change = DMatrix::from_fn(free.len(), free.len(), |a, b| tangent[free[a]][free[b]]).lu().solve(&residual)?;
+    free.iter().zip(change.iter()).for_each(|(&i, change)| strain[i] -= change);
+    Some(Homogeneous { stretch, nominal_stress: response(law, &strain).0[0], strain })
+}
+
 /// Newton's method for the components whose stress vanishes.
 fn solve(law: &dyn BatchedLaw<6>, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
     let given = piece.given();
-    // Sheared neither by the clamps where two axes are held.
-    let free: Vec<usize> = if given == 1 { (1..6).collect() } else { vec![2, 4, 5] };
+    let free = free_components(piece);
     let mut strain = from.strain;
     // The volume stays in a first guess.
     let (old, new) = (piece.isochoric(from.stretch), piece.isochoric(stretch));
@@ -155,7 +175,7 @@ impl Homogeneous {
         metric(&self.strain).cholesky().map_or(Matrix3::identity(), |factors| factors.l().transpose())
     }
 
-    /// Green-Lagrange strain in Mandel components.
+    /// Strain of the kind that the law takes, in Mandel components.
     pub(super) fn strain(&self) -> &[f64; 6] {
         &self.strain
     }
@@ -172,7 +192,7 @@ mod tests {
         for row in CATALOGUE {
             let material = Material::new(row, &row.example(1.0, 1.0)).unwrap();
             for (name, piece) in Piece::ALL {
-                let states = path(&material.space(), piece, &stretches);
+                let states = path(&material, piece, &stretches);
                 assert!(states.len() >= 6, "{} {name}: {} states", row.name, states.len());
                 for state in &states {
                     let (stress, _) = response(&*material.space(), &state.strain);
@@ -188,7 +208,7 @@ mod tests {
             (Piece::Equibiaxial, |l| l - l.powi(-5)),
             (Piece::PureShear, |l| l - l.powi(-3)),
         ] {
-            let states = path(&rubber.space(), piece, &[1.5, 2.0, 3.0]);
+            let states = path(&rubber, piece, &[1.5, 2.0, 3.0]);
             assert_eq!(states.len(), 3);
             for state in states {
                 // Treloar 1975: what compressibility leaves is of the order mu/k.

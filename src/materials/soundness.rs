@@ -86,13 +86,13 @@ impl Material {
             for factor in [STEP, 1.0 / STEP] {
                 let count = (REACH.ln() / STEP.ln()) as i32;
                 let stretches: Vec<f64> = (1..=count).map(|k| factor.powi(k)).collect();
-                let states = path(&self.space(), piece, &stretches);
+                let states = path(self, piece, &stretches);
                 let Some(first) = states.iter().position(|state| !is_elliptic(state)) else { continue };
                 let (mut sound, mut lost) = (if first == 0 { 1.0 } else { stretches[first - 1] }, stretches[first]);
                 for _ in 0..BISECTIONS {
                     let middle = 0.5 * (sound + lost);
                     let way: Vec<f64> = stretches[..first].iter().copied().chain([middle]).collect();
-                    match path(&self.space(), piece, &way).get(first) {
+                    match path(self, piece, &way).get(first) {
                         Some(state) if is_elliptic(state) => sound = middle,
                         _ => lost = middle,
                     }

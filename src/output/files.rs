@@ -9,8 +9,11 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use thiserror::Error;
+
+use super::file_record::{self, FileRecord};
 
 /// A result that could not be written.
 #[derive(Debug, Error)]
@@ -90,6 +93,7 @@ pub(super) fn reason(error: &io::Error) -> String {
 pub struct RunFiles {
     directory: PathBuf,
     root: PathBuf,
+    record: Option<Arc<FileRecord>>,
 }
 
 impl RunFiles {
@@ -101,7 +105,56 @@ impl RunFiles {
         let directory = directory.as_ref();
         fs::create_dir_all(directory).map_err(OutputError::write(directory))?;
         let root = directory.canonicalize().map_err(OutputError::write(directory))?;
-        Ok(RunFiles { directory: directory.into(), root })
+        Ok(RunFiles { directory: directory.into(), root, record: None })
+    }
+
+    /// Opens the output directory for a run, which removes the files of an earlier run that its record names (`.files`) and begins its own.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn begin(directory: impl AsRef<Path>) -> Result<Self, OutputError> {
+        let files = Self::create(directory)?;
+        file_record::remove_all(&files.root).map_err(|(path, source)| OutputError::Write { path, source })?;
+        files.recorded()
+    }
+
+    /// Opens the output directory for a run that goes on with what an earlier program has written.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn resume(directory: impl AsRef<Path>) -> Result<Self, OutputError> {
+        Self::create(directory)?.recorded()
+    }
+
+    fn recorded(self) -> Result<Self, OutputError> {
+        let path = self.place(file_record::NAME)?;
+        let record = FileRecord::open(&self.root).map_err(OutputError::write(path))?;
+        Ok(RunFiles { record: Some(Arc::new(record)), ..self })
+    }
+
+    /// A folder below the directory, with the same record.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused.
+    pub fn below(&self, name: &str) -> Result<Self, OutputError> {
+        let root = self.place(&format!("{name}/x"))?.with_file_name("");
+        Ok(RunFiles { directory: self.directory.join(name), root, record: self.record.clone() })
+    }
+
+    /// Writes the record in its order, when the run has written everything.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn complete_record(&self) -> Result<(), OutputError> {
+        let Some(record) = &self.record else { return Ok(()) };
+        RunFiles { record: None, ..self.clone() }.write(file_record::NAME, record.text()).map(drop)
+    }
+
+    /// The place of a file that is about to be written, noted in the record.
+    fn noted(&self, name: &str) -> Result<PathBuf, OutputError> {
+        let path = self.place(name)?;
+        self.record.as_ref().map_or(Ok(()), |record| record.note(&path)).map_err(OutputError::write(&path))?;
+        Ok(path)
     }
 
     /// The directory as it was given.
@@ -164,7 +217,7 @@ impl RunFiles {
 
     /// Fills a file beside the place of that name and puts it there.
     fn replace(&self, name: &str, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<PathBuf, OutputError> {
-        let path = self.place(name)?;
+        let path = self.noted(name)?;
         let mut hidden = OsString::from(".");
         hidden.push(path.file_name().unwrap_or_default());
         hidden.push(".part");
@@ -185,7 +238,7 @@ impl RunFiles {
     /// # Errors
     /// A bad name, or the operating system refused.
     pub fn stream(&self, name: &str) -> Result<Stream, OutputError> {
-        self.place(name).and_then(|path| File::create(&path).map_err(OutputError::write(&path)))?;
+        self.noted(name).and_then(|path| File::create(&path).map_err(OutputError::write(&path)))?;
         self.extend(name)
     }
 

@@ -11,6 +11,7 @@ mod contours;
 mod drawing;
 mod energies;
 mod export;
+mod file_record;
 mod files;
 mod history_csv;
 mod movie;

@@ -21,10 +21,11 @@ pub struct BodyBoundary {
 pub enum Enforcement {
     /// Lagrange multipliers: the update rule holds exactly.
     Multiplier,
-    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap, with `kappa = factor * youngs_modulus / h^2`: a small penetration, and
-    /// exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is not used.
+    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap `Phi`, with `kappa = factor * youngs_modulus / (h w)`, `w` the length
+    /// that a node stands for: a small penetration, and exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update
+    /// rule is not used.
     Penalty {
-        /// Stiffness over that of the secondary body's facets.
+        /// Pressure per depth over `youngs_modulus / h`, the stiffness of the shortest facet of the secondary body.
         factor: f64,
     },
     /// Augmented Lagrangian: `lambda = max(0, lambda_old - kappa (Phi - target))`, with the multiplier brought up to date in every Newton

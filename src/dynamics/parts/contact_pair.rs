@@ -69,10 +69,7 @@ pub enum Hold {
     /// A multiplier.
     Multiplier,
     /// A penalty potential `kappa/2 min(Phi, 0)^2`.
-    Penalty {
-        /// Its stiffness.
-        kappa: f64,
-    },
+    Penalty,
     /// A multiplier with a proximal term.
     Augmented {
         /// Augmentation over the stiffness of a node.
@@ -106,6 +103,8 @@ pub struct ContactPair {
     pub rows: Range<usize>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
     pub c: f64,
+    /// Stiffness of the penalty potential of each of its rows, if it has them.
+    pub penalties: Vec<f64>,
     /// Weighted gap that counts as closed for Newton's method.
     pub gap_tolerance: f64,
     places: Places,
@@ -149,6 +148,7 @@ impl ContactPair {
             is_round: false,
             rows: 0..kernel.rows(),
             c: modulus / (size * size),
+            penalties: Vec::new(),
             gap_tolerance: (tolerances::GAP * size * size).max(tolerances::GAP_FLOOR * reach * size),
             kernel,
             places: Places::default(),
@@ -160,17 +160,24 @@ impl ContactPair {
         if self.is_round { std::f64::consts::TAU * q[2 * node as usize] } else { 1.0 }
     }
 
-    /// Stiffness of its penalty potential, if it has one.
-    pub fn penalty(&self) -> Option<f64> {
-        match self.hold {
-            Hold::Penalty { kappa } => Some(kappa),
-            Hold::Multiplier | Hold::Augmented { .. } => None,
-        }
+    /// Holds it by penalty potentials: the pressure at a node is `factor * youngs_modulus / h` times its depth, whatever length of the
+    /// surface it stands for. `q`: positions at rest.
+    pub fn penalize(&mut self, factor: f64, q: &[f64]) {
+        let of_depth = factor * self.c * self.kernel.facet_size();
+        let around = |row: usize| self.node_of(row).map_or(1.0, |node| self.circumference(node, q));
+        let rows = self.rows.clone().zip(self.kernel.weights());
+        self.penalties = rows.map(|(row, weight)| of_depth * around(row) / weight.max(f64::MIN_POSITIVE)).collect();
+        self.hold = Hold::Penalty;
+    }
+
+    /// Stiffness of the penalty potential of a row, if it has one.
+    pub fn penalty(&self, row: usize) -> Option<f64> {
+        self.penalties.get(row - self.rows.start).copied()
     }
 
     /// Whether multipliers hold it.
     pub fn has_multipliers(&self) -> bool {
-        self.penalty().is_none()
+        self.penalties.is_empty()
     }
 
     /// Weighted gap at the start of a step that counts as closed.

@@ -24,7 +24,7 @@ pub struct Nodes<const D: usize> {
     pub total_mass: f64,
     /// Force of gravity.
     pub weight: Vec<f64>,
-    /// Largest Young's modulus and largest extent, for the round-off floor of forces.
+    /// Largest modulus of a strain in one direction alone and largest extent, for the round-off floor of forces.
     pub modulus: f64,
     /// The extent.
     pub extent: f64,
@@ -66,7 +66,7 @@ impl<const D: usize> Nodes<D> {
             weight: (0..reference.len()).map(|k| if is_constant { nodal_mass[k / D] * model.gravity[k % D] } else { 0.0 }).collect(),
             nodal_mass,
             lumped_mass,
-            modulus: model.bodies.iter().map(|body| body.material.youngs_modulus()).fold(0.0, f64::max),
+            modulus: model.bodies.iter().map(|body| body.material.stiffness()).fold(0.0, f64::max),
             extent: (0..D).map(along).fold(0.0, f64::max),
             pieces,
             is_axisymmetric: model.is_axisymmetric(),

@@ -89,11 +89,11 @@ impl Pairing<'_> {
             }
         };
         (pair.update, pair.equality) = (interaction.update.unwrap_or(self.default_rule), interaction.equality);
-        pair.hold = match interaction.enforcement {
-            Enforcement::Multiplier => Hold::Multiplier,
-            Enforcement::Penalty { factor } => Hold::Penalty { kappa: factor * pair.c },
-            Enforcement::AugmentedLagrange { factor } => Hold::Augmented { factor },
-        };
+        match interaction.enforcement {
+            Enforcement::Multiplier => {}
+            Enforcement::Penalty { factor } => pair.penalize(factor, self.reference),
+            Enforcement::AugmentedLagrange { factor } => pair.hold = Hold::Augmented { factor },
+        }
         pair
     }
 
@@ -106,7 +106,7 @@ impl Pairing<'_> {
             let owner = &pairs[of];
             let factor = match owner.hold {
                 Hold::Augmented { factor } => factor,
-                Hold::Multiplier | Hold::Penalty { .. } => tolerances::CORNER_AUGMENTATION,
+                Hold::Multiplier | Hold::Penalty => tolerances::CORNER_AUGMENTATION,
             };
             let belongs = CornersOf { pair: of, slack: slack * tolerances::CORNER_SLACK * owner.kernel.facet_size() };
             let mut pair = self.pair(&owner.name, kind, body, kernel);

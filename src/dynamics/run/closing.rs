@@ -67,7 +67,7 @@ impl Closing {
     /// Brings the targets of the step that has begun at `q` as near to its gaps as it closes them; returns whether any was farther.
     pub fn limit<const D: usize>(&self, system: &System<D>, q: &[f64], conditions: &mut Conditions) -> bool {
         let mut is_part = false;
-        for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie && pair.penalty().is_none()) {
+        for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie && pair.has_multipliers()) {
             let closing = self.facets * pair.kernel.facet_size();
             let (gaps, coverage) = (pair.kernel.start_gap(), pair.kernel.coverage(q));
             for (local, row) in pair.rows.clone().enumerate() {
@@ -121,7 +121,7 @@ where
                 found.nodes.iter().filter_map(of_node).flatten().any(presses)
             };
             let facets = found.depth / found.size;
-            facets > LEFT && !(is_held && (pair.penalty().is_some() || facets <= LEFT_HELD))
+            facets > LEFT && !(is_held && (!pair.has_multipliers() || facets <= LEFT_HELD))
         };
         let found = self.closing_depths(closing, &is_left);
         let Some(worst) = found.into_iter().max_by(|a, b| (a.depth / a.size).total_cmp(&(b.depth / b.size))) else {

@@ -40,7 +40,7 @@ impl<const D: usize> System<D> {
     pub fn compliance(&self, start: &StepStart) -> Vec<f64> {
         let factor = |pair: &ContactPair| match pair.hold {
             Hold::Augmented { factor } => Some(factor),
-            Hold::Multiplier | Hold::Penalty { .. } => None,
+            Hold::Multiplier | Hold::Penalty => None,
         };
         if self.pairs.iter().all(|pair| factor(pair).is_none()) {
             return vec![0.0; self.multipliers];
@@ -94,7 +94,7 @@ impl<const D: usize> System<D> {
             let closed = pair.closed();
             for row in pair.rows.clone() {
                 let held = held[row];
-                if pair.penalty().is_some() {
+                if !pair.has_multipliers() {
                     if !end_point {
                         shift[row] = (felt[row].min(0.0) - gap_n[row].min(0.0)).max(0.0);
                         gap_n[row] += shift[row];

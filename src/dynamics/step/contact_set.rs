@@ -18,7 +18,7 @@ pub fn pairs_at<'a, const D: usize>(
 
 /// Whether constraint `local` of a pair can hold at all at this iterate: its node has an overlap. A penalty potential always counts.
 pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> bool {
-    pair.penalty().is_some() || evaluation.coverage[local] > tolerances::ZERO_ROW
+    !pair.has_multipliers() || evaluation.coverage[local] > tolerances::ZERO_ROW
 }
 
 /// Takes nodes with a sliver of overlap out of the step; returns whether a multiplier was lost.
@@ -77,7 +77,7 @@ pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, cond
         for row in pair.rows.clone() {
             let local = row - pair.rows.start;
             let presses = || at.lambda[row] - pair.c * (evaluation.gap[local] - conditions.targets[row]) > 0.0;
-            let is_pressed = pair.equality || pair.penalty().is_some() || presses();
+            let is_pressed = pair.equality || !pair.has_multipliers() || presses();
             set[row] = RowState::closed_if(is_pressed && !dropped[row] && has_row(pair, evaluation, local));
         }
     }
@@ -96,7 +96,7 @@ pub fn constraint_rows<const D: usize>(
     for (pair, evaluation) in pairs_at(system, at) {
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
             let gap = evaluation.gap[row - pair.rows.start];
-            let Some(kappa) = pair.penalty() else {
+            let Some(kappa) = pair.penalty(row) else {
                 let compliance = conditions.compliance[row];
                 (rows.diagonal[row], rows.right[row]) = (compliance, conditions.targets[row] - gap + compliance * at.lambda[row]);
                 continue;
@@ -115,7 +115,7 @@ pub fn constraint_rows<const D: usize>(
 /// By how much an iterate with that weighted gap violates the condition of a constraint, as a weighted gap, and the energy that goes with
 /// it.
 pub fn violation(pair: &ContactPair, conditions: &Conditions, row: usize, gap: f64, lambda: f64) -> (f64, f64) {
-    if let Some(kappa) = pair.penalty() {
+    if let Some(kappa) = pair.penalty(row) {
         let off = lambda - conditions.penalty_pressure(kappa, row, gap).0;
         return (off / pair.c, off * (gap + conditions.shift[row] - conditions.gap_n[row]));
     }

@@ -274,7 +274,7 @@ impl<const D: usize> System<D> {
     /// Potential energy of the penalty springs at the given weighted gaps `[energy]`.
     pub fn penalty_energy(&self, gaps: &[f64]) -> f64 {
         let of = |pair: &ContactPair| {
-            0.5 * pair.penalty().unwrap_or(0.0) * gaps[pair.rows.clone()].iter().map(|gap| gap.min(0.0).powi(2)).sum::<f64>()
+            pair.penalties.iter().zip(&gaps[pair.rows.clone()]).map(|(kappa, gap)| 0.5 * kappa * gap.min(0.0).powi(2)).sum::<f64>()
         };
         self.pairs.iter().map(of).sum()
     }

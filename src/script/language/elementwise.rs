@@ -1,11 +1,16 @@
 //! Arithmetic with arrays of numbers, entry by entry: `a + b`, `2.0 * a`, `-a`, for numbers inside arrays of arrays, too.
 //!
 //! Whole numbers stay whole, but for `/`, which gives fractions. `+` of arrays with anything but numbers joins them, as the engine does.
-//! The engine itself decides `a += b`, which appends: its operators on its own types cannot be replaced.
+//! `a += b` appends, as the engine has it. Its optimizer makes `a += b` of `a = a + b`, which means the sum: what is written in the script
+//! tells the two apart.
+
+use std::rc::Rc;
 
 use rhai::{Array, Dynamic, EvalAltResult, FuncRegistration, Module, NativeCallContext};
 
 use super::failure::Failure;
+use super::host::Host;
+use super::sources::offset;
 use super::values::{as_number, describe};
 
 /// Arrays inside arrays at most; deeper ones are no numbers that anybody computes with.
@@ -86,8 +91,55 @@ fn has_numbers(array: &Array, depth: usize) -> bool {
     array.iter().all(|value| as_number(value).is_some() || inner(value))
 }
 
+/// The sum that `+` means between two arrays: entry by entry, or joined where there is anything but numbers.
+fn sum(context: &NativeCallContext, a: Array, b: Array) -> Value {
+    if !(has_numbers(&a, 0) && has_numbers(&b, 0)) {
+        let mut joined = a;
+        joined.extend(b);
+        return Ok(joined.into());
+    }
+    OPERATORS[0].apply(context, &a.into(), &b.into(), 0)
+}
+
+/// Whether the operator of a call stands in the script as that sign.
+fn is_written(host: &Host, context: &NativeCallContext, sign: &str) -> bool {
+    let source = context.fn_source().filter(|source| !source.is_empty()).map_or_else(|| host.main.borrow().clone(), String::from);
+    let text = host.sources.text(&source);
+    text.is_none_or(|text| offset(&text, context.call_position()).is_some_and(|start| text[start..].starts_with(sign)))
+}
+
+/// Adds `+=` of arrays: appends or, where the optimizer has made it of `a = a + b`, sums.
+fn register_append(module: &mut Module, host: &Rc<Host>) {
+    let of_entries = Rc::downgrade(host);
+    let add = |b: &str| {
+        let described = ["a: &mut Array".to_string(), format!("b: {b}"), "()".to_string()];
+        FuncRegistration::new("+=").in_global_namespace().with_params_info(described)
+    };
+    let result = move |context: &NativeCallContext, a: &mut Array, b: Dynamic| -> Result<(), Box<EvalAltResult>> {
+        if of_entries.upgrade().is_none_or(|host| is_written(&host, context, "+=")) {
+            match b.try_cast_result::<Array>() {
+                Ok(b) => a.extend(b),
+                Err(b) => a.push(b),
+            }
+            return Ok(());
+        }
+        let before = std::mem::take(a);
+        let sum = match b.try_cast_result::<Array>() {
+            Ok(b) => sum(context, before, b),
+            Err(b) => OPERATORS[0].apply(context, &before.into(), &b, 0),
+        };
+        *a = sum?.cast();
+        Ok(())
+    };
+    let (of_array, of_float) = (result.clone(), result.clone());
+    add("Array").set_into_module(module, move |context: NativeCallContext, a: &mut Array, b: Array| of_array(&context, a, b.into()));
+    add("float").set_into_module(module, move |context: NativeCallContext, a: &mut Array, b: f64| of_float(&context, a, b.into()));
+    add("int").set_into_module(module, move |context: NativeCallContext, a: &mut Array, b: i64| result(&context, a, b.into()));
+}
+
 /// Adds the operators to a module.
-pub fn register(module: &mut Module) {
+pub fn register(module: &mut Module, host: &Rc<Host>) {
+    register_append(module, host);
     for operator in OPERATORS {
         let sign = operator.sign;
         let add = |a: &str, b: &str| {
@@ -95,12 +147,7 @@ pub fn register(module: &mut Module) {
             FuncRegistration::new(sign).in_global_namespace().with_params_info(described)
         };
         add("Array", "Array").set_into_module(module, move |context: NativeCallContext, a: Array, b: Array| -> Value {
-            if sign == "+" && !(has_numbers(&a, 0) && has_numbers(&b, 0)) {
-                let mut joined = a;
-                joined.extend(b);
-                return Ok(joined.into());
-            }
-            operator.apply(&context, &a.into(), &b.into(), 0)
+            if sign == "+" { sum(&context, a, b) } else { operator.apply(&context, &a.into(), &b.into(), 0) }
         });
         add("Array", "float").set_into_module(module, move |context: NativeCallContext, a: Array, b: f64| -> Value {
             operator.apply(&context, &a.into(), &b.into(), 0)

@@ -28,6 +28,7 @@ use crate::script::api::simulations::settling::register_settle_to_come;
 use crate::script::api::simulations::simulate::IntegratorHandle;
 use crate::script::api::simulations::states::StateHandle;
 use crate::script::api::time_functions::TimeFunctionHandle;
+use crate::script::language::comparison;
 use crate::script::language::elementwise;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::Function;
@@ -58,6 +59,8 @@ pub fn engine(host: &Rc<Host>) -> Engine {
     engine.set_max_strings_interned(STRINGS_INTERNED);
     STANDARD.with(|standard| engine.register_global_module(standard.clone()));
     engine.set_optimization_level(OptimizationLevel::Simple);
+    // The operators of the language go before those of the engine.
+    engine.set_fast_operators(false);
     engine.set_strict_variables(true);
     engine.set_fail_on_invalid_map_property(true);
     engine.disable_symbol("eval");
@@ -73,7 +76,8 @@ pub fn engine(host: &Rc<Host>) -> Engine {
     let mut module = Module::new();
     registry.add(&mut module, host, functions());
     keep_context(&mut module, host);
-    elementwise::register(&mut module);
+    elementwise::register(&mut module, host);
+    comparison::register(&mut module);
     growth::register(&mut module);
     engine.register_global_module(module.into());
     host.slots.set(Rc::new(registry));

@@ -21,6 +21,7 @@ use crate::script::api::simulations::artifacts::output_failure;
 use crate::script::api::simulations::ending;
 use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
 use crate::script::api::simulations::journal::Journal;
+use crate::script::api::simulations::run_folder::RunFolder;
 use crate::script::api::studies::result::Results;
 use crate::script::language::crew::{Hiring, Program, Unit};
 use crate::script::language::diagnostics::{Diagnostic, defect};
@@ -137,22 +138,21 @@ impl Session {
     /// Takes what an earlier program has computed for what the script asks for first.
     pub fn resume(&mut self, checkpoint: Checkpoint) {
         self.host.slots.set(Rc::new(Journal::resumed(checkpoint)));
+        RunFolder::of(&self.host).resume();
     }
 
-    /// Runs a script file to its end and writes the files of the run. Checkpoints of an older run there are removed, unless it is resumed.
+    /// Runs a script file to its end and writes the files of the run in place of those of an earlier run there, unless it is resumed. A
+    /// script that cannot be read or does not parse leaves the folder as it is.
     pub fn run_file(&mut self, path: &Path) -> Report {
         let name = path.display().to_string();
-        if !Journal::of(&self.host).is_resumed()
-            && let Some(error) = self.remove_checkpoints()
-        {
-            return self.finish(Some(error));
-        }
         *self.host.main.borrow_mut() = name.clone();
-        let error = match read_script(path) {
-            Ok(text) => self.guarded(|session| session.evaluate(&name, &text)),
-            Err(error) => Some(error),
-        };
-        self.finish(error)
+        match read_script(path).and_then(|text| self.outline(&name, &text).map(|_| text)) {
+            Ok(text) => {
+                let error = self.guarded(|session| session.evaluate(&name, &text));
+                self.finish(error)
+            }
+            Err(error) => Report::failed(*error),
+        }
     }
 
     /// Runs a script as a test: its statements and then, if one is named, one of its functions.
@@ -246,6 +246,12 @@ impl Session {
         }
     }
 
+    /// Completes the record of the files of the run.
+    fn close_record(&self) -> Option<Box<Diagnostic>> {
+        let error = RunFolder::of(&self.host).end().err()?;
+        Some(Box::new(explain_failure(&output_failure(&error))))
+    }
+
     /// Ends the run: refuses unknown `--set` names, warns of what never acted and of what was found, writes the files.
     pub fn finish(&mut self, error: Option<Box<Diagnostic>>) -> Report {
         let host = &self.host;
@@ -275,7 +281,7 @@ impl Session {
         };
         let written = ending::finish(host, self.begun + self.idle, &outcome).err().map(|failure| explain_failure(&failure));
         let error = error.or(written);
-        let closed = self.close_journal(error.as_ref()).map(|error| *error);
+        let closed = self.close_journal(error.as_ref()).or_else(|| self.close_record()).map(|error| *error);
         Report { error: error.or(closed), findings: host.findings.borrow().clone(), checks: host.checks(), energy, is_conserving }
     }
 

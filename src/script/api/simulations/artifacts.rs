@@ -4,19 +4,17 @@
 //! (`bearing-2` for the second one of a model `bearing`). `history.csv` grows with every accepted step; what belongs to the end of a run
 //! is written in `ending.rs`.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::columns::{further_values, model_columns};
+use super::run_folder::RunFolder;
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings};
-use crate::script::api::asides::is_study;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::host::Host;
-use crate::script::language::settings::Mode;
 
 /// What is kept of a run.
 #[derive(Clone, Copy)]
@@ -73,11 +71,10 @@ impl Artifacts {
         probes: Vec<String>,
         start: Start,
     ) -> Result<Option<Self>, Failure> {
-        let Some(folder) = output_folder(host) else { return Ok(None) };
         let begun = Instant::now();
-        let folder = name.map_or(folder.clone(), |name| folder.join(file_name(name)));
         let open = || {
-            let files = RunFiles::create(folder)?;
+            let Some(root) = RunFolder::of(host).files(host)? else { return Ok(None) };
+            let files = name.map_or(Ok(root.clone()), |name| root.below(&file_name(name)))?;
             let recalls = start == Start::Recalled;
             let history = if recalls { RESUMING } else { "history.csv" };
             let mut csv = HistoryCsv::create(&files, history, model.dimension(), model_columns(model).into_iter().chain(probes).collect())?;
@@ -88,9 +85,9 @@ impl Artifacts {
             let contacts = optional_series(&files, "contacts.pvd", has_surfaces(model), open)?;
             let (recording, every, model) = (Recording::new(model, keeping.stills), keeping.fields_every, model.clone());
             let (live, frames, spent) = (None, 0, begun.elapsed());
-            Ok(Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, frames, recalls, spent })
+            Ok(Some(Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, frames, recalls, spent }))
         };
-        open().map(Some).map_err(|error: OutputError| output_failure(&error))
+        open().map_err(|error: OutputError| output_failure(&error))
     }
 
     /// Before steps, until `end` if that is known: the first frame of the fields.
@@ -345,11 +342,6 @@ fn obstacle_series(files: &RunFiles, model: &Model, open: Open) -> Result<Option
 /// Whether a model has contacts with a secondary surface to look at: all but ties.
 pub fn has_surfaces(model: &Model) -> bool {
     model.interactions.iter().any(|interaction| !interaction.is_tie())
-}
-
-/// The folder of the run, if the session writes files.
-pub fn output_folder(host: &Host) -> Option<&PathBuf> {
-    host.settings.output.as_ref().filter(|_| host.settings.mode == Mode::Run && !is_study(host))
 }
 
 /// A name as a folder: what is no letter, digit, `-`, `_` or `.` becomes `_`.

@@ -7,13 +7,16 @@ use super::following;
 use super::handle::{SimulationHandle, Simulations};
 use super::journal::go_on;
 use super::reports::{Ending, json, write_at_end};
+use super::run_folder::{RunFolder, output_folder};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
-use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
+use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
 use crate::script::api::parameters::Overrides;
 use crate::script::api::studies::result::Results;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
-use crate::script::language::settings::Mode;
+
+/// Name of the summary of a run.
+const SUMMARY: &str = "summary.json";
 
 /// Writes the last frames of all simulations and waits until every frame is in its file.
 ///
@@ -36,7 +39,12 @@ pub fn last_frames(host: &Host) -> Result<(), Failure> {
 /// # Errors
 /// A file that cannot be written.
 pub fn finish(host: &Host, begun: Instant, outcome: &str) -> Result<(), Failure> {
-    let Some(folder) = host.settings.output.as_ref().filter(|_| host.settings.mode == Mode::Run) else { return Ok(()) };
+    let Some(folder) = output_folder(host) else { return Ok(()) };
+    let run = RunFolder::of(host);
+    // What fails before it has come to write anything leaves the record of an earlier run as it is.
+    if outcome != COMPLETED && !run.is_begun() && folder.join(SUMMARY).is_file() {
+        return Ok(());
+    }
     let simulations = Simulations::of(host);
     let simulations = simulations.0.borrow();
     // All that can be written is, whatever cannot.
@@ -46,8 +54,8 @@ pub fn finish(host: &Host, begun: Instant, outcome: &str) -> Result<(), Failure>
     }
     if simulations.is_empty() {
         let summary = Summary { wall_seconds: wall(begun, &[]), ..common(host, outcome) };
-        let files = RunFiles::create(folder).map_err(|error| output_failure(&error))?;
-        files.write("summary.json", summary.to_json()).map_err(|error| output_failure(&error))?;
+        let write = || run.files(host)?.map_or(Ok(()), |files| files.write(SUMMARY, summary.to_json()).map(drop));
+        written = write().map_err(|error| output_failure(&error));
     }
     written
 }
@@ -90,7 +98,7 @@ fn finish_simulation(
     summary.judge(&drifts(&history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
     let mut artifacts = data.artifacts.borrow_mut();
     let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
-    let summarized = artifacts.write("summary.json", summary.to_json().as_bytes()).map_err(|error| output_failure(&error));
+    let summarized = artifacts.write(SUMMARY, summary.to_json().as_bytes()).map_err(|error| output_failure(&error));
     refused.map_or(summarized, Err)
 }
 

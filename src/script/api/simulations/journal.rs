@@ -13,11 +13,11 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::artifacts::{output_failure, output_folder};
+use super::artifacts::output_failure;
 use super::handle::{SimulationHandle, Simulations};
+use super::run_folder::{RunFolder, output_folder};
 use crate::dynamics::{State, TimeFunction};
 use crate::math::simd::instructions;
-use crate::output::RunFiles;
 use crate::output::checkpoint::{Checkpoint, Computation, Course, Origin, Outcome, Record};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -178,7 +178,7 @@ impl Journal {
     /// A file that cannot be written.
     pub fn write(&self, host: &Host) -> Result<(), Failure> {
         let begun = Instant::now();
-        let Some(folder) = output_folder(host) else { return Ok(()) };
+        let Some(files) = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))? else { return Ok(()) };
         let mut pages = self.0.borrow_mut();
         let (mut courses, mut lent) = (Vec::new(), Vec::new());
         for (number, handle) in Simulations::of(host).0.borrow().iter().enumerate() {
@@ -198,7 +198,7 @@ impl Journal {
         note_files(host, &mut pages.files);
         let origin = origin(host, &pages.files);
         let checkpoint = Checkpoint { origin, courses, records: std::mem::take(&mut pages.records) };
-        let written = RunFiles::create(folder).and_then(|files| checkpoint.write(&files)).map_err(|error| output_failure(&error));
+        let written = checkpoint.write(&files).map_err(|error| output_failure(&error));
         pages.records = checkpoint.records;
         lent.into_iter().for_each(|record| pages.records[record].state = None);
         pages.written = pages.records.len();

@@ -22,6 +22,7 @@ pub mod properties;
 pub mod reactions;
 pub mod reports;
 pub mod results;
+pub mod run_folder;
 pub mod settling;
 pub mod simulate;
 pub mod states;

@@ -2,10 +2,11 @@
 
 use rhai::{Array, Dynamic};
 
-use super::artifacts::{output_class, output_folder};
+use super::artifacts::output_class;
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
-use crate::output::{Drawing, RunFiles, png, svg};
+use super::run_folder::RunFolder;
+use crate::output::{Drawing, png, svg};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -61,7 +62,7 @@ pub fn write_at(call: &Call, into: Option<&SimulationHandle>, path: &str, bytes:
     let argument = call.argument("path");
     let written = match into {
         Some(handle) => handle.0.artifacts.borrow_mut().as_mut().map(|artifacts| artifacts.write(path, bytes)),
-        None => output_folder(call.host).map(|folder| RunFiles::create(folder)?.write(path, bytes).map(drop)),
+        None => RunFolder::of(call.host).files(call.host).transpose().map(|files| files?.write(path, bytes).map(drop)),
     };
     match written {
         Some(written) => written.map_err(|error| argument.fail(error.to_string()).hint(error.cure()).of_class(output_class(&error)))?,

@@ -6,9 +6,10 @@
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 
-use crate::output::{PointLog, RowsCsv, RunFiles, encoded};
-use crate::script::api::simulations::artifacts::{output_failure, output_folder};
+use crate::output::{PointLog, RowsCsv, encoded};
+use crate::script::api::simulations::artifacts::output_failure;
 use crate::script::api::simulations::journal::{Journal, is_kept};
+use crate::script::api::simulations::run_folder::RunFolder;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::crew::Computed;
 use crate::script::language::failure::Failure;
@@ -50,13 +51,13 @@ impl Record {
             let failure = argument.fail(format!("{} must be letters, digits, `-` and `_`", argument.title()));
             return Err(failure.label(format!("this is \"{name}\"")).hint("leave out folder and ending: they are given"));
         }
-        let Some(folder) = output_folder(host) else { return Ok(Record::default()) };
+        let files = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))?;
+        let Some(files) = files else { return Ok(Record::default()) };
         let names = host.slots.get::<Names>();
         let numbered = (2..).map(|number| format!("{name}-{number}"));
         let free = std::iter::once(name.clone()).chain(numbered).find(|name| !names.0.borrow().contains(name)).unwrap_or_default();
         names.0.borrow_mut().insert(free.clone());
         let open = || {
-            let files = RunFiles::create(folder)?;
             let (log, records) = match (is_kept(host), Journal::of(host).is_resumed()) {
                 (false, _) => (None, Vec::new()),
                 (true, false) => (Some(PointLog::create(&files, &free)?), Vec::new()),
