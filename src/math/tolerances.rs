@@ -12,6 +12,9 @@ pub const NEWTON_MOMENTUM: f64 = 0.01;
 /// happens to be orthogonal to the motion.
 pub const NEWTON_FORCE: f64 = 1e-7;
 
+/// The energy criterion of Newton's method for an equilibrium that is only one on the way to another.
+pub const ON_THE_WAY: f64 = 1e-8;
+
 /// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge too.
 pub const FORCE_FLOOR: f64 = 1e-14;
 

@@ -247,6 +247,14 @@ pub enum StepError {
 }
 
 impl StepError {
+    /// The same of equilibria that were followed up to a time.
+    pub(in crate::dynamics) fn after_equilibria_until(mut self, reached: f64) -> Self {
+        if let StepError::NotConverged { cause, .. } = &mut self {
+            cause.push_str(&format!("; equilibria were followed up to t = {reached:.4}"));
+        }
+        self
+    }
+
     /// How to mend it, one sentence.
     pub fn cure(&self) -> String {
         match self {

@@ -11,6 +11,7 @@ pub mod failed;
 pub mod fields;
 pub mod halvings;
 pub mod impact;
+pub mod increments;
 pub mod jump;
 pub mod ledger;
 pub mod options;

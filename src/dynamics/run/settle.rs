@@ -18,7 +18,7 @@ use super::closing::Closing;
 use super::engine::Engine;
 use super::options::SettleReport;
 use super::report::{FailureCause, Missing};
-use super::state::{Clock, State};
+use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Surface, Travel};
 use crate::dynamics::model::error::StepError;
@@ -54,7 +54,7 @@ const SHORTER: f64 = 0.25;
 const LONGER: f64 = 2.0;
 
 /// How far prescribed nodes are moved in a step, in facets, once all at once has led astray.
-const STRIDE: f64 = 0.5;
+pub(super) const STRIDE: f64 = 0.5;
 
 /// Steps at most that close a part of an overlap or follow a part of a prescribed motion: they do not count among the others.
 const MAX_PARTS: usize = 200;
@@ -77,8 +77,23 @@ const TRIFLE: f64 = 1e3;
 /// keep them moving.
 const MAX_STOOD: usize = 3;
 
+/// How an equilibrium is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Care {
+    /// With all remedies where a step is refused.
+    Patient,
+    /// Given up where a step is refused: there is another way.
+    Exact,
+    /// The same, and less exact: it is one on the way to another one.
+    Coarse,
+}
+
+/// Imbalance over what is tolerated, 1e-6 of the forces, that is enough on the way.
+const COARSE: f64 = 1e5;
+
 /// What the steps so far tell of the next one.
 struct Progress {
+    care: Care,
     steps: usize,
     /// Those among them that did a part of what is to be done, and how much of it they do.
     parts: usize,
@@ -134,35 +149,16 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
-    pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
-        if time != self.state.row.time {
-            let state = Arc::make_mut(&mut self.state);
-            state.row.time = time;
-            state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
-        }
-        let begun = self.state.clone();
-        match self.settle_from_here(f64::INFINITY) {
-            // What was moved at once has been pushed into the other side round a corner: in small parts it comes another way.
-            Err(StepError::StillOverlaps { .. }) if !self.system.supports.prescribed.is_empty() => {
-                self.state = begun;
-                self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
-                self.settle_from_here(STRIDE * self.shortest_facet())
-            }
-            outcome => outcome,
-        }
-    }
-
     /// Equilibrium at the present time, prescribed nodes moved by no more than `stride` in a step `[length]`.
-    fn settle_from_here(&mut self, stride: f64) -> Result<SettleReport, StepError> {
+    pub(super) fn settle_from_here(&mut self, stride: f64, care: Care) -> Result<SettleReport, StepError> {
         self.tries.clear();
         let iterations_before = self.statistics.newton_iterations;
         let balance = Balance::new(&self.system, &self.model);
         let begun = self.state.positions.clone();
-        let mut course = Progress::new(begun.len(), Closing::of(&self.model), stride);
+        let mut course = Progress::new(begun.len(), Closing::of(&self.model), stride, care);
         let at = loop {
             let present = self.look(&balance, &course)?;
-            if present.is_closed && present.imbalance.excess() <= 1.0 {
+            if present.is_closed && present.imbalance.excess() <= if care == Care::Coarse { COARSE } else { 1.0 } {
                 break present.at;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut course.best) {
@@ -282,7 +278,7 @@ where
         let start = StepStart { time: self.state.row.time, q_0: positions, u_0: displacements, memory: &memory, course: rest };
         let mut conditions = self.conditions_at_rest(&start);
         let closes_in_part = course.closing.limit(&self.system, positions, &mut conditions);
-        let outcome = self.damped_step(&start, [&predicted, &moved], &conditions);
+        let outcome = self.damped_step(&start, [&predicted, &moved], &conditions, course.care);
         let is_part = closes_in_part || (present.prescribed > 0.0 && !present.is_whole);
         let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
@@ -300,7 +296,8 @@ where
             }
             Ok(_) => None,
         };
-        if course.tries == MAX_TRIES {
+        let is_overlooked = matches!(refused, Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }));
+        if course.tries == MAX_TRIES || (course.care != Care::Patient && refused.is_some() && !is_overlooked) {
             return Err(match refused {
                 Some(failure) => self.failed(&failure, 0.0, 0),
                 None => self.no_equilibrium(balance, imbalance, course),
@@ -354,7 +351,7 @@ where
     }
 
     /// Shortest facet of all contacts; infinite without one.
-    fn shortest_facet(&self) -> f64 {
+    pub(super) fn shortest_facet(&self) -> f64 {
         self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
@@ -376,7 +373,13 @@ where
         }
     }
 
-    fn damped_step(&mut self, start: &StepStart, [predicted, moved]: [&[f64]; 2], conditions: &Conditions) -> Result<Solution, Failure> {
+    fn damped_step(
+        &mut self,
+        start: &StepStart,
+        [predicted, moved]: [&[f64]; 2],
+        conditions: &Conditions,
+        care: Care,
+    ) -> Result<Solution, Failure> {
         // The energy of a strain that is round-off of what is seen: of displacements next to nothing.
         let round_off = if self.system.sees_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
         let floor = round_off * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
@@ -388,7 +391,7 @@ where
             lambda: &self.state.lambda,
             conditions,
             energy: self.system.strain_energy(start.u_0).max(floor),
-            tolerance: options.tolerance,
+            tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             at_least: 1,
             is_patient: true,
             preferred: Preferred::default(),
@@ -418,8 +421,9 @@ where
 }
 
 impl Progress {
-    fn new(unknowns: usize, closing: Closing, stride: f64) -> Self {
+    fn new(unknowns: usize, closing: Closing, stride: f64, care: Care) -> Self {
         Progress {
+            care,
             steps: 0,
             parts: 0,
             closing,

@@ -53,10 +53,18 @@ where
         self.complete_tangent(start, at)?;
         let clock = Instant::now();
         let Linearization { forces, pairs, tangent, .. } = at;
-        self.write_constraints(pairs, &rows.gradient, &rows.diagonal, start.weight(), |pair| &pair.gradient_bar, tangent);
-        let residual = forces.without_contact.iter().zip(&self.supports.fixed);
-        let mut right: Vec<f64> = residual.map(|(r, &fixed)| if fixed { 0.0 } else { -r }).collect();
+        self.write_constraints(pairs, &rows.gradient, start.weight(), |pair| &pair.gradient_bar, tangent);
+        let mut right: Vec<f64> = forces.without_contact.iter().map(|r| -r).collect();
         right.extend_from_slice(&rows.right);
+        if !self.given.is_empty() {
+            let mut image = vec![0.0; right.len()];
+            self.matrix.pattern.multiply_into(tangent, &self.given, &mut image);
+            right.iter_mut().zip(image).for_each(|(right, image)| *right -= image);
+        }
+        for (unknown, _) in self.supports.fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+            right[unknown] = self.nodes.modulus * self.given.get(unknown).unwrap_or(&0.0);
+        }
+        self.matrix.finish(&rows.diagonal, self.nodes.modulus, tangent);
         self.counters.times.factorization += clock.elapsed();
         Ok(right)
     }
@@ -74,12 +82,11 @@ impl<const D: usize> System<D> {
         outcome.map(drop).map_err(Failure::Linear)
     }
 
-    /// Writes rows `G_1` and columns `-weight columns^T` of the active constraints, the diagonal of all, and the rows of supports.
+    /// Writes rows `G_1` and columns `-weight columns^T` of the active constraints.
     pub fn write_constraints(
         &self,
         pairs: &[Evaluation],
         active: &[bool],
-        diagonal: &[f64],
         weight: f64,
         columns: fn(&Evaluation) -> &Vec<f64>,
         values: &mut [f64],
@@ -88,7 +95,6 @@ impl<const D: usize> System<D> {
             pair.clear_constraints::<D>(values);
             pair.constraints_into::<D>(evaluation, active, columns(evaluation), weight, values);
         }
-        self.matrix.finish(diagonal, self.nodes.modulus, values);
     }
 
     /// Rates `grad Phi_A(q_1).v` of all constraints at an iterate, as seen from obstacles that move.

@@ -165,7 +165,7 @@ where
         task,
     };
     let mut convergence = Convergence::new(strategy.iterations(), task.is_patient);
-    let mut at = attempt.system.linearize(task.start, task.predicted, task.moved, &lambda)?;
+    let mut at = attempt.beginning(&lambda, iterations)?;
     for iteration in 0.. {
         if (task.interrupted)() {
             return Err(Failure::Fatal(StepError::Interrupted { time: task.start.time }));
@@ -214,6 +214,46 @@ impl<const D: usize> Attempt<'_, D>
 where
     Space<D>: Elements<D>,
 {
+    /// The first iterate: the predicted one or, where that has prescribed motion at rest, what the linearisation at the start makes of this
+    /// motion, if it comes nearer to a solution. A motion that only the prescribed nodes have made crushes the cells beside them.
+    fn beginning(&mut self, lambda: &[f64], iterations: &mut usize) -> Result<Linearization, Failure> {
+        let task = self.task;
+        let predicted = self.system.linearize(task.start, task.predicted, task.moved, lambda);
+        let is_moved = self.system.supports.prescribed.iter().any(|one| task.moved[one.unknown] != 0.0);
+        if !task.is_patient || !is_moved || matches!(predicted, Err(Failure::Fatal(_))) {
+            return predicted;
+        }
+        *iterations += 1;
+        match (self.led(lambda), predicted) {
+            (Err(Failure::Fatal(error)), _) => Err(Failure::Fatal(error)),
+            (Ok(led), Ok(predicted)) if self.merit(&led) <= self.merit(&predicted) => {
+                self.system.recycle(predicted);
+                Ok(led)
+            }
+            (Ok(led), Err(_)) => Ok(led),
+            (_, predicted) => predicted,
+        }
+    }
+
+    /// The start, moved by what its linearisation makes of the prescribed motion.
+    fn led(&mut self, lambda: &[f64]) -> Result<Linearization, Failure> {
+        let (task, unknowns) = (self.task, self.task.moved.len());
+        let mut at = self.system.linearize(task.start, task.start.q_0, &vec![0.0; unknowns], lambda)?;
+        let mut given = vec![0.0; unknowns + self.system.multipliers];
+        self.system.supports.prescribed.iter().for_each(|one| given[one.unknown] = task.moved[one.unknown]);
+        self.system.given = given;
+        let mut set = starting_set(self.system, &at, task.conditions, &self.dropped);
+        let solved = self.finish_set(&mut at, &mut set);
+        self.system.given.clear();
+        let (mut moved, lambda) = solved?;
+        let mut q_1: Vec<f64> = task.start.q_0.iter().zip(&moved).map(|(q, moved)| q + moved).collect();
+        for one in &self.system.supports.prescribed {
+            (q_1[one.unknown], moved[one.unknown]) = (task.predicted[one.unknown], task.moved[one.unknown]);
+        }
+        self.system.recycle(at);
+        self.system.linearize(task.start, &q_1, &moved, &lambda)
+    }
+
     /// The same iterate without nodes that have a sliver of overlap: where multipliers go with them, the forces change.
     fn without_slivers(&mut self, at: Linearization) -> Result<Linearization, Failure> {
         let mut lambda = at.lambda.clone();

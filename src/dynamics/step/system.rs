@@ -60,6 +60,9 @@ pub struct System<const D: usize> {
     /// Whether an iterate is so far from a solution that tangents leave out how contact forces turn with the surfaces: with multipliers
     /// that do not belong to its positions that is no stiffness, and may make the matrix all but singular.
     pub is_far: bool,
+    /// Displacements of prescribed unknowns, among all unknowns and multipliers, that Newton's next system takes for given; nothing where
+    /// they have none.
+    pub given: Vec<f64>,
     pub workers: Workers,
 }
 
@@ -113,6 +116,7 @@ where
             spare: Spare::default(),
             search: Arc::default(),
             is_far: false,
+            given: Vec::new(),
             workers,
         };
         system.place();

@@ -133,7 +133,7 @@ fn plot() -> Function {
 
 /// Nominal stress over stretch, from the least stretch to the greatest.
 fn curve(material: &Material, name: &str, piece: Piece, [low, high]: [f64; 2]) -> Curve {
-    let side = |stretch: f64| if stretch == 1.0 { Vec::new() } else { path(&material, piece, &way(stretch, POINTS)) };
+    let side = |stretch: f64| if stretch == 1.0 { Vec::new() } else { path(material, piece, &way(stretch, POINTS)) };
     let states = side(low).into_iter().rev().map(|state| (state.stretch, state.nominal_stress));
     let states = states.chain([(1.0, 0.0)]).chain(side(high).into_iter().map(|state| (state.stretch, state.nominal_stress)));
     let (x, y) = states.unzip();

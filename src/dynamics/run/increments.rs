@@ -1,0 +1,107 @@
+//! `settle` at a later time: at once or, where that leads astray, in increments of the time, each from equilibrium to equilibrium.
+//!
+//! Loads, prescribed motions and obstacles take the way that their functions of time describe. An increment that fails is cut back, one
+//! that does not lets the next one be longer; equilibria on the way are found less exactly than the last one. Where even a small
+//! increment fails, a limit point may have been reached: then damped steps may find what lies beyond (a snap-through).
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::options::SettleReport;
+use super::settle::{Care, STRIDE};
+use super::state::{Clock, State};
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::error::StepError;
+
+/// Change of an increment after one that failed, and after one that did not.
+const SHORTER: f64 = 0.25;
+const LONGER: f64 = 2.0;
+
+/// The first increment after all at once has failed, and that below which increments no longer help: shares of the whole.
+const FIRST: f64 = 0.25;
+const LEAST: f64 = 1.0 / 512.0;
+
+/// The increment over which damped steps may look for an equilibrium, where the way there has none.
+const JUMP: f64 = 1.0 / 64.0;
+
+/// What is left that belongs to the increment before it, over that one.
+const REST: f64 = 0.01;
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
+    pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
+        let begun = self.state.clone();
+        let (from, before) = (begun.row.time, self.statistics.newton_iterations);
+        if time == from {
+            return self.settle_once(time, Care::Patient);
+        }
+        let mut report = match self.settle_once(time, Care::Exact) {
+            Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) => {
+                self.take_back(&begun);
+                self.settle_in_increments(from, time)?
+            }
+            outcome => outcome?,
+        };
+        report.newton_iterations = self.statistics.newton_iterations - before;
+        Ok(report)
+    }
+
+    fn settle_in_increments(&mut self, from: f64, end: f64) -> Result<SettleReport, StepError> {
+        let (mut done, mut share, mut steps) = (0.0, FIRST, 0);
+        let mut reached = self.state.clone();
+        loop {
+            let is_jump = share < LEAST;
+            share = if is_jump { JUMP } else { share };
+            let next = if done + share * (1.0 + REST) >= 1.0 { 1.0 } else { done + share };
+            let time = if next == 1.0 { end } else { from + next * (end - from) };
+            let care = if is_jump {
+                Care::Patient
+            } else if next == 1.0 {
+                Care::Exact
+            } else {
+                Care::Coarse
+            };
+            match self.settle_once(time, care) {
+                Ok(report) if next == 1.0 => return Ok(SettleReport { steps: steps + report.steps, ..report }),
+                Ok(report) => {
+                    (done, steps, reached) = (next, steps + report.steps, self.state.clone());
+                    share = (LONGER * share).min(FIRST);
+                }
+                Err(error @ (StepError::NotConverged { .. } | StepError::StillOverlaps { .. })) if is_jump => {
+                    return Err(error.after_equilibria_until(reached.row.time));
+                }
+                Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) => {
+                    self.take_back(&reached);
+                    share *= SHORTER;
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Equilibrium at a time, from where the model is.
+    fn settle_once(&mut self, time: f64, care: Care) -> Result<SettleReport, StepError> {
+        if time != self.state.row.time {
+            let state = Arc::make_mut(&mut self.state);
+            state.row.time = time;
+            state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
+        }
+        let begun = self.state.clone();
+        match self.settle_from_here(f64::INFINITY, care) {
+            // What was moved at once has been pushed into the other side round a corner: in small parts it comes another way.
+            Err(StepError::StillOverlaps { .. }) if !self.system.supports.prescribed.is_empty() => {
+                self.take_back(&begun);
+                self.settle_from_here(STRIDE * self.shortest_facet(), care)
+            }
+            outcome => outcome,
+        }
+    }
+
+    fn take_back(&mut self, state: &Arc<State>) {
+        self.state = state.clone();
+        self.restore_search();
+    }
+}
