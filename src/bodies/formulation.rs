@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::elements::CellKind;
 use crate::materials::{Kinematics, Material};
 use crate::math::tolerances::AXIS;
 use crate::mesh::Mesh;
@@ -89,6 +90,14 @@ impl FormulationError {
 }
 
 impl Formulation {
+    /// The formulation for cells and a material where nothing is said of the dilatation: one mean for each cell where the law hardly changes
+    /// its volume and cells and law have one.
+    pub fn suited(plane: Plane, cells: CellKind, material: &Material) -> Self {
+        let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
+        let is_mean = can && !cells.has_one_point() && material.hardly_changes_volume();
+        Formulation { plane, dilatation: if is_mean { Dilatation::Mean } else { Dilatation::Pointwise } }
+    }
+
     /// Puts nodes of a body of revolution that are beside the axis by round-off onto it; gives whether there were any.
     pub fn put_on_axis(&self, points: &mut [[f64; 3]]) -> bool {
         let extent = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));

@@ -9,6 +9,7 @@ pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunc
 pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Prescription, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY, default_rule};

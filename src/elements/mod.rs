@@ -60,6 +60,11 @@ impl CellKind {
         }
     }
 
+    /// Whether its strain is the same everywhere: triangles and tetrahedra of first order.
+    pub fn has_one_point(self) -> bool {
+        matches!(self, CellKind::Tri3 | CellKind::Tet4)
+    }
+
     /// Name as written in a script.
     pub fn name(self) -> &'static str {
         self.row().name

@@ -254,15 +254,29 @@ impl Material {
         self.laws.space.clone()
     }
 
+    /// Bulk modulus over mean shear modulus at zero strain; infinite without a shear modulus.
+    pub fn bulk_over_shear(&self) -> f64 {
+        let [bulk, shear] = moduli_at_rest(&*self.laws.space);
+        bulk / shear
+    }
+
+    /// Whether the volume hardly changes, as with a Poisson's ratio of 0.49 and more: cells that keep it at every point lock.
+    pub fn hardly_changes_volume(&self) -> bool {
+        self.bulk_over_shear() >= HARDLY_CHANGES_VOLUME
+    }
+
     /// The law as the sum of a part that depends on the volume alone and the rest, if it is written so.
     pub fn split(&self) -> Option<&Split> {
         self.laws.split.as_ref()
     }
 }
 
-/// Young's modulus from the tangent at zero strain: of the isotropic one with the same bulk modulus and the same mean shear modulus
-/// (Voigt 1889; Hill, Proc. Phys. Soc. A 65, 1952).
-fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
+/// Bulk modulus over shear modulus from which on a law hardly changes its volume: that of a Poisson's ratio of 0.49.
+const HARDLY_CHANGES_VOLUME: f64 = 49.0;
+
+/// Bulk modulus and mean shear modulus of the tangent at zero strain (Voigt 1889; Hill, Proc. Phys. Soc. A 65, 1952), each 0 where it is
+/// round-off.
+fn moduli_at_rest(law: &dyn BatchedLaw<6>) -> [f64; 2] {
     let mut response = [Response::ZERO];
     law.responses_into(&[[Lanes::ZERO; 6]], &mut response);
     let c = response[0].tangent.map(|row| row.map(|entry| entry.0[0]));
@@ -270,11 +284,17 @@ fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
     // Because of Mandel components the shear diagonal is twice a shear modulus.
     let (bulk, shear) = ((direct + 2.0 * crossed) / 9.0, (direct - crossed + 1.5 * (c[3][3] + c[4][4] + c[5][5])) / 15.0);
     let nothing = RESIDUAL_STRESS * c.iter().flatten().map(|entry| entry.abs()).fold(0.0, f64::max);
-    if bulk.abs() <= nothing {
+    [bulk, shear].map(|modulus| if modulus.abs() <= nothing { 0.0 } else { modulus })
+}
+
+/// Young's modulus of the isotropic law with these moduli at rest.
+fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
+    let [bulk, shear] = moduli_at_rest(law);
+    if bulk == 0.0 {
         return 0.0;
     }
     // Shear may be resisted by a stress at rest alone.
-    if shear.abs() <= nothing { bulk } else { 9.0 * bulk * shear / (3.0 * bulk + shear) }
+    if shear == 0.0 { bulk } else { 9.0 * bulk * shear / (3.0 * bulk + shear) }
 }
 
 #[cfg(test)]

@@ -247,6 +247,11 @@ pub enum StepError {
 }
 
 impl StepError {
+    /// Whether the user ended the run.
+    pub(in crate::dynamics) fn is_interrupt(&self) -> bool {
+        matches!(self, StepError::Interrupted { .. })
+    }
+
     /// The same of equilibria that were followed up to a time.
     pub(in crate::dynamics) fn after_equilibria_until(mut self, reached: f64) -> Self {
         if let StepError::NotConverged { cause, .. } = &mut self {

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
+use super::ledger::LedgerRow;
 use super::options::SettleReport;
 use super::settle::{Care, STRIDE};
 use super::state::{Clock, State};
@@ -34,18 +35,38 @@ where
     /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let begun = self.state.clone();
-        let (from, before) = (begun.row.time, self.statistics.newton_iterations);
-        if time == from {
-            return self.settle_once(time, Care::Patient);
-        }
-        let mut report = match self.settle_once(time, Care::Exact) {
-            Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) => {
+        let (from, iterations, factorizations) = (begun.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
+        let mut report = match self.settle_once(time, if time == from { Care::Patient } else { Care::Exact }) {
+            Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) if time != from => {
                 self.take_back(&begun);
-                self.settle_in_increments(from, time)?
+                match self.settle_in_increments(from, time) {
+                    Err(error @ StepError::NotConverged { .. }) => {
+                        self.take_back(&begun);
+                        self.settle_once(time, Care::Patient).map_err(|again| if again.is_interrupt() { again } else { error })?
+                    }
+                    outcome => outcome?,
+                }
             }
             outcome => outcome?,
         };
-        report.newton_iterations = self.statistics.newton_iterations - before;
+        report.newton_iterations = self.statistics.newton_iterations - iterations;
+        let factorizations = self.system.counters.factorizations - factorizations;
+        let row = &mut Arc::make_mut(&mut self.state).row;
+        // What the step before did is not done again; from another time it is a step of its own.
+        *row = LedgerRow {
+            step: row.step + usize::from(time != from),
+            dt: time - from,
+            load_work: 0.0,
+            contact_work: 0.0,
+            dissipation: 0.0,
+            energy_defect: 0.0,
+            momentum_defect: 0.0,
+            angular_momentum_defect: 0.0,
+            newton_iterations: report.newton_iterations,
+            factorizations,
+            halvings: 0,
+            ..std::mem::take(row)
+        };
         Ok(report)
     }
 

@@ -13,6 +13,8 @@ use super::handle::{BodyHandle, ModelHandle};
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::contact::Finding;
 use crate::dynamics::{BodyDefinition, InitialDisplacement, InitialVelocity, Model};
+use crate::elements::CellKind;
+use crate::materials::Material;
 use crate::mesh::Mesh;
 use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
@@ -61,14 +63,14 @@ pub fn add_body() -> Function {
         example: plate_example(
             "let seal = rectangle(#{ size: [1.0, 1.0], cells: [4, 4], origin: [3.0, 0.0] });\n\
              let rubber = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.4999, density: 1.0 });\n\
-             press.add_body(\"seal\", seal, rubber, #{ dilatation: \"mean\" });",
+             press.add_body(\"seal\", seal, rubber, #{ plane: \"axisymmetric\" });",
         ),
         see_also: &["model", "fix", "add_contact"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let (name, mut mesh) = (call.text("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             let MaterialHandle(material) = call.handle("material")?;
-            let formulation = formulation_of(&call.options("formulation")?)?;
+            let formulation = formulation_of(&call.options("formulation")?, mesh.kind, &material)?;
             let mut points = mesh.points.clone();
             if formulation.put_on_axis(&mut points) {
                 mesh = Arc::new(Mesh { points, ..(*mesh).clone() });
@@ -90,7 +92,7 @@ pub fn add_body() -> Function {
 /// Words for [`Plane`], the usual one first.
 const PLANES: [&str; 3] = ["strain", "stress", "axisymmetric"];
 
-/// Words for [`Dilatation`], the usual one first.
+/// Words for [`Dilatation`].
 const DILATATIONS: [&str; 2] = ["pointwise", "mean"];
 
 fn formulation_keys() -> Vec<Parameter> {
@@ -108,16 +110,19 @@ fn formulation_keys() -> Vec<Parameter> {
             "the change of volume at every point, or one mean for each cell, which does not lock where the material hardly changes its \
              volume",
         )
-        .or(Absent::Text(DILATATIONS[0])),
+        .or(Absent::Means("`\"mean\"` where Poisson's ratio is 0.49 or more, if law and cells have one; otherwise `\"pointwise\"`")),
     ]
 }
 
-fn formulation_of(options: &Options) -> Result<Formulation, Failure> {
+fn formulation_of(options: &Options, cells: CellKind, material: &Material) -> Result<Formulation, Failure> {
     let plane = match options.text("plane")?.as_str() {
         "stress" => Plane::Stress,
         "axisymmetric" => Plane::Axisymmetric,
         _ => Plane::Strain,
     };
+    if !options.argument("dilatation").is_given() {
+        return Ok(Formulation::suited(plane, cells, material));
+    }
     let dilatation = if options.text("dilatation")? == "mean" { Dilatation::Mean } else { Dilatation::Pointwise };
     Ok(Formulation { plane, dilatation })
 }
@@ -228,7 +233,7 @@ pub fn check() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "checks everything about the model that can be said without computing; gives what is suspicious about its \
-                  contacts as an array of sentences",
+                  contacts and which bodies lock, as an array of sentences",
         parameters: Vec::new(),
         returns: "Array",
         example: plate_example("for finding in press.check() { print(finding); }"),
@@ -238,7 +243,8 @@ pub fn check() -> Function {
             let model = &model.0.borrow().model;
             model.check().map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
             let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.cure());
-            Ok(model.findings().into_iter().map(sentence).map(Dynamic::from).collect::<Array>().into())
+            let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.cure()));
+            Ok(model.findings().into_iter().map(sentence).chain(locking).map(Dynamic::from).collect::<Array>().into())
         }),
     }
 }

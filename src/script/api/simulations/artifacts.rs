@@ -118,11 +118,25 @@ impl Artifacts {
             self.show_stills();
         }
         self.spent += begun.elapsed();
-        let due = self.every.is_some_and(|every| {
+        if row.time == simulation.time() { self.frame_if_due(simulation) } else { Ok(()) }
+    }
+
+    /// After an equilibrium whose row is in the history: a frame when its time has come.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn settled(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
+        // That of the start comes with the first step, or at the end.
+        if self.frames == 0 && simulation.row().step == 0 { Ok(()) } else { self.frame_if_due(simulation) }
+    }
+
+    fn frame_if_due(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
+        let time = simulation.time();
+        let is_due = self.every.is_some_and(|every| {
             let last = self.series.last().unwrap_or(f64::NEG_INFINITY);
-            row.time == simulation.time() && (row.time / every + SAME_MOMENT).floor() > (last / every + SAME_MOMENT).floor()
+            (time / every + SAME_MOMENT).floor() > (last / every + SAME_MOMENT).floor()
         });
-        if !due {
+        if !is_due {
             return Ok(());
         }
         if !self.recalls {

@@ -99,6 +99,9 @@ impl SimulationHandle {
         }
         rows.push(row);
         self.replace_history(rows)?;
+        if let (Some(artifacts), Ok(mut simulation)) = (data.artifacts.borrow_mut().as_mut(), data.simulation.try_borrow_mut()) {
+            artifacts.settled(&mut simulation)?;
+        }
         go_on(call.host)?;
         let entries: [(&str, Dynamic); 4] = [
             ("steps", (report.steps as i64).into()),

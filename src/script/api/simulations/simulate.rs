@@ -152,6 +152,9 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(format!("contact \"{contact}\": {finding}"), model.place_of_contact(&contact));
         call.host.warn(warning.hint(finding.cure()));
     }
+    for body in model.model.locking() {
+        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.cure()));
+    }
     for body in model.model.falling() {
         let title = format!("gravity moves body \"{}\" for ever: it has no support, and nothing to land on", body.name);
         let warning = Diagnostic::warning(title, call.place(&Target::Call));

@@ -1,0 +1,78 @@
+//! Bodies whose cells cannot follow what their law asks for.
+//!
+//! A law that hardly changes its volume leaves no freedom to cells that keep the volume at every quadrature point: they lock (Nagtegaal,
+//! Parks and Rice, CMAME 4, 1974). One mean dilatation for each cell cures that, but not in triangles and tetrahedra of first order, which
+//! have one point anyway.
+
+use super::definitions::{BodyDefinition, Model};
+use crate::bodies::{Dilatation, Plane};
+use crate::elements::CellKind;
+use crate::materials::Kinematics;
+
+/// A body that locks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Locking {
+    /// The body.
+    pub body: String,
+    /// Its law.
+    pub law: &'static str,
+    /// Its cells.
+    pub cells: CellKind,
+    /// Bulk modulus over shear modulus at rest.
+    pub ratio: f64,
+    /// Whether a mean dilatation would cure it.
+    pub is_curable: bool,
+    /// Whether the law has a form that takes one.
+    pub has_mean: bool,
+}
+
+impl std::fmt::Display for Locking {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Locking { body, cells, ratio, .. } = self;
+        write!(
+            out,
+            "body \"{body}\" locks: its law resists a change of volume {ratio:.0} times as much as shear, and `{}` cells",
+            cells.name()
+        )?;
+        write!(
+            out,
+            " {}",
+            if self.is_curable { "with a pointwise dilatation cannot follow" } else { "cannot keep their volume and still deform" }
+        )
+    }
+}
+
+impl Locking {
+    /// How to mend it.
+    pub fn cure(&self) -> String {
+        if !self.has_mean {
+            return "take `neo_hookean`, whose small strains are the same, so that cells can have a mean dilatation".into();
+        }
+        match (self.is_curable, self.cells) {
+            (true, _) => "let the dilatation be one mean for each cell: `#{ dilatation: \"mean\" }`, or leave it out".into(),
+            (false, CellKind::Tet4) => "mesh the body with `hex8` cells".into(),
+            (false, _) => "take `mesh.with_elements(\"tri6\")`, or mesh the body with `quad4` or `quad8` cells".into(),
+        }
+    }
+}
+
+impl Model {
+    /// The bodies that lock because their laws hardly change their volume.
+    pub fn locking(&self) -> Vec<Locking> {
+        let of = |body: &BodyDefinition| {
+            let (ratio, cells) = (body.material.bulk_over_shear(), body.mesh.kind);
+            let has_one_point = cells.has_one_point();
+            let is_free = body.formulation.plane == Plane::Stress || (body.formulation.dilatation == Dilatation::Mean && !has_one_point);
+            let has_mean = body.material.kinematics() == Kinematics::GreenLagrange && body.material.split().is_some();
+            (body.material.hardly_changes_volume() && !is_free).then(|| Locking {
+                body: body.name.clone(),
+                law: body.material.name(),
+                cells,
+                ratio,
+                is_curable: !has_one_point,
+                has_mean,
+            })
+        };
+        self.bodies.iter().filter_map(of).collect()
+    }
+}
