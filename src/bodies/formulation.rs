@@ -90,8 +90,8 @@ impl FormulationError {
 }
 
 impl Formulation {
-    /// The formulation for cells and a material where nothing is said of the dilatation: one mean for each cell where the law hardly changes
-    /// its volume and cells and law have one.
+    /// The formulation for cells and a material where nothing is said of the dilatation: one mean for each cell where the law hardly
+    /// changes its volume and cells and law have one.
     pub fn suited(plane: Plane, cells: CellKind, material: &Material) -> Self {
         let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
         let is_mean = can && !cells.has_one_point() && material.hardly_changes_volume();

@@ -18,7 +18,7 @@ mod surface_loads;
 mod thickness;
 mod workspace;
 
-pub use element_loop::{ElementLoop, Inverted, Projected, Step};
+pub use element_loop::{ElementLoop, Inverted, Projected, Step, StressError};
 pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{Elements, Space};
 pub use surface_loads::{nodal_areas, pressure_shares, round_pressure, torque_forces};

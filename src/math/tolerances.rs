@@ -140,6 +140,12 @@ pub const LEFT_PASSED: f64 = 0.25;
 /// The same where a multiplier presses: no constraint that holds leaves as much.
 pub const LEFT_HELD: f64 = 1.0;
 
+/// Kinetic over strain energy up to which bodies count as being at rest.
+pub const AT_REST: f64 = 1e-6;
+
+/// Estimated error of the stresses at rest, over their size, from which on it is told. Its square is about that of the stiffness, 6 %.
+pub const COARSE: f64 = 0.25;
+
 /// Work that contact gives in a step, relative to the energy, from which on it is told: no rule gives any, but round-off does.
 pub const GIVEN: f64 = 1e-10;
 

@@ -329,6 +329,7 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         velocity: vec![[0.0; 3]; nodes],
         stress: vec![[0.0; 6]; nodes],
         strain: vec![[0.0; 6]; nodes],
+        stress_error: vec![0.0; nodes],
         contact_pressure: vec![0.0; nodes],
         contact_gap: vec![f64::NAN; nodes],
         contact_force: vec![[0.0; 3]; nodes],

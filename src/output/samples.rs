@@ -42,6 +42,7 @@ fn body(name: &str, mesh: Mesh, displacement: impl Fn([f64; 3]) -> [f64; 3], str
         velocity: points.iter().map(|&[x, y, _]| [-y, x, 0.0]).collect(),
         stress: points.iter().map(|&x| stress(x)).collect(),
         strain: vec![[0.0; 6]; points.len()],
+        stress_error: vec![0.0; points.len()],
         contact_pressure: points.iter().map(|x| x[0].max(0.0)).collect(),
         contact_force: points.iter().map(|x| [0.0, x[0].min(0.0), 0.0]).collect(),
         contact_active: points.iter().map(|x| f64::from(u8::from(x[0] > 0.0))).collect(),

@@ -223,6 +223,7 @@ impl Frame {
             vectors("velocity", |body| &body.velocity),
             Array::doubles("stress", count, bodies.iter().flat_map(|body| body.stress.iter().copied())),
             Array::doubles("von_mises", count, von_mises),
+            scalars("stress_error", |body| &body.stress_error),
             scalars("contact_pressure", |body| &body.contact_pressure),
             scalars("contact_gap", |body| &body.contact_gap),
             vectors("contact_force", |body| &body.contact_force),

@@ -20,6 +20,9 @@ pub struct BodyFields {
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, averaged likewise.
     pub strain: Vec<[f64; 6]>,
+    /// Estimated error of the stresses around a node `[stress]`: how far those of its cells are from the continuous stress of the nodes, a
+    /// root mean square of the tensor's size (Zienkiewicz and Zhu 1987).
+    pub stress_error: Vec<f64>,
     /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
@@ -66,6 +69,8 @@ pub struct BodyTotals {
     pub momentum: [f64; 3],
     /// Angular momentum about the origin; in the plane only the third component.
     pub angular_momentum: [f64; 3],
+    /// Estimated error of the stresses over their size, as in [`BodyFields::stress_error`].
+    pub stress_error: f64,
     /// Center of mass `[length]`.
     pub center: [f64; 3],
 }

@@ -4,7 +4,7 @@ use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
 use super::engine::Engine;
 use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
-use crate::bodies::{Elements, Projected, Space};
+use crate::bodies::{Elements, Projected, Space, StressError};
 use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::body::Body;
@@ -20,10 +20,9 @@ where
         let q = &self.system.nodes.positions(u)[..];
         let v = &self.state.velocities;
         let nodes = self.system.nodes.count();
-        let mut sums = Projected::new(nodes);
-        for body in &self.system.bodies {
-            body.elements.project(u, &mut sums);
-        }
+        let (stress, strain) = self.stresses_at(u);
+        let mut error = StressError::new(nodes);
+        self.system.bodies.iter().for_each(|body| body.elements.stress_error(u, &stress, &mut error));
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
         let evaluations = self.system.evaluations_at(q, &self.state.lambda);
@@ -58,14 +57,35 @@ where
                 mesh: definition.mesh.clone(),
                 displacement: body.nodes.clone().map(|node| vector(u, node)).collect(),
                 velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
-                stress: body.nodes.clone().map(|node| sums.stress[node].map(|s| s / sums.weight[node])).collect(),
-                strain: body.nodes.clone().map(|node| sums.strain[node].map(|s| s / sums.weight[node])).collect(),
+                stress: stress[body.nodes.clone()].to_vec(),
+                strain: strain[body.nodes.clone()].to_vec(),
+                stress_error: body.nodes.clone().map(|node| error.at(node)).collect(),
                 contact_pressure: pressure[body.nodes.clone()].to_vec(),
                 contact_gap: gap[body.nodes.clone()].to_vec(),
                 contact_force: contact_force[body.nodes.clone()].to_vec(),
                 contact_active: contact_active[body.nodes.clone()].to_vec(),
             })
             .collect()
+    }
+
+    /// Stress and strain at all nodes.
+    fn stresses_at(&self, u: &[f64]) -> (Vec<[f64; 6]>, Vec<[f64; 6]>) {
+        let mut sums = Projected::new(self.system.nodes.count());
+        self.system.bodies.iter().for_each(|body| body.elements.project(u, &mut sums));
+        let mean = |(sum, weight): (&[f64; 6], &f64)| sum.map(|value| value / weight);
+        (sums.stress.iter().zip(&sums.weight).map(mean).collect(), sums.strain.iter().zip(&sums.weight).map(mean).collect())
+    }
+
+    /// Estimated errors of the stresses of all bodies over the size of the stresses.
+    pub fn estimated_errors(&self) -> Vec<f64> {
+        let u = &self.state.displacements;
+        let (stress, _) = self.stresses_at(u);
+        let of = |body: &Body<D>| {
+            let mut error = StressError::new(self.system.nodes.count());
+            body.elements.stress_error(u, &stress, &mut error);
+            error.relative()
+        };
+        self.system.bodies.iter().map(of).collect()
     }
 
     /// One body as a whole.
@@ -83,6 +103,7 @@ where
         }
         BodyTotals {
             mass,
+            stress_error: self.estimated_errors()[body],
             kinetic: half_product(v, momenta),
             strain: elements.strain_energy(&state.displacements),
             potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),

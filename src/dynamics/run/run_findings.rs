@@ -37,6 +37,8 @@ pub enum RunFindingKind {
     TooFast(MotionKind),
     /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
     Failures(&'static str),
+    /// Cells do not follow the stress at rest; the value is the estimated error of the stresses over their size.
+    CoarseCells,
     /// Much of the work went into attempts that failed and steps that were taken back; the value is its share of the factorisations.
     Discarded,
 }
@@ -59,6 +61,7 @@ impl RunFindingKind {
             "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
         ),
         ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
+        ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
         ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
     ];
@@ -77,6 +80,7 @@ impl RunFindingKind {
             RunFindingKind::TooFast(_) => "motion_too_fast",
             RunFindingKind::Failures(_) => "failed_steps",
             RunFindingKind::Discarded => "work_discarded",
+            RunFindingKind::CoarseCells => "coarse_cells",
         }
     }
 }
@@ -115,6 +119,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::Motion(motion) => write!(out, "steps are halved beforehand: fast {} in {contact}", motion.name()),
             RunFindingKind::TooFast(motion) => write!(out, "steps are too large: fast {} in {contact}", motion.name()),
             RunFindingKind::Failures(cause) => write!(out, "steps are taken back and halved: {cause}"),
+            RunFindingKind::CoarseCells => write!(out, "stresses are not accurate, and stiffness may not be"),
             RunFindingKind::Discarded => write!(out, "much of the work was for nothing"),
         }
     }
@@ -142,6 +147,10 @@ impl RunFinding {
             RunFindingKind::Motion(_) => "nothing is lost but time; a smaller dt or coarser facets avoid it",
             RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
             RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
+            RunFindingKind::CoarseCells => {
+                "use smaller cells, or cells of second order (`mesh.with_elements(\"quad8\")`); `sim.field(\"stress_error\", body)` \
+                 shows where"
+            }
             RunFindingKind::Discarded => {
                 "results are right, and only time is lost; a smaller dt helps, or facets of about the same size on both sides of a contact"
             }

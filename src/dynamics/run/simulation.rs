@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::energy_account::percent;
 use super::engine::Engine;
 use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 use super::halvings::Halving;
@@ -16,6 +17,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::hulls::{ALLOWED, Inside};
 use crate::dynamics::model::strangers::{Names, Strangers};
+use crate::math::tolerances::{AT_REST, COARSE};
 
 /// A running simulation.
 pub struct Simulation {
@@ -218,7 +220,25 @@ impl Simulation {
     pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
         let mut found = run_findings(rows, &self.steps.measures());
         found.extend(self.passed_through());
+        found.extend(self.coarse());
         found
+    }
+
+    /// The body whose stresses at rest are the least accurate. In motion waves are as short as cells, and say nothing.
+    fn coarse(&self) -> Option<RunFinding> {
+        let row = self.row();
+        if row.strain <= 0.0 || row.kinetic > AT_REST * row.strain {
+            return None;
+        }
+        let errors = self.steps.stress_errors();
+        let &(name, value) = errors.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let explanation = format!(
+            "the estimated error of the stresses of body \"{name}\" is {} of their size, and its square, {}, about that of the stiffness",
+            percent(value),
+            percent(value * value)
+        );
+        let (kind, step, time) = (RunFindingKind::CoarseCells, row.step, row.time);
+        (value > COARSE).then_some(RunFinding { kind, contact: None, value, limit: COARSE, step, time, explanation })
     }
 
     /// Bodies that are inside each other now, with nothing defined between them.

@@ -31,6 +31,7 @@ pub trait Steps: Send {
     fn watched(&self) -> &[usize];
     fn fields(&self) -> Vec<BodyFields>;
     fn body(&self, body: usize) -> BodyTotals;
+    fn stress_errors(&self) -> Vec<(&str, f64)>;
     fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
     fn contact_surfaces(&self) -> Vec<ContactSurface>;

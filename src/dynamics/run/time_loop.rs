@@ -133,6 +133,10 @@ where
         self.body_totals(body)
     }
 
+    fn stress_errors(&self) -> Vec<(&str, f64)> {
+        self.system.bodies.iter().map(|body| body.name.as_str()).zip(self.estimated_errors()).collect()
+    }
+
     fn obstacles(&self) -> Vec<PlacedObstacle> {
         self.placed_obstacles()
     }

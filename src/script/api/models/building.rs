@@ -63,7 +63,7 @@ pub fn add_body() -> Function {
         example: plate_example(
             "let seal = rectangle(#{ size: [1.0, 1.0], cells: [4, 4], origin: [3.0, 0.0] });\n\
              let rubber = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.4999, density: 1.0 });\n\
-             press.add_body(\"seal\", seal, rubber, #{ plane: \"axisymmetric\" });",
+             press.add_body(\"seal\", seal, rubber, #{ dilatation: \"mean\" });",
         ),
         see_also: &["model", "fix", "add_contact"],
         body: body(|call| {

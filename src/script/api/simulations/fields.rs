@@ -36,6 +36,7 @@ static FIELDS: &[(&str, Value)] = &[
     ("contact_gap", Value::Number(|body, node| body.contact_gap[node])),
     ("von_mises", Value::Number(BodyFields::von_mises)),
     ("pressure", Value::Number(BodyFields::pressure)),
+    ("stress_error", Value::Number(|body, node| body.stress_error[node])),
     ("stress_xx", Value::Stress(0)),
     ("stress_yy", Value::Stress(1)),
     ("stress_zz", Value::Stress(2)),
@@ -85,6 +86,12 @@ pub fn functions() -> Vec<Function> {
         number("kinetic", "the kinetic energy of the body", |totals| totals.kinetic),
         number("strain", "the strain energy of the body", |totals| totals.strain),
         number("potential", "the potential energy of the body in gravity, zero at the origin", |totals| totals.potential),
+        number(
+            "stress_error",
+            "the estimated error of its stresses over their size (Zienkiewicz and Zhu 1987); its square is about that of the \
+             stiffness",
+            |totals| totals.stress_error,
+        ),
         property("momentum", "Array", "the linear momentum of the body", |state| vector(&state.totals.momentum, state.dimension)),
         property("angular_momentum", "", "its angular momentum about the origin: a number in the plane, an array in space", |state| {
             match state.dimension {
