@@ -402,3 +402,28 @@ fn the_reference_is_searched_and_shells_are_told_of_the_commands() {
     assert_eq!((stdout(&listed).as_str(), listed.status.code()), ("main.rhai::test_a\nmain.rhai::test_b\n", Some(0)));
     assert!(stderr(&listed).contains("`test_c` is not run: a test has no parameters"), "{}", stderr(&listed));
 }
+
+/// What a newcomer types: commands by other names, a mesh in place of a script, words of other programs.
+#[test]
+fn what_a_newcomer_types_is_answered() {
+    let home = folder("newcomer", "print(1);");
+    std::fs::write(home.join("part.msh"), "$MeshFormat\n").unwrap();
+    let mesh = run(&home, &["run", "part.msh"]);
+    assert_eq!(mesh.status.code(), Some(2));
+    assert!(stderr(&mesh).contains("part.msh is a mesh, not a script") && stderr(&mesh).contains("read_mesh(\"part.msh\")"));
+    assert!(!home.join("out").exists(), "and nothing is written");
+    let help = run(&home, &["help", "run"]);
+    assert!(help.status.success() && stdout(&help).contains("--threads"), "{}", stderr(&help));
+    let manual = run(&home, &["man", "run"]);
+    assert!(manual.status.success() && stdout(&manual).contains("conserva\\-run") && stdout(&manual).contains("checkpoint"));
+    let none = run(&home, &["man", "fly"]);
+    assert!(none.status.code() == Some(2) && stderr(&none).contains("there is no command `fly`"));
+    let threads = run(&home, &["run", "main.rhai", "--threads", "0"]);
+    assert!(stderr(&threads).contains("write at least 1"), "{}", stderr(&threads));
+    let beginning = run(&home, &["doc", "rect"]);
+    assert!(stderr(&beginning).contains("did you mean `rectangle`?"), "{}", stderr(&beginning));
+    for (words, ours) in [("Dirichlet", "prescribe"), ("quasi-static", "settle"), ("B-bar", "add_body"), ("restart", "restore")] {
+        let found = run(&home, &["doc", "--search", words]);
+        assert!(found.status.success() && stdout(&found).contains(&format!("`{ours}`")), "{words}: {}", stdout(&found));
+    }
+}

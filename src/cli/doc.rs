@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent};
+use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent, meant};
 
 /// Arguments of `conserva doc`.
 #[derive(Args)]
@@ -53,7 +53,8 @@ pub fn doc(arguments: Arguments) -> u8 {
         Some((_, Ok(entries))) => Some(entries),
         Some((name, Err(suggestion))) => {
             let error = Diagnostic::error(Class::Script, format!("the reference has no entry `{name}`"));
-            let suggestion = suggestion.unwrap_or_else(|| "`conserva doc` lists everything".into());
+            let suggestion =
+                suggestion.unwrap_or_else(|| format!("`conserva doc --search {name}` searches all texts; `conserva doc` lists everything"));
             complain(&error.hint(suggestion).render(ink()));
             return exit_code(Class::Script);
         }
@@ -73,13 +74,17 @@ pub fn doc(arguments: Arguments) -> u8 {
 
 /// Lists what mentions a text; the exit code.
 fn search(reference: &Reference, text: &str) -> u8 {
-    let found = reference.search(text);
-    if found.is_empty() {
+    let (found, meant) = (reference.search(text), meant(text));
+    let console = Console::new(true);
+    for (word, names) in &meant {
+        let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        console.say(&format!("\"{word}\": see {}", names.join(", ")));
+    }
+    if found.is_empty() && meant.is_empty() {
         let error = Diagnostic::error(Class::Script, format!("nothing in the reference mentions \"{text}\""));
         complain(&error.hint("use fewer or other words; `conserva doc` lists everything").render(ink()));
         return exit_code(Class::Script);
     }
-    let console = Console::new(true);
     found.iter().for_each(|entry| console.say(&entry.line()));
     0
 }

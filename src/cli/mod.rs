@@ -27,12 +27,12 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::script::Class;
+use crate::script::{Class, Diagnostic};
 use process::{STACK, exit_code};
 
 /// Contact dynamics that conserves energy and momentum, from scripts.
 #[derive(Parser)]
-#[command(name = "conserva", version, about, max_term_width = 100, disable_help_subcommand = true)]
+#[command(name = "conserva", version, about, max_term_width = 100)]
 struct CommandLine {
     #[command(subcommand)]
     command: Command,
@@ -69,8 +69,11 @@ enum Command {
         /// The shell
         shell: clap_complete::Shell,
     },
-    /// Write the manual page, for `man`
-    Man,
+    /// Write the manual page, or that of a command, for `man`
+    Man {
+        /// The command
+        command: Option<String>,
+    },
 }
 
 /// Writes to standard output; the exit code.
@@ -78,6 +81,25 @@ fn write_out(text: &[u8]) -> u8 {
     // A reader that has closed its pipe wants no more.
     let _ = std::io::stdout().lock().write_all(text);
     0
+}
+
+/// Writes the manual page of the program or of one of its commands; the exit code.
+fn manual(command: Option<&str>) -> u8 {
+    let mut program = CommandLine::command();
+    program.build();
+    let page = match command {
+        None => Some(program),
+        Some(name) => program.find_subcommand(name).cloned(),
+    };
+    let Some(page) = page else {
+        let error = Diagnostic::error(Class::Script, format!("there is no command `{}`", command.unwrap_or_default()));
+        console::complain(&error.hint("`conserva help` lists all commands").render(console::ink()));
+        return exit_code(Class::Script);
+    };
+    let mut text = Vec::new();
+    // Writing into memory does not fail.
+    let _ = clap_mangen::Man::new(page).render(&mut text);
+    write_out(&text)
 }
 
 /// Runs the command of this process's arguments.
@@ -103,12 +125,7 @@ pub fn main() -> ExitCode {
             clap_complete::generate(shell, &mut CommandLine::command(), "conserva", &mut text);
             write_out(&text)
         }
-        Command::Man => {
-            let mut text = Vec::new();
-            // Writing into memory does not fail.
-            let _ = clap_mangen::Man::new(CommandLine::command()).render(&mut text);
-            write_out(&text)
-        }
+        Command::Man { command } => manual(command.as_deref()),
     };
     match std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join()) {
         Ok(Ok(code)) => ExitCode::from(code),

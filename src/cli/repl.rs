@@ -26,6 +26,7 @@ use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
+use super::script_arguments::threads;
 use crate::script::{Checkpoints, Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home, indentation, processors};
 
 /// Arguments of `conserva repl`.
@@ -43,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Threads of the element loop; results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     threads: u16,
 }
 

@@ -14,7 +14,7 @@ use super::console::{Console, complain, ink};
 use super::live::{LiveObserver, LivePage};
 use super::log::{self, JsonLog, LogTarget};
 use super::process::exit_code;
-use super::script_arguments::ScriptArguments;
+use super::script_arguments::{ScriptArguments, threads};
 use crate::output::{LiveReport, checkpoint};
 use crate::script::{Checkpoints, Class, Diagnostic, Mode, Observer, Report, Session, Settings, home, processors};
 
@@ -35,7 +35,7 @@ pub struct Arguments {
 #[derive(Args)]
 pub struct CourseArguments {
     /// Threads of the element loop; results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub threads: u16,
     /// No progress
     #[arg(long)]

@@ -22,6 +22,23 @@ pub struct ScriptArguments {
     pub max_operations: u64,
 }
 
+/// Threads at most, or points and tests that are computed at a time.
+const MOST_THREADS: u16 = 1024;
+
+/// A number of threads.
+///
+/// # Errors
+/// How it is written.
+pub fn threads(text: &str) -> Result<u16, String> {
+    match text.trim().parse::<u64>() {
+        Ok(0) => Err("write at least 1".into()),
+        Ok(count) => {
+            u16::try_from(count).ok().filter(|count| *count <= MOST_THREADS).ok_or_else(|| format!("write at most {MOST_THREADS}"))
+        }
+        Err(_) => Err(format!("write a whole number from 1 to {MOST_THREADS}")),
+    }
+}
+
 /// A name and its value.
 ///
 /// # Errors

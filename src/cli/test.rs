@@ -14,6 +14,7 @@ use super::console::{Console, complain, ink};
 use super::junit::{Tested, junit};
 use super::process::{STACK, exit_code};
 use super::run::interrupt;
+use super::script_arguments::threads;
 use crate::script::{Class, Diagnostic, Ink, MAX_OPERATIONS, Settings, TestCase, TestOutcome, processors, script_files, tests_of};
 
 /// Arguments of `conserva test`.
@@ -31,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
     /// Tests that run at a time [default: one for each processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
     /// Let tests read files below this folder, too (each may read those below its own)
     #[arg(long, value_name = "DIR")]

@@ -7,6 +7,7 @@ use rstar::primitives::GeomWithData;
 
 use super::interlocking::Interlocking;
 use super::surface::Surface;
+use crate::math::digits::three_digits;
 
 /// Ratio of mean facet lengths, secondary over primary, above which the secondary surface is called too coarse.
 const COARSE: f64 = 3.0;
@@ -112,22 +113,31 @@ impl std::fmt::Display for Finding {
             }
             Finding::FacingAway { secondary, primary, distance, .. } => write!(
                 out,
-                "no facet of \"{secondary}\" faces \"{primary}\", which lies {:.3e} behind it, on the side of its own body",
-                distance.abs()
+                "no facet of \"{secondary}\" faces \"{primary}\", which lies {} behind it, on the side of its own body",
+                three_digits(distance.abs())
             ),
             Finding::CoarseSecondary { secondary, primary, secondary_size, primary_size } => write!(
                 out,
-                "facets of the secondary surface \"{secondary}\" are {:.1} times as long as those of \"{primary}\" ({secondary_size:.3e} \
-                 against {primary_size:.3e})",
-                secondary_size / primary_size
+                "facets of the secondary surface \"{secondary}\" are {:.1} times as long as those of \"{primary}\" ({} \
+                 against {})",
+                secondary_size / primary_size,
+                three_digits(*secondary_size),
+                three_digits(*primary_size)
             ),
             Finding::Interlocking { secondary, primary, of: Interlocking { interference, sagitta } } => write!(
                 out,
                 "\"{secondary}\" and \"{primary}\" are polygons whose corners hold each other: they are pressed into each other by \
-                 {interference:.3e}, and their facets stand off the curve by {sagitta:.3e}"
+                 {}, and their facets stand off the curve by {}",
+                three_digits(*interference),
+                three_digits(*sagitta)
             ),
-            Finding::Untied { tie, nodes, of, reach } => {
-                write!(out, "{nodes} of {of} nodes of tie \"{tie}\" have nothing opposite within its reach of {reach:.3e}")
+            Finding::Untied { nodes, of, reach, .. } => {
+                let many = if nodes == of {
+                    format!("none of the {of} nodes has anything")
+                } else {
+                    format!("{nodes} of {of} nodes have nothing")
+                };
+                write!(out, "{many} opposite within the reach of {}", three_digits(*reach))
             }
         }
     }
@@ -137,6 +147,11 @@ impl Finding {
     /// Whether it is that sides look at each other from behind.
     pub fn is_behind(&self) -> bool {
         matches!(self, Finding::FacingAway { cosine, .. } if *cosine < 0.0)
+    }
+
+    /// Whether it leaves nothing of what was asked for: a tie that ties nothing.
+    pub fn is_void(&self) -> bool {
+        matches!(self, Finding::Untied { nodes, of, .. } if nodes == of)
     }
 
     /// How to mend it, one sentence.

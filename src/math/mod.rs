@@ -2,6 +2,7 @@
 
 pub mod catalogue;
 pub mod curves;
+pub mod digits;
 pub mod lanes;
 pub mod minimize;
 pub mod norms;

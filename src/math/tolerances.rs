@@ -140,6 +140,9 @@ pub const LEFT_PASSED: f64 = 0.25;
 /// The same where a multiplier presses: no constraint that holds leaves as much.
 pub const LEFT_HELD: f64 = 1.0;
 
+/// Distance by which a prescribed motion jumps, in extents of the model, from which on it is told: more than round-off.
+pub const JUMP: f64 = 1e-9;
+
 /// Kinetic over strain energy up to which bodies count as being at rest.
 pub const AT_REST: f64 = 1e-6;
 

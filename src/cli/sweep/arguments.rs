@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use crate::cli::script_arguments::assignment;
+use crate::cli::script_arguments::{assignment, threads};
 use crate::script::MAX_OPERATIONS;
 use crate::studies::{Sampling, Varied};
 
@@ -95,7 +95,7 @@ pub struct DesignArguments {
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub point_time: Option<f64>,
     /// Threads of a point's element loop; results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub threads: u16,
     /// Folder of the study [default: out/<script name>-sweep]
     #[arg(long, value_name = "DIR")]
@@ -121,7 +121,7 @@ pub struct ComputeArguments {
     #[arg(long, value_enum, default_value_t = Engine::Here)]
     pub engine: Engine,
     /// Points that are computed at a time on this machine [default: one for each processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub jobs: Option<u16>,
     /// No progress, no table
     #[arg(long)]

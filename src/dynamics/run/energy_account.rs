@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::ledger::LedgerRow;
+use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::CONSERVED;
 
 /// Sums over the rows of a run `[energy]`.
@@ -63,21 +64,6 @@ impl fmt::Display for EnergyAccount {
     }
 }
 
-/// A positive number with three digits.
-pub fn three_digits(value: f64) -> String {
-    let digits = format!("{value:.2e}");
-    match digits.parse::<f64>() {
-        Ok(rounded) if (0.0001..100_000.0).contains(&rounded) => rounded.to_string(),
-        _ => digits,
-    }
-}
-
-/// A share in percent, with the digits that show it.
-pub fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
-    if percent >= 0.01 { format!("{percent:.2} %") } else { format!("{percent:.0e} %") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,7 +77,7 @@ mod tests {
         (rows[1].load_work, rows[2].contact_work) = (1.0, -0.5);
         assert_eq!(EnergyAccount::of(&rows).to_string(), "loads gave 1 (33.33 %), contact took 0.5 (16.67 %)");
         (rows[1].load_work, rows[1].energy_defect) = (1.0 - 3e-5, 3e-5);
-        assert!(EnergyAccount::of(&rows).to_string().ends_with(", the integrator gave 3.00e-5 (1e-3 %)"));
+        assert!(EnergyAccount::of(&rows).to_string().ends_with(", the integrator gave 3e-5 (1e-3 %)"));
         rows.push(row(3, 2.0));
         assert!(EnergyAccount::of(&rows).to_string().ends_with(", settling took 0.5 (16.67 %)"));
     }

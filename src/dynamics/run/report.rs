@@ -1,5 +1,7 @@
 //! Why a step failed: what a user can look at after the error.
 
+use crate::math::digits::three_digits;
+
 /// What made a step fail.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -199,8 +201,9 @@ impl FailureReport {
             FailureCause::InvertedCell { body, cell, determinant, center, dimension } => {
                 let center: Vec<String> = center[..*dimension].iter().map(|x| format!("{x:.4}")).collect();
                 format!(
-                    "cell {cell} of body \"{body}\", at ({}) when undeformed, turned inside out (det F = {determinant:.2e})",
-                    center.join(", ")
+                    "cell {cell} of body \"{body}\", at ({}) when undeformed, turned inside out (det F = {})",
+                    center.join(", "),
+                    three_digits(*determinant)
                 )
             }
             FailureCause::SingularSystem { reason } => format!("{reason} in the tangent of the step"),

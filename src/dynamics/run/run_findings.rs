@@ -4,10 +4,10 @@
 //! A finding is no error: the run went on. Shares of energy are relative to the largest `kinetic + strain + |potential|` of the run, and
 //! never below what round-off of the positions does to it. What is suspicious before anything is computed is told by `findings.rs`.
 
-use super::energy_account::{percent, three_digits};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
+use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, PASSING, SLIDING};
 
 /// Share of the factorizations that may be for nothing before it is told, of more than a few.
@@ -242,7 +242,7 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
 
     for (k, &(name, size)) in measures.contacts.iter().enumerate() {
         let (depth, row) = largest(&|row| row.contacts.get(k).map_or(0.0, |totals| totals.penetration / size));
-        let explanation = format!("nodes lie {depth:.2} facets deep behind the other side, a length of {:.2e}", depth * size);
+        let explanation = format!("nodes lie {depth:.2} facets deep behind the other side, a length of {}", three_digits(depth * size));
         add(RunFindingKind::Depth, Some(name.into()), depth, DEPTH, row, explanation);
     }
 
@@ -422,13 +422,14 @@ mod tests {
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
-            Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough, PositiveContactWork, ReserveHeld,
-            TooFast,
+            CoarseCells, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough, PositiveContactWork,
+            ReserveHeld, TooFast,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
             TooFast(Sliding),
             PassedThrough,
+            CoarseCells,
             Failures("divergence"),
             Discarded,
         ]);

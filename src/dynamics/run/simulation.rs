@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::energy_account::percent;
 use super::engine::Engine;
 use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
 use super::halvings::Halving;
@@ -17,6 +16,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::hulls::{ALLOWED, Inside};
 use crate::dynamics::model::strangers::{Names, Strangers};
+use crate::math::digits::percent;
 use crate::math::tolerances::{AT_REST, COARSE};
 
 /// A running simulation.
@@ -97,6 +97,14 @@ impl Simulation {
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         self.steps.settle(time)
+    }
+
+    /// The boundary that a prescribed motion moves farthest at once, in the first step from here, and by how much `[length]`.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError> {
+        self.steps.prescribed_jump()
     }
 
     /// Whether the sides of all contacts are apart now, or held by contact forces. `settle` asks by itself.

@@ -89,6 +89,15 @@ where
         outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
     }
 
+    fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError> {
+        let supports = &self.system.supports;
+        let (displacement, _) = supports.prescribed_motion(self.state.row.time)?;
+        let jumps = supports.prescribed.iter().zip(displacement).map(|(one, then)| (one, then - self.state.displacements[one.unknown]));
+        let farthest = jumps.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        let seen = farthest.filter(|(_, jump)| jump.abs() > tolerances::JUMP * self.system.nodes.extent);
+        Ok(seen.map(|(one, jump)| (supports.boundary(one).to_string(), jump)))
+    }
+
     fn check_apart(&self) -> Result<(), StepError> {
         self.check_overlaps(&Closing::of(&self.model))
     }

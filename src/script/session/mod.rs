@@ -19,6 +19,7 @@ pub mod reference;
 pub mod session;
 pub mod shown;
 pub mod statements;
+pub mod synonyms;
 pub mod testing;
 pub mod words;
 pub mod worker;

@@ -16,7 +16,7 @@ use crate::math::catalogue::Interval;
 use crate::script::language::function::{Form, Function, Topic};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::registry::Registry;
-use crate::script::language::wording::{did_you_mean, with_article};
+use crate::script::language::wording::{did_you_mean, listed, with_article};
 
 /// Topics in the order of the reference, with their titles.
 pub const TOPICS: [(Topic, &str); 12] = [
@@ -114,7 +114,12 @@ impl Reference {
         let pages = PAGES.iter().flat_map(|page| page.names.iter().copied());
         let names = self.functions.iter().map(|function| function.name).chain(pages).chain(self.words.iter().map(|word| word.name));
         let names = names.chain(TOPICS.iter().map(|(_, title)| *title)).chain(self.types());
-        Err(did_you_mean(last, names))
+        let names: Vec<&str> = names.collect();
+        let mut longer: Vec<&str> = names.iter().copied().filter(|name| begins(name, &last.to_lowercase())).collect();
+        longer.sort_unstable();
+        longer.dedup();
+        longer.truncate(LONGER);
+        if longer.is_empty() { Err(did_you_mean(last, names)) } else { Err(Some(format!("did you mean {}?", listed(&longer, "or")))) }
     }
 
     /// Everything whose name or text has all words of a text.
@@ -437,6 +442,15 @@ fn pretty(value: &Value) -> String {
 }
 
 /// Titles of the last two chapters.
+/// Names that begin as one that is not known, which are told at most, and its letters at least.
+const LONGER: usize = 6;
+const BEGINNING: usize = 3;
+
+/// Whether a name begins so, in lowercase.
+fn begins(name: &str, with: &str) -> bool {
+    with.len() >= BEGINNING && name.to_lowercase().starts_with(with)
+}
+
 const LANGUAGE: &str = "The language itself";
 const WORDS: &str = "Words";
 

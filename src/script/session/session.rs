@@ -73,6 +73,12 @@ pub struct Outline {
 /// # Errors
 /// A file that cannot be read or is not text.
 pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
+    if MESHES.contains(&&*ending) && path.is_file() {
+        let (error, name) = (Diagnostic::error(Class::Script, format!("{} is a mesh, not a script", path.display())), path.display());
+        let hint = format!("read it in a script: `let mesh = read_mesh(\"{name}\");`; `conserva info {name}` describes it");
+        return Err(Box::new(error.hint(hint)));
+    }
     let text = match std::fs::read(path) {
         Ok(bytes) => String::from_utf8(bytes).map_err(|_| "it is not text (UTF-8)".to_string()),
         Err(error) => Err(reason(&error)),
@@ -82,6 +88,9 @@ pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
         Box::new(error.cause(cause).hint("check the path of the script"))
     })
 }
+
+/// Endings of mesh files.
+const MESHES: [&str; 4] = ["msh", "inp", "vtu", "vtk"];
 
 /// An engine with its scope and its host.
 pub struct Session {

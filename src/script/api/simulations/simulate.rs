@@ -11,6 +11,7 @@ use super::columns::{Probe, probe_columns};
 use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::journal::Journal;
+use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, Simulation};
 use crate::integrators::{self, Scheme};
 use crate::math::catalogue::Interval;
@@ -149,7 +150,12 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let kernel_dt = kernel.dt;
     let simulation = kernels(call, &model.model, motion, kernel)?;
     for (contact, finding) in model.model.findings() {
-        let warning = Diagnostic::warning(format!("contact \"{contact}\": {finding}"), model.place_of_contact(&contact));
+        let what = if matches!(finding, Finding::Untied { .. }) { "tie" } else { "contact" };
+        if finding.is_void() {
+            let failure = Failure::script(format!("{what} \"{contact}\" holds nothing: {finding}")).hint(finding.cure());
+            return Err(failure.placed(model.place_of_contact(&contact)));
+        }
+        let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
         call.host.warn(warning.hint(finding.cure()));
     }
     for body in model.model.locking() {

@@ -5,7 +5,9 @@ use crate::dynamics::{EnergyAccount, RunFinding, RunFindingKind};
 use crate::math::tolerances::LOST;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
+use crate::script::language::function::Call;
 use crate::script::language::host::Host;
+use crate::script::language::scan::Target;
 use crate::script::language::wording::joined;
 
 impl SimulationHandle {
@@ -68,6 +70,24 @@ impl SimulationHandle {
         let which = self.prefix(host);
         let cause = format!("{explanation} ({which}t = {}, step {step})", brief(*time));
         host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.cure()));
+    }
+
+    /// Warns of a prescribed motion that does not begin where the bodies are, before the first step.
+    pub(super) fn warn_of_jump(&self, call: &Call) {
+        if self.0.history.borrow().len() > 1 || self.0.is_behind.get() {
+            return;
+        }
+        let Ok(simulation) = self.0.simulation.try_borrow() else { return };
+        if simulation.row().step > 0 {
+            return;
+        }
+        // What a time function fails with is told by the step.
+        let Ok(Some((boundary, jump))) = simulation.prescribed_jump() else { return };
+        let title = format!("the prescribed motion of \"{boundary}\" jumps by {} in the first step", brief(jump));
+        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        let warning = warning.cause(format!("it is not where the body is at t = {}: waves run through the body", brief(simulation.time())));
+        call.host
+            .warn(warning.hint("let it begin there, such as with `ramp(0.0, 1.0, 0.1)`, or bring the body to rest first with `settle`"));
     }
 
     /// Warns at once of motion for which steps are halved: a run may take long from then on.

@@ -287,6 +287,14 @@ impl Evaluations<'_> {
             let warning = warning.cause(format!("{}: {}", described(&self.named(&first.point)), first.failure));
             host.warn(warning.hint("they count as worse than all others; narrower bounds keep the search away from there"));
         }
+        let mut values = self.rows.iter().map(|row| row.value).filter(|value| !value.is_nan());
+        let first = values.next();
+        if first.is_some_and(|first| values.clone().count() > 0 && values.all(|value| value == first)) {
+            let title = format!("all {} evaluations of `minimize` give {}", self.rows.len(), brief(first.unwrap_or_default()));
+            let warning = Diagnostic::warning(title, place.clone())
+                .cause("no value is better than another one, so `best` is only where the search was");
+            host.warn(warning.hint(format!("let the closure depend on {}", listed(self.names, "and"))));
+        }
         if end == End::Evaluations {
             let title = format!("`minimize` has not converged within {} evaluations", search.most);
             host.warn(Diagnostic::warning(title, place).hint("allow more `evaluations`, or accept a larger `tolerance`"));

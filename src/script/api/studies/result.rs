@@ -6,10 +6,13 @@ use rhai::{Array, Dynamic};
 use serde_json::Value;
 
 use crate::script::language::arguments::Arguments;
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::host::Host;
 use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
 
 /// What the script has yielded, in the order in which it named it first.
@@ -57,6 +60,11 @@ pub fn result() -> Function {
                 return Err(failure.hint("write `result(\"peak pressure\", p)`, for example").into());
             }
             let Some(plain) = plain(&value.value()) else { return Err(refused(call, &value.value()).into()) };
+            if as_number(&value.value()).is_some_and(|number| !number.is_finite()) {
+                let title = format!("the result \"{name}\" is {}", number_text(as_number(&value.value()).unwrap_or_default()));
+                let warning = Diagnostic::warning(title, call.place(&Target::Call)).cause("tables of studies have it as a text");
+                call.host.warn(warning.hint("look for a division by zero, or for a column that has no value yet"));
+            }
             call.host.slots.get::<Results>().note(&name, plain);
             Ok(Dynamic::UNIT)
         }),

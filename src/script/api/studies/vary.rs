@@ -2,7 +2,7 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use rhai::{Array, Dynamic, Map};
+use rhai::{Array, Dynamic, ImmutableString, Map};
 
 use crate::script::language::arguments::Argument;
 use crate::script::language::digits::brief;
@@ -108,10 +108,25 @@ fn values(argument: &Argument, name: &str, value: &Dynamic) -> Result<Vec<Plain>
     if let Some(range) = value.clone().try_cast::<RangeInclusive<i64>>() {
         return Ok(count(*range.start()..range.end().saturating_add(1)));
     }
+    let is_number = |part: &str| part.trim().parse::<f64>().is_ok();
+    if let Some((low, high)) = value.read_lock::<ImmutableString>().as_deref().and_then(|text| text.split_once(".."))
+        && let (high, count) = high.split_once(':').unwrap_or((high, "5"))
+        && is_number(low)
+        && is_number(high)
+    {
+        let failure = argument.fail(format!("`{name}` of {} is one text, not values", argument.title()));
+        let (low, high, count) = (fraction(low), fraction(high), count.split(':').next().unwrap_or("5"));
+        return Err(failure.label("a range as the command line has it").hint(format!("write `{name}: linspace({low}, {high}, {count})`")));
+    }
     match value.read_lock::<Array>() {
         Some(array) => array.iter().map(|entry| plain(argument, name, entry)).collect(),
         None => Ok(vec![plain(argument, name, value)?]),
     }
+}
+
+/// A number of a text with its decimal point.
+fn fraction(text: &str) -> String {
+    text.trim().parse::<f64>().map_or_else(|_| text.into(), |number| format!("{number:?}"))
 }
 
 fn plain(argument: &Argument, name: &str, value: &Dynamic) -> Result<Plain, Failure> {

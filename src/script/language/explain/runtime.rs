@@ -40,7 +40,10 @@ impl Explainer<'_> {
                     .hint("arrays are indexed by numbers, maps by strings")
             }
             ErrorArrayBounds(count, index, _) => script(format!("the array has no entry {index}"))
-                .cause(format!("it has {}, counted from 0", count_of(*count, "entry", "entries")))
+                .cause(match *count {
+                    0 => "it is empty; columns of a history have no entries before the first step".into(),
+                    count => format!("it has {}, counted from 0", count_of(count, "entry", "entries")),
+                })
                 .hint("negative numbers count from the end: `array[-1]` is the last"),
             ErrorStringBounds(count, index, _) => script(format!("the string has no character {index}"))
                 .cause(format!("it has {}", count_of(*count, "character", "characters"))),

@@ -21,12 +21,7 @@ impl Explainer<'_> {
             ParseErrorType::BadInput(LexError::UnterminatedString) => {
                 script("the string has no end".into()).hint("close it with `\"` in the same line")
             }
-            ParseErrorType::BadInput(LexError::UnexpectedInput(text)) if text == "fn" => {
-                script("`fn` means nothing here".into()).hint("write a closure as `|x| …`; `fn name(x) { … }` stands by itself")
-            }
-            ParseErrorType::BadInput(LexError::UnexpectedInput(text)) => {
-                script(format!("`{text}` means nothing here")).hint("remove it; strings stand in double quotes")
-            }
+            ParseErrorType::BadInput(LexError::UnexpectedInput(text)) => unexpected(text),
             ParseErrorType::BadInput(LexError::MalformedChar(text)) => {
                 script(format!("'{text}' is not a single character")).hint("write strings in double quotes")
             }
@@ -106,4 +101,16 @@ fn open_bracket(purpose: &str) -> Diagnostic {
     };
     let error = Diagnostic::error(Class::Script, format!("`{bracket}` is missing")).cause(format!("{what} is still open here"));
     error.hint(format!("close the bracket with `{bracket}`"))
+}
+
+/// The message of a sign that stands where none can.
+fn unexpected(text: &str) -> Diagnostic {
+    let (title, hint) = match text {
+        "fn" => ("`fn` means nothing here".into(), "write a closure as `|x| …`; `fn name(x) { … }` stands by itself"),
+        _ if text.chars().all(char::is_alphabetic) => {
+            (format!("`{text}` cannot stand in a name"), "names are letters of a to z, digits and `_`; any text may stand in quotes")
+        }
+        _ => (format!("`{text}` means nothing here"), "remove it; strings stand in double quotes"),
+    };
+    Diagnostic::error(Class::Script, title).hint(hint)
 }

@@ -1,0 +1,51 @@
+//! What other programs and textbooks call something that has another name here.
+
+/// Words, and the entries of the reference that are meant.
+const SYNONYMS: &[(&[&str], &[&str])] = &[
+    (&["quasi-static", "quasistatic", "static", "equilibrium", "load step", "increment"], &["settle"]),
+    (&["dirichlet", "displacement boundary", "imposed displacement", "encastre", "clamp"], &["fix", "prescribe"]),
+    (&["neumann", "surface load"], &["traction", "pressure", "force"]),
+    (&["symmetry", "roller"], &["fix"]),
+    (&["b-bar", "bbar", "f-bar", "fbar", "locking", "incompressible", "hybrid", "mixed form"], &["add_body"]),
+    (&["restart", "snapshot"], &["save", "restore"]),
+    (&["damping", "dashpot", "rayleigh", "relaxation", "prony", "maxwell"], &["viscous", "relaxing"]),
+    (&["clearance", "opening"], &["contact"]),
+    (&["interference", "press fit", "shrink fit", "overclosure"], &["add_contact", "settle"]),
+    (&["modal", "eigenfrequency", "eigenvalue", "natural frequency"], &["initial_displacement", "probe"]),
+    (&["paraview", "vtk", "vtu", "visualization", "visualisation"], &["write_fields", "simulate"]),
+    (&["python", "pandas", "excel", "spreadsheet"], &["table", "write_table"]),
+    (&["glue", "bond", "weld", "mesh tie", "mpc"], &["tie"]),
+    (&["tabular", "time series", "load curve"], &["table", "ramp"]),
+    (&["parametric", "design of experiments", "doe"], &["sweep", "param"]),
+    (&["optimization", "optimisation", "calibration", "identification"], &["minimize", "fit"]),
+];
+
+/// What a text asks for in our words: each of its words that is known, with the names that are meant.
+pub fn meant(text: &str) -> Vec<(&'static str, &'static [&'static str])> {
+    let text = text.to_lowercase();
+    let known = |words: &[&'static str]| words.iter().copied().find(|word| text.contains(word));
+    SYNONYMS.iter().filter_map(|(words, ours)| Some((known(words)?, *ours))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::rc::Rc;
+
+    use super::super::reference::Reference;
+    use super::super::session::Session;
+    use super::SYNONYMS;
+    use crate::script::language::observer::Silent;
+    use crate::script::language::settings::Settings;
+
+    #[test]
+    fn what_is_meant_is_in_the_reference() {
+        let session = Session::new(Settings::default(), Path::new("."), Rc::new(Silent)).expect("the folder is there");
+        let reference = Reference::new(&session.registry());
+        for (words, ours) in SYNONYMS {
+            for name in *ours {
+                assert!(reference.find(name).is_ok(), "{words:?}: {name}");
+            }
+        }
+    }
+}
