@@ -45,6 +45,9 @@ fn without_magnitudes(record: &str) -> String {
         let number = piece.trim_end_matches(|letter| !is_part(letter));
         masked += &if is_magnitude(number) { piece.replacen(number, "#", 1) } else { piece.into() };
     }
+    let mut parts = masked.split("det F = ");
+    let first = parts.next().unwrap_or_default().to_string();
+    let masked = parts.fold(first, |text, part| text + "det F = #" + part.trim_start_matches(is_part));
     format!("{script}\n----\n{masked}")
 }
 
