@@ -286,7 +286,8 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
 /// The operating system refused.
 pub fn remove_all(run: &Path) -> Result<(), OutputError> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
-    let logs = entries.filter(|path| path.extension().is_some_and(|ending| ending == POINTS));
+    // What a program that was killed has begun to write, too.
+    let logs = entries.filter(|path| path.extension().is_some_and(|ending| ending == POINTS || ending == "part"));
     for path in places(run).into_iter().chain(logs) {
         std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
     }

@@ -253,6 +253,11 @@ impl<const D: usize> RigidMotions<D> {
                 mass += square * system.nodes.nodal_mass[node];
             }
         }
+        if system.nodes.is_axisymmetric {
+            // Bodies of revolution only move along their axis without strain.
+            let all = nodes.len() as f64;
+            (held[(0, 0)], held[(2, 2)]) = (held[(0, 0)] + all, held[(2, 2)] + all);
+        }
         let largest = held.trace();
         // Of the plane's three motions alone.
         let count = D * (D + 1) / 2;

@@ -2,7 +2,8 @@
 //!
 //! Loads, prescribed motions and obstacles take the way that their functions of time describe. An increment that fails is cut back, one
 //! that does not lets the next one be longer; equilibria on the way are found less exactly than the last one. Where even a small
-//! increment fails, a limit point may have been reached: then damped steps may find what lies beyond (a snap-through).
+//! increment fails, a limit point may have been reached: then damped steps may find what lies beyond (a snap-through). Obstacles go by no
+//! more than a facet in an increment: what they jumped over would not be felt.
 
 use std::sync::Arc;
 
@@ -13,6 +14,7 @@ use super::settle::{Care, STRIDE};
 use super::state::{Clock, State};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
+use crate::math::tolerances::PASSING;
 
 /// Change of an increment after one that failed, and after one that did not.
 const SHORTER: f64 = 0.25;
@@ -34,21 +36,10 @@ where
 {
     /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
-        let begun = self.state.clone();
-        let (from, iterations, factorizations) = (begun.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
-        let mut report = match self.settle_once(time, if time == from { Care::Patient } else { Care::Exact }) {
-            Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) if time != from => {
-                self.take_back(&begun);
-                match self.settle_in_increments(from, time) {
-                    Err(error @ StepError::NotConverged { .. }) => {
-                        self.take_back(&begun);
-                        self.settle_once(time, Care::Patient).map_err(|again| if again.is_interrupt() { again } else { error })?
-                    }
-                    outcome => outcome?,
-                }
-            }
-            outcome => outcome?,
-        };
+        let (from, iterations, factorizations) =
+            (self.state.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
+        let settled = if time == from { self.settle_once(time, Care::Patient) } else { self.settle_later(from, time) };
+        let mut report = settled?;
         report.newton_iterations = self.statistics.newton_iterations - iterations;
         let factorizations = self.system.counters.factorizations - factorizations;
         let row = &mut Arc::make_mut(&mut self.state).row;
@@ -70,14 +61,37 @@ where
         Ok(report)
     }
 
+    /// All at once if obstacles let it, or in increments, or at once with all remedies.
+    fn settle_later(&mut self, from: f64, time: f64) -> Result<SettleReport, StepError> {
+        let begun = self.state.clone();
+        let may_be_at_once = self.system.obstacle_motion(from, time)? <= PASSING;
+        if may_be_at_once {
+            match self.settle_once(time, Care::Exact) {
+                Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) => self.take_back(&begun),
+                outcome => return outcome,
+            }
+        }
+        match self.settle_in_increments(from, time) {
+            Err(error @ StepError::NotConverged { .. }) if may_be_at_once => {
+                self.take_back(&begun);
+                self.settle_once(time, Care::Patient).map_err(|again| if again.is_interrupt() { again } else { error })
+            }
+            outcome => outcome,
+        }
+    }
+
     fn settle_in_increments(&mut self, from: f64, end: f64) -> Result<SettleReport, StepError> {
         let (mut done, mut share, mut steps) = (0.0, FIRST, 0);
         let mut reached = self.state.clone();
         loop {
             let is_jump = share < LEAST;
             share = if is_jump { JUMP } else { share };
-            let next = if done + share * (1.0 + REST) >= 1.0 { 1.0 } else { done + share };
-            let time = if next == 1.0 { end } else { from + next * (end - from) };
+            let time = |part: f64| if part == 1.0 { end } else { from + part * (end - from) };
+            let after = |share: f64| if done + share * (1.0 + REST) >= 1.0 { 1.0 } else { done + share };
+            while share >= LEAST && self.system.obstacle_motion(time(done), time(after(share)))? > PASSING {
+                share *= 0.5;
+            }
+            let next = after(share);
             let care = if is_jump {
                 Care::Patient
             } else if next == 1.0 {
@@ -85,7 +99,7 @@ where
             } else {
                 Care::Coarse
             };
-            match self.settle_once(time, care) {
+            match self.settle_once(time(next), care) {
                 Ok(report) if next == 1.0 => return Ok(SettleReport { steps: steps + report.steps, ..report }),
                 Ok(report) => {
                     (done, steps, reached) = (next, steps + report.steps, self.state.clone());

@@ -393,7 +393,7 @@ where
             energy: self.system.strain_energy(start.u_0).max(floor),
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             at_least: 1,
-            is_patient: true,
+            is_patient: care == Care::Patient,
             preferred: Preferred::default(),
             interrupted: &|| options.interrupted(),
         };

@@ -220,7 +220,7 @@ where
         let task = self.task;
         let predicted = self.system.linearize(task.start, task.predicted, task.moved, lambda);
         let is_moved = self.system.supports.prescribed.iter().any(|one| task.moved[one.unknown] != 0.0);
-        if !task.is_patient || !is_moved || matches!(predicted, Err(Failure::Fatal(_))) {
+        if !task.start.is_at_rest() || !is_moved || matches!(predicted, Err(Failure::Fatal(_))) {
             return predicted;
         }
         *iterations += 1;
@@ -295,7 +295,8 @@ where
             [by_increment(&at.q_1), by_increment(&at.moved), multipliers]
         };
         let first = if largest > self.limit { self.limit / largest } else { 1.0 };
-        (self.taken, self.system.is_far) = (first, !self.task.is_patient && largest > FAR * self.first_limit);
+        let is_kept = self.task.is_patient || self.task.start.is_at_rest();
+        (self.taken, self.system.is_far) = (first, !is_kept && largest > FAR * self.first_limit);
         if !searches {
             let [q_1, moved, lambda] = moved_to(&at, first);
             self.system.recycle(at);

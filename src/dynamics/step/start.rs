@@ -53,6 +53,11 @@ impl StepStart<'_> {
         Pose { q: self.q_0, u: self.u_0 }
     }
 
+    /// Whether time stands still.
+    pub fn is_at_rest(&self) -> bool {
+        matches!(self.course, Course::Rest { .. })
+    }
+
     /// Factor of a body's mass in the tangent.
     pub fn inertia(&self, body: usize) -> f64 {
         match &self.course {

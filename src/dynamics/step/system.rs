@@ -301,6 +301,20 @@ impl<const D: usize> System<D> {
         self.pairs.iter_mut().try_for_each(|pair| pair.move_obstacle(time, dt))
     }
 
+    /// How far an obstacle goes from one time to another at most, over the shortest facet of what it may touch.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn obstacle_motion(&mut self, from: f64, to: f64) -> Result<f64, StepError> {
+        let mut at = |time: f64| -> Result<Vec<[f64; 2]>, StepError> {
+            self.move_obstacles(time, 0.0)?;
+            Ok(self.pairs.iter().map(|pair| pair.kernel.obstacle_translation()).collect())
+        };
+        let (begins, ends) = (at(from)?, at(to)?);
+        let moved = begins.iter().zip(&ends).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]));
+        Ok(moved.zip(&self.pairs).map(|(moved, pair)| moved / pair.kernel.facet_size()).fold(0.0, f64::max))
+    }
+
     /// What the next step takes over from the ones before; the same value as long as nothing has changed.
     pub fn search(&mut self) -> Arc<SearchHistory> {
         let (kept, factorization) = (&self.search.candidates, &self.matrix.factorization);
