@@ -403,6 +403,24 @@ fn the_reference_is_searched_and_shells_are_told_of_the_commands() {
     assert!(stderr(&listed).contains("`test_c` is not run: a test has no parameters"), "{}", stderr(&listed));
 }
 
+/// Bodies that are inside each other with no contact between them: the run ends, and its code says that it is not to be trusted.
+#[test]
+fn a_run_that_is_not_to_be_trusted_has_a_code_of_its_own() {
+    let home = folder(
+        "doubtful",
+        "let m = model(\"through\");\n\
+         let law = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });\n\
+         let a = m.add_body(\"a\", rectangle(#{ size: [1.0, 1.0], cells: [3, 3] }), law);\n\
+         m.add_body(\"b\", rectangle(#{ size: [1.0, 1.0], cells: [3, 3], origin: [1.2, 0.0] }), law);\n\
+         m.initial_velocity(a, #{ linear: [1.0, 0.0] });\n\
+         let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.05 });\n\
+         sim.run_to(0.8);\n",
+    );
+    let output = run(&home, &["run", "main.rhai"]);
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(stderr(&output).contains("bodies have passed into each other") && stderr(&output).contains("not to be trusted"));
+}
+
 /// What a newcomer types: commands by other names, a mesh in place of a script, words of other programs.
 #[test]
 fn what_a_newcomer_types_is_answered() {

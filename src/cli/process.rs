@@ -3,6 +3,9 @@
 use crate::script::Class;
 pub use crate::script::STACK;
 
+/// The exit code of a run without an error that should not be trusted.
+pub const DOUBTFUL: u8 = 4;
+
 /// The exit code of an error.
 pub fn exit_code(class: Class) -> u8 {
     match class {

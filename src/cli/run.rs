@@ -13,7 +13,7 @@ use signal_hook::flag;
 use super::console::{Console, complain, ink};
 use super::live::{LiveObserver, LivePage};
 use super::log::{self, JsonLog, LogTarget};
-use super::process::exit_code;
+use super::process::{DOUBTFUL, exit_code};
 use super::script_arguments::{ScriptArguments, threads};
 use crate::output::{LiveReport, checkpoint};
 use crate::script::{Checkpoints, Class, Diagnostic, Mode, Observer, Report, Session, Settings, home, processors};
@@ -183,7 +183,7 @@ impl Watch {
         let code = self.tell_end(report, out);
         self.show_end(report);
         let lost = self.log.as_ref().is_some_and(|log| log.is_broken());
-        if lost && code == 0 { exit_code(Class::Output) } else { code }
+        if lost && (code == 0 || code == DOUBTFUL) { exit_code(Class::Output) } else { code }
     }
 
     /// Shows on the page how a run ended.
@@ -192,7 +192,8 @@ impl Watch {
     }
 
     fn tell_end(&self, report: &Report, out: &Path) -> u8 {
-        let code = report.error.as_ref().map_or(0, |error| exit_code(error.class));
+        let fine = if report.is_doubtful { DOUBTFUL } else { 0 };
+        let code = report.error.as_ref().map_or(fine, |error| exit_code(error.class));
         self.log.iter().for_each(|log| log.end(report, code));
         let Some(error) = &report.error else {
             let checks = match report.checks {
@@ -201,7 +202,11 @@ impl Watch {
                 count => format!(", {count} checks passed"),
             };
             report.energy.iter().for_each(|line| self.console.note(line));
-            let kept = if report.is_conserving { "done" } else { "ended, not conserving" };
+            let kept = match report {
+                Report { is_doubtful: true, .. } => "ended, not to be trusted",
+                Report { is_conserving: false, .. } => "ended, not conserving",
+                _ => "done",
+            };
             self.console.note(&format!("{kept}{checks}; results in {}", out.display()));
             return code;
         };

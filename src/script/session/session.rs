@@ -48,12 +48,14 @@ pub struct Report {
     pub energy: Vec<String>,
     /// Whether all simulations kept their energy but for what loads and contact did.
     pub is_conserving: bool,
+    /// Whether what was computed should not be trusted, as a warning tells.
+    pub is_doubtful: bool,
 }
 
 impl Report {
     /// That of a session which could not begin.
     pub fn failed(error: Diagnostic) -> Self {
-        Report { error: Some(error), findings: Vec::new(), checks: 0, energy: Vec::new(), is_conserving: true }
+        Report { error: Some(error), findings: Vec::new(), checks: 0, energy: Vec::new(), is_conserving: true, is_doubtful: false }
     }
 }
 
@@ -282,6 +284,7 @@ impl Session {
         let error = error.or(refused);
         let simulations = Simulations::of(host).0.borrow().clone();
         let is_conserving = simulations.iter().all(SimulationHandle::is_conserving);
+        let is_doubtful = simulations.iter().any(SimulationHandle::is_doubtful);
         let energy = simulations.iter().filter_map(|simulation| simulation.energy_line(host)).collect();
         let outcome = match &error {
             None => COMPLETED.to_string(),
@@ -291,7 +294,14 @@ impl Session {
         let written = ending::finish(host, self.begun + self.idle, &outcome).err().map(|failure| explain_failure(&failure));
         let error = error.or(written);
         let closed = self.close_journal(error.as_ref()).or_else(|| self.close_record()).map(|error| *error);
-        Report { error: error.or(closed), findings: host.findings.borrow().clone(), checks: host.checks(), energy, is_conserving }
+        Report {
+            error: error.or(closed),
+            findings: host.findings.borrow().clone(),
+            checks: host.checks(),
+            energy,
+            is_conserving,
+            is_doubtful,
+        }
     }
 
     /// Notes where `conserva check` stopped.

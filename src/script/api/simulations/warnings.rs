@@ -53,6 +53,11 @@ impl SimulationHandle {
         (!account.is_empty()).then(|| format!("energy: {}{account}", self.prefix(host)))
     }
 
+    /// Whether the run so far should not be trusted.
+    pub fn is_doubtful(&self) -> bool {
+        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_doubtful(&self.0.history.borrow()))
+    }
+
     /// Whether the run so far kept its energy.
     pub fn is_conserving(&self) -> bool {
         self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_conserving(&self.0.history.borrow()))
