@@ -26,6 +26,11 @@ pub trait TimeFunction: Send + Sync {
         Ok((self.value(time + h)? - self.value(time - h)?) / (2.0 * h))
     }
 
+    /// Times at which it has a kink, as far as they are known: steps land on them, so that what begins or ends there does so with a step.
+    fn corners(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// How it prints, such as `hat(0, 0.5, 0.1)`.
     fn describe(&self) -> String;
 }
@@ -96,6 +101,9 @@ impl TimeFunction for Hat {
         let s = (time - self.start) / (self.end - self.start);
         Ok(self.peak * (1.0 - (2.0 * s - 1.0).abs()).max(0.0))
     }
+    fn corners(&self) -> Vec<f64> {
+        vec![self.start, 0.5 * (self.start + self.end), self.end]
+    }
     fn describe(&self) -> String {
         format!("hat({}, {}, {})", self.start, self.end, self.peak)
     }
@@ -104,6 +112,9 @@ impl TimeFunction for Hat {
 impl TimeFunction for Ramp {
     fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
         Ok(self.value * ((time - self.start) / (self.end - self.start)).clamp(0.0, 1.0))
+    }
+    fn corners(&self) -> Vec<f64> {
+        vec![self.start, self.end]
     }
     fn describe(&self) -> String {
         format!("ramp({}, {}, {})", self.start, self.end, self.value)
@@ -130,6 +141,9 @@ impl TimeFunction for Table {
                 v0 + (v1 - v0) * (time - t0) / (t1 - t0)
             }
         })
+    }
+    fn corners(&self) -> Vec<f64> {
+        self.points.iter().map(|point| point.0).collect()
     }
     fn describe(&self) -> String {
         format!("table of {} points", self.points.len())

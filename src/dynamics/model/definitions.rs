@@ -116,6 +116,20 @@ pub struct Model {
 }
 
 impl Model {
+    /// Times at which loads, prescribed motions and obstacles have kinks, in their order.
+    pub fn corners(&self) -> Vec<f64> {
+        let motions = self.interactions.iter().filter_map(|interaction| match &interaction.partner {
+            Partner::Obstacle { motion, .. } => Some(motion.iter().flatten()),
+            _ => None,
+        });
+        let loads = self.loads.iter().map(|load| &load.amplitude).chain(&self.gravity_amplitude);
+        let all = loads.chain(self.prescriptions.iter().map(|prescription| &prescription.displacement)).chain(motions.flatten());
+        let mut corners: Vec<f64> = all.flat_map(|function| function.corners()).collect();
+        corners.sort_by(f64::total_cmp);
+        corners.dedup();
+        corners
+    }
+
     /// Space dimension of the bodies; 2 while there is none.
     pub fn dimension(&self) -> usize {
         self.bodies.first().map_or(2, |body| body.mesh.dimension())

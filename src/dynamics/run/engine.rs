@@ -43,6 +43,8 @@ pub struct Engine<const D: usize> {
     pub failure: Option<(FailureReport, Vec<f64>)>,
     /// Why steps were halved.
     pub halvings: Halvings,
+    /// Times at which what acts has kinks, in their order.
+    pub corners: Vec<f64>,
 }
 
 impl<const D: usize> Engine<D>
@@ -104,6 +106,7 @@ where
             tries: Vec::new(),
             failure: None,
             halvings: Halvings::default(),
+            corners: model.corners(),
         })
     }
 

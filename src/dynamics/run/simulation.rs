@@ -271,8 +271,8 @@ impl Simulation {
         !run_findings(rows, &self.steps.measures()).iter().any(|finding| is_broken(finding.kind))
     }
 
-    /// Whether a run with these rows should not be trusted: contact gave energy, energy appeared or vanished although the integrator keeps it,
-    /// or bodies have passed into each other.
+    /// Whether a run with these rows should not be trusted: contact gave energy, energy appeared or vanished although the integrator
+    /// keeps it, or bodies have passed into each other.
     pub fn is_doubtful(&self, rows: &[LedgerRow]) -> bool {
         let is_doubt =
             |kind| matches!(kind, RunFindingKind::PositiveContactWork | RunFindingKind::EnergyDefect | RunFindingKind::PassedThrough);

@@ -21,6 +21,9 @@ use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::math::tolerances;
 
+/// Kinks of what acts, within a step, up to which it goes from one to the next.
+const MOST_CORNERS: usize = 2;
+
 impl<const D: usize> Steps for Engine<D>
 where
     Space<D>: Elements<D>,
@@ -210,7 +213,7 @@ where
         [self.statistics.newton_iterations, self.system.counters.factorizations]
     }
 
-    /// A nominal step, in pieces where it must be halved.
+    /// A nominal step: from kink to kink of what acts, in pieces where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         if self.options.integrator.remembers_force() && self.state.row.step == 0 {
             self.remember()?;
@@ -228,12 +231,28 @@ where
             Some(end) if end < nominal_end + 0.5 * self.options.dt => (from + 0.5 * (end - from), false),
             _ => (nominal_end, true),
         };
-        let dt = if whole { self.options.dt } else { target - from };
+        let clock = if whole { (origin, count + 1) } else { (target, 0) };
+        // What has more kinks than steps is not followed from kink to kink.
+        let near = tolerances::SAME_MOMENT * self.options.dt;
+        let corners = self.corners.iter().copied().skip_while(|corner| *corner <= from + near);
+        let corners: Vec<f64> = corners.take_while(|corner| *corner < target - near).take(MOST_CORNERS + 1).collect();
+        self.tries.clear();
+        let mut at = from;
+        for corner in if corners.len() > MOST_CORNERS { Vec::new() } else { corners } {
+            self.stretch(corner, corner - at, (corner, 0), accepted)?;
+            at = corner;
+        }
+        let dt = if whole && at == from { self.options.dt } else { target - at };
+        self.stretch(target, dt, clock, accepted)
+    }
+
+    /// Goes on to a time, in pieces where the step there must be halved; `clock`: from where steps are counted afterwards, and how many.
+    fn stretch(&mut self, target: f64, dt: f64, clock: (f64, usize), accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
+        let from = self.state.row.time;
         // The piece in units of dt / 2^level: done, and all.
         let mut level = self.state.level;
         let (mut done, mut halvings) = (0usize, 0);
         let mut all = 1usize << level;
-        self.tries.clear();
         let mut booked = self.work();
         while done < all {
             if self.options.interrupted() {
@@ -249,8 +268,7 @@ where
                     state.row.factorizations = booked[1] - factorizations;
                     if done == all {
                         state.level = level.saturating_sub(1);
-                        let (origin, count) = if whole { (origin, count + 1) } else { (target, 0) };
-                        state.clock = Clock { origin, count, dt: self.options.dt };
+                        state.clock = Clock { origin: clock.0, count: clock.1, dt: self.options.dt };
                     } else {
                         state.level = level;
                         state.clock = Clock { origin: state.row.time, count: 0, dt: self.options.dt };

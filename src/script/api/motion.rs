@@ -41,6 +41,10 @@ impl TimeFunction for Combined {
         self.terms.iter().try_fold(0.0, |sum, (factor, inner)| Ok(sum + factor / self.time * inner.rate(time / self.time)?))
     }
 
+    fn corners(&self) -> Vec<f64> {
+        self.terms.iter().flat_map(|(_, inner)| inner.corners()).map(|time| time * self.time).collect()
+    }
+
     fn describe(&self) -> String {
         self.terms.iter().map(|(factor, inner)| format!("{} {}", brief(*factor), inner.describe())).collect::<Vec<_>>().join(" + ")
     }
@@ -60,6 +64,10 @@ impl TimeFunction for Rescaled {
 
     fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
         Ok(self.value / self.time * self.inner.rate(time / self.time)?)
+    }
+
+    fn corners(&self) -> Vec<f64> {
+        self.inner.corners().into_iter().map(|time| time * self.time).collect()
     }
 
     fn describe(&self) -> String {

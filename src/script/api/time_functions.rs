@@ -161,6 +161,10 @@ impl TimeFunction for Watched {
         Ok(value)
     }
 
+    fn corners(&self) -> Vec<f64> {
+        self.inner.corners()
+    }
+
     fn describe(&self) -> String {
         self.inner.describe()
     }
