@@ -47,7 +47,7 @@ fn without_magnitudes(record: &str) -> String {
     }
     let mut parts = masked.split("det F = ");
     let first = parts.next().unwrap_or_default().to_string();
-    let masked = parts.fold(first, |text, part| text + "det F = #" + part.trim_start_matches(is_part));
+    let masked = parts.fold(first, |text, part| text + "det F = #" + part.trim_start_matches(|letter| is_part(letter) || letter == '#'));
     format!("{script}\n----\n{masked}")
 }
 
