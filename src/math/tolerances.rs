@@ -140,6 +140,13 @@ pub const LEFT_PASSED: f64 = 0.25;
 /// The same where a multiplier presses: no constraint that holds leaves as much.
 pub const LEFT_HELD: f64 = 1.0;
 
+/// Rotation of a cell of linear elasticity from which on it is told `[rad]`: stresses are off by half its square, and strains that are not
+/// there come in.
+pub const TURNED: f64 = 0.1;
+
+/// Stretch of a cell of Saint Venant-Kirchhoff material below which it is told: its stress falls again below the root of a third, 0.577.
+pub const CRUSHED: f64 = 0.6;
+
 /// Distance by which a prescribed motion jumps, in extents of the model, from which on it is told: more than round-off.
 pub const JUMP: f64 = 1e-9;
 

@@ -26,3 +26,4 @@ pub mod state;
 pub mod steps;
 pub mod tally;
 pub mod time_loop;
+pub mod validity;

@@ -37,6 +37,10 @@ pub enum RunFindingKind {
     TooFast(MotionKind),
     /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
     Failures(&'static str),
+    /// A cell of linear elasticity has turned; the value is the angle.
+    Turned,
+    /// A cell of Saint Venant-Kirchhoff material is crushed; the value is its least stretch.
+    Crushed,
     /// Cells do not follow the stress at rest; the value is the estimated error of the stresses over their size.
     CoarseCells,
     /// Much of the work went into attempts that failed and steps that were taken back; the value is its share of the factorisations.
@@ -61,6 +65,8 @@ impl RunFindingKind {
             "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
         ),
         ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
+        ("turned", "a cell of linear elasticity has turned at the end, for which the law is not made: the angle"),
+        ("crushed", "a cell of Saint Venant-Kirchhoff material is crushed at the end, where the law softens: its least stretch"),
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
         ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
@@ -80,6 +86,8 @@ impl RunFindingKind {
             RunFindingKind::TooFast(_) => "motion_too_fast",
             RunFindingKind::Failures(_) => "failed_steps",
             RunFindingKind::Discarded => "work_discarded",
+            RunFindingKind::Turned => "turned",
+            RunFindingKind::Crushed => "crushed",
             RunFindingKind::CoarseCells => "coarse_cells",
         }
     }
@@ -119,6 +127,8 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::Motion(motion) => write!(out, "steps are halved beforehand: fast {} in {contact}", motion.name()),
             RunFindingKind::TooFast(motion) => write!(out, "steps are too large: fast {} in {contact}", motion.name()),
             RunFindingKind::Failures(cause) => write!(out, "steps are taken back and halved: {cause}"),
+            RunFindingKind::Turned => write!(out, "a body of linear elasticity has turned"),
+            RunFindingKind::Crushed => write!(out, "a body of Saint Venant-Kirchhoff material is crushed"),
             RunFindingKind::CoarseCells => write!(out, "stresses are not accurate, and stiffness may not be"),
             RunFindingKind::Discarded => write!(out, "much of the work was for nothing"),
         }
@@ -147,6 +157,8 @@ impl RunFinding {
             RunFindingKind::Motion(_) => "nothing is lost but time; a smaller dt or coarser facets avoid it",
             RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
             RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
+            RunFindingKind::Turned => "take `neo_hookean`, whose small strains are the same, for bodies that turn",
+            RunFindingKind::Crushed => "take `neo_hookean` for large compression: this law softens there, down to no resistance",
             RunFindingKind::CoarseCells => {
                 "use smaller cells, or cells of second order (`mesh.with_elements(\"quad8\")`); `sim.field(\"stress_error\", body)` \
                  shows where"
@@ -422,13 +434,15 @@ mod tests {
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
-            CoarseCells, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough, PositiveContactWork,
-            ReserveHeld, TooFast,
+            CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough,
+            PositiveContactWork, ReserveHeld, TooFast, Turned,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
             TooFast(Sliding),
             PassedThrough,
+            Turned,
+            Crushed,
             CoarseCells,
             Failures("divergence"),
             Discarded,

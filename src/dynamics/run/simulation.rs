@@ -12,12 +12,13 @@ use super::run_findings::{RunFinding, RunFindingKind, run_findings};
 use super::state::State;
 use super::steps::Steps;
 use super::tally::Tally;
+use super::validity::{Excess, ExcessKind};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::hulls::{ALLOWED, Inside};
 use crate::dynamics::model::strangers::{Names, Strangers};
 use crate::math::digits::percent;
-use crate::math::tolerances::{AT_REST, COARSE};
+use crate::math::tolerances::{AT_REST, COARSE, CRUSHED, TURNED};
 
 /// A running simulation.
 pub struct Simulation {
@@ -228,8 +229,23 @@ impl Simulation {
     pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
         let mut found = run_findings(rows, &self.steps.measures());
         found.extend(self.passed_through());
+        found.extend(self.excessive());
         found.extend(self.coarse());
         found
+    }
+
+    /// Bodies whose laws are used beyond their range.
+    fn excessive(&self) -> Vec<RunFinding> {
+        let row = self.row();
+        let of = |Excess { body, kind, value, cell }: Excess| {
+            let (kind, limit, is_beyond, what) = match kind {
+                ExcessKind::Turned => (RunFindingKind::Turned, TURNED, value > TURNED, format!("has turned by {value:.2} rad")),
+                ExcessKind::Crushed => (RunFindingKind::Crushed, CRUSHED, value < CRUSHED, format!("has a stretch of {value:.2}")),
+            };
+            let explanation = format!("cell {cell} of body \"{body}\" {what}");
+            is_beyond.then_some(RunFinding { kind, contact: None, value, limit, step: row.step, time: row.time, explanation })
+        };
+        self.steps.excesses().into_iter().filter_map(of).collect()
     }
 
     /// The body whose stresses at rest are the least accurate. In motion waves are as short as cells, and say nothing.

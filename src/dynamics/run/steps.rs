@@ -10,6 +10,7 @@ use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding};
 use super::state::State;
 use super::tally::Tally;
+use super::validity::Excess;
 use crate::dynamics::model::error::StepError;
 
 /// What a simulation of either dimension can do.
@@ -32,6 +33,7 @@ pub trait Steps: Send {
     fn watched(&self) -> &[usize];
     fn fields(&self) -> Vec<BodyFields>;
     fn body(&self, body: usize) -> BodyTotals;
+    fn excesses(&self) -> Vec<Excess>;
     fn stress_errors(&self) -> Vec<(&str, f64)>;
     fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;

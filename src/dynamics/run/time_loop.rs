@@ -16,6 +16,7 @@ use super::run_findings::{Measures, RunFinding, RunFindingKind};
 use super::state::{Clock, State};
 use super::steps::Steps;
 use super::tally::Tally;
+use super::validity::Excess;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::failure::Failure;
@@ -143,6 +144,10 @@ where
 
     fn body(&self, body: usize) -> BodyTotals {
         self.body_totals(body)
+    }
+
+    fn excesses(&self) -> Vec<Excess> {
+        self.excessive_cells()
     }
 
     fn stress_errors(&self) -> Vec<(&str, f64)> {
