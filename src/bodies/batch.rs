@@ -14,6 +14,9 @@ use crate::math::tolerances::STRAIN_INCREMENT;
 /// Most nodes and points for which loops are written out: those of the cells of first order.
 const FEW: usize = 4;
 
+/// Most quadrature points of a cell.
+pub(super) const MOST_POINTS: usize = 9;
+
 /// Shape functions of a reference cell at its quadrature points.
 pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {
     /// Values of the shape functions.

@@ -16,10 +16,11 @@ use std::ops::Range;
 
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
-use super::element_loop::{ElementLoop, Inverted, Projected, Step, StressError};
+use super::element_loop::{ElementLoop, Inverted, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
 use super::special::{Answer, SpecialPoints};
+use super::stresses::PointStress;
 use super::workspace::Workspace;
 use crate::elements::ReferenceCell;
 use crate::integrators::Derivative;
@@ -118,39 +119,6 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     /// The nodes of a cell of a batch.
-    /// Tells stress and strain at every quadrature point.
-    fn for_each_stress(&self, u: &[f64], mut tell: impl FnMut(PointStress)) {
-        for (index, batch) in self.batches.iter().enumerate() {
-            let deformation = self.deform(batch, Some(u));
-            let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
-            let pressure = special.map_or(Lanes::ZERO, |(special, points)| special.pressure(points));
-            let cell_volume: [f64; WIDTH] = std::array::from_fn(|lane| deformation.volumes.iter().map(|volume| volume.0[lane]).sum());
-            for point in 0..Q {
-                // The spatial law also knows the stress across the plane.
-                let strain = self
-                    .physics
-                    .spatial_strain(&deformation.strain[point], special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]));
-                let mut second_piola = [[Lanes::ZERO; 6]];
-                self.physics.spatial_law.stresses_into(&[strain], &mut second_piola);
-                for lane in 0..batch.count {
-                    let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &strain, lane);
-                    let s = nalgebra::Matrix3::from_fn(|i, j| second_piola[0][mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
-                    let pressure = nalgebra::Matrix3::identity() * pressure.0[lane];
-                    let cauchy = f * s * f.transpose() / f.determinant() + pressure;
-                    let green = |i: usize, j: usize| strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
-                    tell(PointStress {
-                        nodes: self.nodes(index, lane),
-                        point,
-                        volume: deformation.volumes[point].0[lane],
-                        cell_volume: cell_volume[lane],
-                        stress: [cauchy.m11, cauchy.m22, cauchy.m33, cauchy.m12, cauchy.m23, cauchy.m13],
-                        strain: [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)],
-                    });
-                }
-            }
-        }
-    }
-
     fn nodes(&self, batch: usize, lane: usize) -> &[u32] {
         &self.cliques[batch * WIDTH + lane]
     }
@@ -198,18 +166,6 @@ struct Deformation<const D: usize, const S: usize, const Q: usize> {
     /// What a special stress needs to know, where there is one.
     special: Option<SpecialPoints<D>>,
     smallest_determinants: [f64; WIDTH],
-}
-
-/// Stress and strain at a quadrature point of a cell, components xx, yy, zz, xy, yz, xz.
-struct PointStress<'a> {
-    nodes: &'a [u32],
-    point: usize,
-    volume: f64,
-    cell_volume: f64,
-    /// Cauchy stress.
-    stress: [f64; 6],
-    /// Green-Lagrange strain.
-    strain: [f64; 6],
 }
 
 struct Deform<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
@@ -424,40 +380,37 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         least
     }
 
-    fn project(&self, u: &[f64], sums: &mut Projected) {
-        let extrapolation = &self.table.extrapolation;
-        self.for_each_stress(u, |PointStress { nodes, point, cell_volume, stress, strain, .. }| {
-            for (a, &node) in nodes.iter().enumerate() {
-                // A cell counts by its volume.
-                let share = cell_volume * extrapolation[point][a];
-                sums.weight[node as usize] += share;
-                let add = |sum: &mut [f64; 6], values: [f64; 6]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
-                add(&mut sums.stress[node as usize], stress);
-                add(&mut sums.strain[node as usize], strain);
+    fn visit_stresses(&self, u: &[f64], visit: &mut dyn FnMut(&PointStress)) {
+        for (index, batch) in self.batches.iter().enumerate() {
+            let deformation = self.deform(batch, Some(u));
+            let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
+            let pressures = special.map(|(special, points)| special.pressures(points));
+            let cell_volume: [f64; WIDTH] = std::array::from_fn(|lane| deformation.volumes.iter().map(|volume| volume.0[lane]).sum());
+            for point in 0..Q {
+                // The spatial law also knows the stress across the plane.
+                let strain = self
+                    .physics
+                    .spatial_strain(&deformation.strain[point], special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]));
+                let mut second_piola = [[Lanes::ZERO; 6]];
+                self.physics.spatial_law.stresses_into(&[strain], &mut second_piola);
+                for lane in 0..batch.count {
+                    let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &strain, lane);
+                    let s = nalgebra::Matrix3::from_fn(|i, j| second_piola[0][mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
+                    let pressure = nalgebra::Matrix3::identity() * pressures.map_or(0.0, |pressures| pressures[point].0[lane]);
+                    let cauchy = f * s * f.transpose() / f.determinant() + pressure;
+                    let green = |i: usize, j: usize| strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
+                    visit(&PointStress {
+                        cell: index * WIDTH + lane,
+                        nodes: self.nodes(index, lane),
+                        shapes: &self.table.shapes[point],
+                        extrapolation: &self.table.extrapolation[point],
+                        volume: deformation.volumes[point].0[lane],
+                        cell_volume: cell_volume[lane],
+                        stress: [cauchy.m11, cauchy.m22, cauchy.m33, cauchy.m12, cauchy.m23, cauchy.m13],
+                        strain: [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)],
+                    });
+                }
             }
-        });
+        }
     }
-
-    fn stress_error(&self, u: &[f64], continuous: &[[f64; 6]], error: &mut StressError) {
-        self.for_each_stress(u, |PointStress { nodes, point, volume, stress, .. }| {
-            let mut recovered = [0.0; 6];
-            for (shape, &node) in self.table.shapes[point].iter().zip(nodes) {
-                recovered.iter_mut().zip(continuous[node as usize]).for_each(|(sum, value)| *sum += shape * value);
-            }
-            let off: [f64; 6] = std::array::from_fn(|k| recovered[k] - stress[k]);
-            let (off, size) = (volume * contracted(&off), volume * contracted(&recovered));
-            error.off += off;
-            error.size += size;
-            for &node in nodes {
-                error.at_nodes[node as usize] += off;
-                error.weight[node as usize] += volume;
-            }
-        });
-    }
-}
-
-/// Double contraction of a symmetric tensor with itself, components xx, yy, zz, xy, yz, xz.
-fn contracted(tensor: &[f64; 6]) -> f64 {
-    let [direct, shear] = [&tensor[..3], &tensor[3..]].map(|part| part.iter().map(|x| x * x).sum::<f64>());
-    direct + 2.0 * shear
 }

@@ -1,8 +1,9 @@
-//! What a special stress does beyond the components of its cells: forces around an axis, and the change of a mean dilatation's pressure.
+//! What a special stress does beyond the components of its cells: forces around an axis, and the change of a dilatation's pressures.
 //!
 //! See `special.rs` for the formulas.
 
 use super::batch::{Table, cast, many};
+use super::dilatation::{MOST_MODES, Modes};
 use super::special::{Answer, SpecialPoints};
 use super::sums::{add_force, finish_force};
 use super::workspace::Workspace;
@@ -48,9 +49,9 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             self.add_around(answer, table, &around, share);
         }
         if share.with_tangent
-            && let Some(slope) = answer.slope
+            && let Some((modes, slopes)) = &answer.dilatation
         {
-            self.add_pressure(answer, table, &around, share, cast(slope));
+            self.add_pressure(answer, table, &around, share, (modes, slopes));
         }
     }
 
@@ -102,7 +103,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Adds what the pressure of the mean dilatation changes: a matrix of rank one.
+    /// Adds what the pressures of the cell's dilatation change: a matrix of as many ranks as it has modes.
     #[inline(always)]
     fn add_pressure<const L: usize>(
         &mut self,
@@ -110,40 +111,43 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         table: &Table<D, A, Q>,
         around: &[[Lanes<FMA>; 2]; Q],
         share: Share,
-        slope: Lanes<FMA>,
+        (modes, slopes): (&Modes, &[[Lanes<false>; MOST_MODES]; MOST_MODES]),
     ) {
         let Placement { test, trial, .. } = share.derivative.placement();
-        let mut whole = Lanes::ZERO;
-        for q in 0..many::<Q>() {
-            whole = whole + self.points[q].volume;
-        }
-        let per_volume = slope / whole;
-        // The left factor of the forces, the right one of the mean dilatation.
-        let mut sides = [[[Lanes::ZERO; D]; A]; 2];
-        for side in 0..2 {
-            let (at, factor) = if side == 0 { (test, Lanes::splat(share.weight)) } else { (trial, per_volume) };
-            for q in 0..many::<Q>() {
-                let mut ratio = [Lanes::<FMA>::ZERO; S];
-                for k in 0..S {
-                    ratio[k] = cast(answer.ratios[q][side][mandel_place::<S>(k)]);
+        // The left factors of the forces, the right ones of the dilatation.
+        let mut sides = [[[[Lanes::ZERO; D]; A]; MOST_MODES]; 2];
+        for (side, (at, factor)) in [(test, share.weight), (trial, 1.0)].into_iter().enumerate() {
+            for i in 0..modes.count {
+                let sums = &mut sides[side][i];
+                for q in 0..many::<Q>() {
+                    let mut ratio = [Lanes::<FMA>::ZERO; S];
+                    for k in 0..S {
+                        ratio[k] = cast(answer.ratios[q][side][mandel_place::<S>(k)]);
+                    }
+                    let volume = self.points[q].volume * cast::<FMA>(modes.values[i][q]) * factor;
+                    add_force(&self.points[q].gradients, &self.deformation_gradient(q, at), &ratio, volume, sums);
                 }
-                let volume = self.points[q].volume * factor;
-                add_force(&self.points[q].gradients, &self.deformation_gradient(q, at), &ratio, volume, &mut sides[side]);
-            }
-            finish_force(&mut sides[side]);
-            for q in 0..many::<Q>() {
-                let pull =
-                    cast::<FMA>(answer.ratios[q][side][2]) * around[q][side] * self.points[q].curvature * self.points[q].volume * factor;
-                for a in 0..many::<A>() {
-                    sides[side][a][0] = pull.mul_add(Lanes::splat(table.shapes[q][a]), sides[side][a][0]);
+                finish_force(sums);
+                for q in 0..many::<Q>() {
+                    let volume = self.points[q].volume * cast::<FMA>(modes.values[i][q]) * factor;
+                    let pull = cast::<FMA>(answer.ratios[q][side][2]) * around[q][side] * self.points[q].curvature * volume;
+                    for a in 0..many::<A>() {
+                        sums[a][0] = pull.mul_add(Lanes::splat(table.shapes[q][a]), sums[a][0]);
+                    }
                 }
             }
         }
-        for b in 0..many::<A>() {
-            for k in 0..D {
-                for a in 0..many::<A>() {
-                    for i in 0..D {
-                        self.tangent[b][k][a][i] = sides[0][a][i].mul_add(sides[1][b][k], self.tangent[b][k][a][i]);
+        for i in 0..modes.count {
+            for b in 0..many::<A>() {
+                for k in 0..D {
+                    let mut right = Lanes::<FMA>::ZERO;
+                    for j in 0..modes.count {
+                        right = cast::<FMA>(slopes[i][j]).mul_add(sides[1][j][b][k], right);
+                    }
+                    for a in 0..many::<A>() {
+                        for l in 0..D {
+                            self.tangent[b][k][a][l] = sides[0][i][a][l].mul_add(right, self.tangent[b][k][a][l]);
+                        }
                     }
                 }
             }

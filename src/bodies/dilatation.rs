@@ -11,13 +11,87 @@
 //!
 //! `S` is symmetric, so the angular momentum is kept, and `p` times the change of `theta` is that of `U`. (Mean dilatation:
 //! Nagtegaal, Parks and Rice, CMAME 4, 1974; Simo, Taylor and Pister, CMAME 51, 1985. Their conserving form is ours.)
+//!
+//! A linear dilatation is the same with more than one mode: `theta_g = sum_i phi_i(g) sum_h w_h phi_i(h) J_h / n_i` with polynomials
+//! `phi_i` of degree 0 and 1 in the undeformed coordinates, orthogonal in the sums over the points of the cell, and `n_i = sum_h w_h
+//! phi_i(h)^2`. The pressures that `theta` has at the points are projected likewise before they act, so that their work is that of `U`.
+//! (Biquadratic displacements with a discontinuous linear pressure: Boffi and Gastaldi, International Journal for Numerical Methods in
+//! Engineering 53, 2002.)
 
-use super::batch::cast;
+use super::batch::{MOST_POINTS, cast};
 use crate::integrators::{Configuration, Derivative};
 use crate::materials::{Components, VolumetricLaw};
 use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::mandel_place;
 use crate::math::tolerances::{KINK_QUOTIENT, STRAIN_QUOTIENT};
+
+/// Most modes of the dilatation of a cell: a constant, and a slope in each direction of the plane.
+pub(super) const MOST_MODES: usize = 3;
+
+/// The modes of the dilatation of a batch of cells.
+pub(super) struct Modes {
+    /// Number of modes: one of a mean.
+    pub(super) count: usize,
+    /// Values at the points; the first mode is 1 everywhere.
+    pub(super) values: [[Lanes<false>; MOST_POINTS]; MOST_MODES],
+    /// Sums of their squares, times the volumes of the points.
+    norms: [Lanes<false>; MOST_MODES],
+}
+
+impl Modes {
+    /// The mean alone, or a constant and two slopes of cells whose points have these volumes and places, from any origin.
+    pub(super) fn new(volumes: &[Lanes<false>], places: Option<&[[Lanes<false>; 2]]>) -> Self {
+        let mut modes = Modes {
+            count: 1,
+            values: [[Lanes::splat(1.0); MOST_POINTS]; MOST_MODES],
+            norms: [volumes.iter().fold(Lanes::ZERO, |sum, volume| sum + *volume); MOST_MODES],
+        };
+        // Gram and Schmidt: each coordinate less its projection on the modes before it.
+        for i in 0..places.map_or(0, |_| 2) {
+            let places = places.unwrap_or_default();
+            let mut coordinate = [Lanes::ZERO; MOST_POINTS];
+            (0..volumes.len()).for_each(|q| coordinate[q] = places[q][i]);
+            let projected = modes.projected(volumes, |q| coordinate[q]);
+            let mut norm = Lanes::ZERO;
+            for q in 0..volumes.len() {
+                modes.values[i + 1][q] = coordinate[q] - projected[q];
+                norm = norm + volumes[q] * modes.values[i + 1][q] * modes.values[i + 1][q];
+            }
+            modes.norms[i + 1] = norm;
+            modes.count = i + 2;
+        }
+        modes
+    }
+
+    /// What a value at the points projects to, at the points.
+    pub(super) fn projected(&self, volumes: &[Lanes<false>], value: impl Fn(usize) -> Lanes<false>) -> [Lanes<false>; MOST_POINTS] {
+        let mut projected = [Lanes::ZERO; MOST_POINTS];
+        for i in 0..self.count {
+            let sum = (0..volumes.len()).fold(Lanes::ZERO, |sum, q| sum + volumes[q] * value(q) * self.values[i][q]);
+            let factor = sum / self.norms[i];
+            (0..volumes.len()).for_each(|q| projected[q] = projected[q] + factor * self.values[i][q]);
+        }
+        projected
+    }
+
+    /// Derivatives of the modes' pressures with respect to their dilatations, from those at the points, over the norms of both:
+    /// `sum_h w_h p'_h phi_i(h) phi_j(h) / (n_i n_j)`.
+    pub(super) fn slopes(
+        &self,
+        volumes: &[Lanes<false>],
+        slopes: &[Lanes<false>; MOST_POINTS],
+    ) -> [[Lanes<false>; MOST_MODES]; MOST_MODES] {
+        let mut sums = [[Lanes::ZERO; MOST_MODES]; MOST_MODES];
+        for i in 0..self.count {
+            for j in 0..self.count {
+                let product = |q: usize| volumes[q] * slopes[q] * self.values[i][q] * self.values[j][q];
+                let sum = (0..volumes.len()).fold(Lanes::ZERO, |sum, q| sum + product(q));
+                sums[i][j] = sum / (self.norms[i] * self.norms[j]);
+            }
+        }
+        sums
+    }
+}
 
 /// The pressure of a step and its derivative with respect to `theta` at the configuration where that counts.
 #[derive(Clone, Copy)]
@@ -36,6 +110,8 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 impl Pressure {
+    pub(super) const ZERO: Self = Pressure { value: Lanes::ZERO, slope: Lanes::ZERO };
+
     /// `U'` and `U''` at a mean change of volume `theta - 1`.
     pub(super) fn at(law: &dyn VolumetricLaw, change: Lanes<false>) -> Self {
         let mut response = [[Lanes::ZERO; 2]];

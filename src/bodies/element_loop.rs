@@ -2,6 +2,7 @@
 //!
 //! A [`Step`] says how the strain energy is differentiated; how that is done stands in `cells.rs`.
 
+use super::stresses::PointStress;
 use crate::integrators::Derivative;
 use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
@@ -59,57 +60,6 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Smallest determinant of the deformation gradient, and its cell.
     fn smallest_determinant(&self, u: &[f64]) -> Inverted;
 
-    /// Adds stress and strain at the nodes, extrapolated from the quadrature points of each cell, to sums over the cells at a node by their
-    /// volumes (Hinton and Campbell, International Journal for Numerical Methods in Engineering 8, 1974).
-    fn project(&self, u: &[f64], sums: &mut Projected);
-
-    /// Adds how far the stresses of the cells are from a continuous one, which has these values at the nodes (Zienkiewicz and Zhu,
-    /// International Journal for Numerical Methods in Engineering 24, 1987).
-    fn stress_error(&self, u: &[f64], continuous: &[[f64; 6]], error: &mut StressError);
-}
-
-/// How far stresses of cells are from a continuous stress, squares over volumes.
-pub struct StressError {
-    /// Of all cells `[stress^2 volume]`.
-    pub off: f64,
-    /// The same of the continuous stress itself.
-    pub size: f64,
-    /// Of the cells at each node, and their volumes.
-    pub at_nodes: Vec<f64>,
-    /// Volume of the cells at each node.
-    pub weight: Vec<f64>,
-}
-
-impl StressError {
-    /// Nothing at so many nodes yet.
-    pub fn new(nodes: usize) -> Self {
-        StressError { off: 0.0, size: 0.0, at_nodes: vec![0.0; nodes], weight: vec![0.0; nodes] }
-    }
-
-    /// All of it over the size of the stress; 0 where there is no stress.
-    pub fn relative(&self) -> f64 {
-        if self.size > 0.0 { (self.off / self.size).sqrt() } else { 0.0 }
-    }
-
-    /// Root mean square over the cells at a node `[stress]`.
-    pub fn at(&self, node: usize) -> f64 {
-        if self.weight[node] > 0.0 { (self.at_nodes[node] / self.weight[node]).sqrt() } else { 0.0 }
-    }
-}
-
-/// Values of cells as they are summed up at their nodes, components xx, yy, zz, xy, yz, xz.
-pub struct Projected {
-    /// Cauchy stress times weight, for each node.
-    pub stress: Vec<[f64; 6]>,
-    /// Green-Lagrange strain times weight.
-    pub strain: Vec<[f64; 6]>,
-    /// Volume of the cells at each node.
-    pub weight: Vec<f64>,
-}
-
-impl Projected {
-    /// Nothing at so many nodes yet.
-    pub fn new(nodes: usize) -> Self {
-        Projected { stress: vec![[0.0; 6]; nodes], strain: vec![[0.0; 6]; nodes], weight: vec![0.0; nodes] }
-    }
+    /// Visits stress and strain at all quadrature points, cell after cell of a batch.
+    fn visit_stresses(&self, u: &[f64], visit: &mut dyn FnMut(&PointStress));
 }

@@ -28,6 +28,8 @@ pub enum Dilatation {
     Pointwise,
     /// One mean for the element (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985), which does not lock.
     Mean,
+    /// Linear in the element: as free of locking as a mean where displacements are biquadratic, and of second order.
+    Linear,
 }
 
 /// The formulation of a body.
@@ -44,14 +46,20 @@ pub struct Formulation {
 #[non_exhaustive]
 pub enum FormulationError {
     /// An energy that is not written as a function of the volume and a rest.
-    #[error("a mean dilatation needs a law with a volumetric part, and `{law}` has none")]
+    #[error("a dilatation of the cell needs a law with a volumetric part, and `{law}` has none")]
     NoVolumetricPart {
         /// The law.
         law: &'static str,
     },
     /// Two conditions for one stretch.
-    #[error("a mean dilatation does not go with plane stress, which leaves the volume free anyway")]
+    #[error("a dilatation of the cell does not go with plane stress, which leaves the volume free anyway")]
     MeanInPlaneStress,
+    /// Displacements that a linear dilatation would lock, or whose pressure it would leave open.
+    #[error("a linear dilatation is one of `quad9` cells, and these are `{cells}`")]
+    LinearOfOthers {
+        /// Its cells.
+        cells: &'static str,
+    },
     /// A plane condition of a body in space.
     #[error("a body of `{cells}` cells is in space: it is neither plane nor axisymmetric")]
     NotPlane {
@@ -65,7 +73,7 @@ pub enum FormulationError {
         x: f64,
     },
     /// Strains that a formulation is not made for.
-    #[error("a mean dilatation is one of large strains, and `{law}` is linear")]
+    #[error("a dilatation of the cell is one of large strains, and `{law}` is linear")]
     MeanOfLinear {
         /// The law.
         law: &'static str,
@@ -82,6 +90,7 @@ impl FormulationError {
                     .into()
             }
             MeanInPlaneStress => "leave one of the two out".into(),
+            LinearOfOthers { .. } => "take `dilatation: \"mean\"`, or `mesh.with_elements(\"quad9\")`".into(),
             NotPlane { .. } => "leave `plane` out".into(),
             BeyondAxis { .. } => "mesh one half of the section, with x >= 0 as the radius".into(),
             MeanOfLinear { .. } => "take `neo_hookean`, whose small strains are those of linear elasticity".into(),
@@ -90,12 +99,16 @@ impl FormulationError {
 }
 
 impl Formulation {
-    /// The formulation for cells and a material where nothing is said of the dilatation: one mean for each cell where the law hardly
-    /// changes its volume and cells and law have one.
+    /// The formulation for cells and a material where nothing is said of the dilatation: where the law hardly changes its volume and cells
+    /// and law can, it is linear in biquadratic cells and one mean in all others.
     pub fn suited(plane: Plane, cells: CellKind, material: &Material) -> Self {
         let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
-        let is_mean = can && !cells.has_one_point() && material.hardly_changes_volume();
-        Formulation { plane, dilatation: if is_mean { Dilatation::Mean } else { Dilatation::Pointwise } }
+        let dilatation = match cells {
+            _ if !can || cells.has_one_point() || !material.hardly_changes_volume() => Dilatation::Pointwise,
+            CellKind::Quad9 => Dilatation::Linear,
+            _ => Dilatation::Mean,
+        };
+        Formulation { plane, dilatation }
     }
 
     /// Puts nodes of a body of revolution that are beside the axis by round-off onto it; gives whether there were any.
@@ -118,7 +131,10 @@ impl Formulation {
         if mesh.dimension() == 3 && self.plane != Plane::Strain {
             return Err(FormulationError::NotPlane { cells: mesh.kind.name() });
         }
-        if self.dilatation == Dilatation::Mean {
+        if self.dilatation == Dilatation::Linear && mesh.kind != CellKind::Quad9 {
+            return Err(FormulationError::LinearOfOthers { cells: mesh.kind.name() });
+        }
+        if self.dilatation != Dilatation::Pointwise {
             if self.plane == Plane::Stress {
                 return Err(FormulationError::MeanInPlaneStress);
             }

@@ -15,7 +15,7 @@ pub(super) struct Physics<const S: usize, const L: usize> {
     pub(super) law: Arc<dyn BatchedLaw<S>>,
     /// What the cells ask instead, where that is not enough.
     pub(super) special: Option<Special<L>>,
-    /// The law in space, which also knows the stress across the plane; with a mean dilatation, without its volumetric part.
+    /// The law in space, which also knows the stress across the plane; with a dilatation of the cell, without its volumetric part.
     pub(super) spatial_law: Arc<dyn BatchedLaw<6>>,
     /// The law whose strain across the plane is solved for.
     plane_stress: Option<PlaneStress>,
@@ -64,10 +64,12 @@ impl Physics<3, 4> {
     /// Of a plane body, or one of revolution.
     pub(super) fn of_plane(material: &Material, formulation: Formulation) -> Self {
         let (is_round, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
-        let whole = || Special { law: material.axisymmetric(), volumetric: None, strain, is_round };
+        let whole = || Special { law: material.axisymmetric(), volumetric: None, is_linear: false, strain, is_round };
         match (formulation.dilatation, material.split()) {
-            (Dilatation::Mean, Some(split)) => {
-                let special = Special { law: split.axisymmetric.clone(), volumetric: Some(split.volumetric.clone()), ..whole() };
+            (Dilatation::Mean | Dilatation::Linear, Some(split)) => {
+                let volumetric = Some(split.volumetric.clone());
+                let is_linear = formulation.dilatation == Dilatation::Linear;
+                let special = Special { law: split.axisymmetric.clone(), volumetric, is_linear, ..whole() };
                 Physics::new(material, material.plane(), Some(special))
             }
             _ if is_round => Physics::new(material, material.plane(), Some(whole())),
@@ -86,6 +88,7 @@ impl Physics<6, 6> {
         let special = material.split().filter(|_| formulation.dilatation == Dilatation::Mean).map(|split| Special {
             law: split.space.clone(),
             volumetric: Some(split.volumetric.clone()),
+            is_linear: false,
             strain: strain_of(material),
             is_round: false,
         });

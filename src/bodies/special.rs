@@ -6,27 +6,26 @@
 //!
 //! ```text
 //! around the axis   f_a,1 = w F_33 S_33 N_a / R                     (Hughes, The Finite Element Method, 2000, section 2.12)
-//! mean dilatation   K_ab += p' (sum_g w DG[J] : B_a) (sum_g w/V dJ/dE : B_b)
+//! dilatation        K_ab += sum_ij p'_ij (sum_g w phi_i DG[J] : B_a) (sum_g w phi_j dJ/dE : B_b), of a mean with phi_0 = 1, p'_00 = p'/V
 //! ```
 
 use std::sync::Arc;
 
-use super::batch::{Strain, cast, discrete_stress, mean, volume_change};
-use super::dilatation::{Pressure, VolumeRatio};
+use super::batch::{MOST_POINTS, Strain, cast, discrete_stress, mean, volume_change};
+use super::dilatation::{MOST_MODES, Modes, Pressure, VolumeRatio};
 use crate::integrators::{Configuration, Derivative};
 use crate::materials::{BatchedLaw, Components, IncrementResponse, Response, VolumetricLaw};
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 
-/// Most quadrature points of a cell.
-pub(super) const MOST_POINTS: usize = 9;
-
-/// A law of `L` components, four in the plane with the direction across it, and the energy of a mean dilatation.
+/// A law of `L` components, four in the plane with the direction across it, and the energy of a dilatation of the cell.
 pub(super) struct Special<const L: usize> {
-    /// The law of the points; with a mean dilatation, without its volumetric part.
+    /// The law of the points; with a dilatation of the cell, without its volumetric part.
     pub(super) law: Arc<dyn BatchedLaw<L>>,
-    /// The volumetric part, where the dilatation is a mean.
+    /// The volumetric part, where the dilatation is one of the cell.
     pub(super) volumetric: Option<Arc<dyn VolumetricLaw>>,
+    /// Whether that dilatation is linear in the cell.
+    pub(super) is_linear: bool,
     /// Which strain it is.
     pub(super) strain: Strain,
     /// Whether the body is stretched around an axis.
@@ -37,23 +36,25 @@ pub(super) struct Special<const L: usize> {
 pub(super) struct SpecialPoints<const D: usize> {
     pub(super) count: usize,
     pub(super) volume: [Lanes<false>; MOST_POINTS],
+    /// Undeformed places in the plane, from the last node of each cell.
+    pub(super) places: [[Lanes<false>; 2]; MOST_POINTS],
     pub(super) gradients: [[[[Lanes<false>; D]; D]; MOST_POINTS]; 2],
     /// Around the axis.
     pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],
 }
 
-/// Stresses of a step with their derivatives with respect to the strains at the end, and what a mean dilatation adds.
+/// Stresses of a step with their derivatives with respect to the strains at the end, and what a dilatation of the cell adds.
 pub(super) struct Answer<const L: usize> {
     pub(super) responses: [Response<L>; MOST_POINTS],
     /// `DG[J]` and, at the trial configuration, `dJ/dE`.
     pub(super) ratios: [[Components<L>; 2]; MOST_POINTS],
-    /// Derivative of the pressure of the mean dilatation, where there is one.
-    pub(super) slope: Option<Lanes<false>>,
+    /// Modes of the cell's dilatation, where there is one, and the derivatives of its pressures ([`Modes::slopes`]).
+    pub(super) dilatation: Option<(Modes, [[Lanes<false>; MOST_MODES]; MOST_MODES])>,
 }
 
 impl<const L: usize> Answer<L> {
     pub(super) const EMPTY: Self =
-        Answer { responses: [Response::ZERO; MOST_POINTS], ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS], slope: None };
+        Answer { responses: [Response::ZERO; MOST_POINTS], ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS], dilatation: None };
 }
 
 impl<const L: usize> Special<L> {
@@ -70,37 +71,39 @@ impl<const L: usize> Special<L> {
             strains[q] = self.strain.of(&points.gradients[1][q], points.hoop[1][q]);
         }
         self.law.energies_into(&strains[..count], &mut energies[..count]);
-        let mut volumetric = [Lanes::ZERO];
+        let mut volumetric = [Lanes::ZERO; MOST_POINTS];
         if let Some(law) = &self.volumetric {
-            law.energies_into(&[points.mean_change()], &mut volumetric);
+            let changes = self.modes(points).projected(points.volumes(), |q| points.change(q));
+            law.energies_into(&changes[..count], &mut volumetric[..count]);
         }
         let mut sum = Lanes::ZERO;
         for q in 0..count {
-            sum = sum + points.volume[q] * (energies[q] + volumetric[0]);
+            sum = sum + points.volume[q] * (energies[q] + volumetric[q]);
         }
         sum
     }
 
-    /// The pressure of the mean dilatation at the end of a step.
-    pub(super) fn pressure<const D: usize>(&self, points: &SpecialPoints<D>) -> Lanes<false> {
-        self.volumetric.as_ref().map_or(Lanes::ZERO, |law| Pressure::at(&**law, points.mean_change()).value)
+    /// The pressures of the cell's dilatation at the points, at the end of a step; zero without one.
+    pub(super) fn pressures<const D: usize>(&self, points: &SpecialPoints<D>) -> [Lanes<false>; MOST_POINTS] {
+        let Some(law) = &self.volumetric else { return [Lanes::ZERO; MOST_POINTS] };
+        let modes = self.modes(points);
+        let changes = modes.projected(points.volumes(), |q| points.change(q));
+        modes.projected(points.volumes(), |q| Pressure::at(&**law, changes[q]).value)
+    }
+
+    fn modes<const D: usize>(&self, points: &SpecialPoints<D>) -> Modes {
+        Modes::new(points.volumes(), self.is_linear.then(|| &points.places[..points.count]))
     }
 }
 
 impl<const D: usize> SpecialPoints<D> {
-    /// Mean volume ratio less 1 at the end of the step.
-    fn mean_change(&self) -> Lanes<false> {
-        self.mean(|q| change(&self.gradients[1][q], self.hoop[1][q]))
+    fn volumes(&self) -> &[Lanes<false>] {
+        &self.volume[..self.count]
     }
 
-    #[inline(always)]
-    fn mean(&self, value: impl Fn(usize) -> Lanes<false>) -> Lanes<false> {
-        let (mut sum, mut volume) = (Lanes::ZERO, Lanes::ZERO);
-        for q in 0..self.count {
-            sum = sum + self.volume[q] * value(q);
-            volume = volume + self.volume[q];
-        }
-        sum / volume
+    /// Volume ratio less 1 of a point at the end of the step.
+    fn change(&self, q: usize) -> Lanes<false> {
+        change(&self.gradients[1][q], self.hoop[1][q])
     }
 }
 
@@ -138,17 +141,27 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
         }
         let all = strains.each_ref().map(|strains| &strains[..count]);
         law_responses::<FMA, L>(&*special.law, all, derivative, &mut answer.responses[..count]);
-        answer.slope = None;
+        answer.dilatation = None;
         let Some(law) = &special.volumetric else { return };
-        let theta = |k: usize| points.mean(|q| changes[k][q]);
-        let pressure = match derivative {
-            Derivative::DiscreteGradient => Pressure::between(&**law, theta(0), theta(1)),
-            Derivative::Gradient(Configuration::Middle) => Pressure::at(&**law, theta(2)),
-            Derivative::Gradient(Configuration::End) => Pressure::at(&**law, theta(1)),
-        };
-        answer.slope = Some(pressure.slope);
-        let p = cast::<FMA>(pressure.value);
+        let (volumes, modes) = (points.volumes(), special.modes(points));
+        let theta = |k: usize| modes.projected(volumes, |q| changes[k][q]);
+        let (theta, mut of_points) = ([theta(0), theta(1), theta(2)], [Pressure::ZERO; MOST_POINTS]);
+        // A mean is the same at all points.
+        for q in 0..if special.is_linear { count } else { 1 } {
+            of_points[q] = match derivative {
+                Derivative::DiscreteGradient => Pressure::between(&**law, theta[0][q], theta[1][q]),
+                Derivative::Gradient(Configuration::Middle) => Pressure::at(&**law, theta[2][q]),
+                Derivative::Gradient(Configuration::End) => Pressure::at(&**law, theta[1][q]),
+            };
+        }
+        if !special.is_linear {
+            of_points = [of_points[0]; MOST_POINTS];
+        }
+        let pressures = modes.projected(volumes, |q| of_points[q].value);
+        let slopes = modes.slopes(volumes, &of_points.map(|pressure| pressure.slope));
+        answer.dilatation = Some((modes, slopes));
         for q in 0..count {
+            let p = cast::<FMA>(pressures[q]);
             let change = |k: usize| cast::<FMA>(changes[k][q]);
             let ratio = VolumeRatio::new(derivative, [&strains[0][q], &strains[1][q]], [change(0), change(1)], (&strains[2][q], change(2)));
             let Response { stress, tangent } = &mut answer.responses[q];

@@ -1,7 +1,9 @@
 //! Force and tangent of eight cells, from their displacement gradients and the law's answers.
 
-use super::batch::{Batch, Point, Strain, Table, cast, deformation_gradient, determinant_and_cofactor, discrete_stress, many, mean};
-use super::special::{Answer, MOST_POINTS, SpecialPoints};
+use super::batch::{
+    Batch, MOST_POINTS, Point, Strain, Table, cast, deformation_gradient, determinant_and_cofactor, discrete_stress, many, mean,
+};
+use super::special::{Answer, SpecialPoints};
 use super::sums::{add_force, add_point, finish_force};
 use crate::integrators::{Configuration, Derivative, Placement};
 use crate::materials::{BatchedLaw, Components, IncrementResponse, Response};
@@ -67,11 +69,16 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         let mut points = SpecialPoints {
             count: Q,
             volume: [Lanes::ZERO; MOST_POINTS],
+            places: [[Lanes::ZERO; 2]; MOST_POINTS],
             gradients: [[[[Lanes::ZERO; D]; D]; MOST_POINTS]; 2],
             hoop: [[Lanes::ZERO; MOST_POINTS]; 2],
         };
         for q in 0..many::<Q>() {
             points.volume[q] = Lanes(self.points[q].volume.0);
+            for a in 0..many::<A>() - 1 {
+                let shape = table.shapes[q][a];
+                (0..2).for_each(|i| points.places[q][i] = points.places[q][i] + batch.edges[a][i] * shape);
+            }
             points.gradients[0][q] = relabel_rows(&self.gradient_0[q]);
             points.gradients[1][q] = relabel_rows(&self.gradient_1[q]);
         }

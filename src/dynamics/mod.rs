@@ -15,7 +15,10 @@ pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Re
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY, default_rule};
 pub use parts::spring::SpringDefinition;
 pub use run::energy_account::EnergyAccount;
-pub use run::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
+pub use run::fields::{
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints, pressure,
+    von_mises,
+};
 pub use run::halvings::Halving;
 pub use run::ledger::{ContactTotals, LedgerRow, ProbeValues, Reaction};
 pub use run::options::{Options, SettleReport, Statistics};

@@ -65,6 +65,11 @@ impl CellKind {
         matches!(self, CellKind::Tri3 | CellKind::Tet4)
     }
 
+    /// Whether its edges have no middle nodes.
+    pub fn is_first_order(self) -> bool {
+        self.row().nodes == self.row().cell_shape.corners()
+    }
+
     /// Name as written in a script.
     pub fn name(self) -> &'static str {
         self.row().name

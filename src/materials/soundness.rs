@@ -59,6 +59,16 @@ const DIRECTIONS: usize = 1200;
 impl Material {
     /// What is wrong with the law, by all that is looked at; nothing for a sound one.
     pub fn weaknesses(&self) -> Vec<Weakness> {
+        let mut found = self.weaknesses_at_rest();
+        let is_sound = !found.iter().any(|weakness| matches!(weakness, Weakness::StressAtRest(_) | Weakness::StiffnessAtRest(_)));
+        if self.kinematics() == Kinematics::GreenLagrange && is_sound {
+            found.extend(self.lost_ellipticity());
+        }
+        found
+    }
+
+    /// What is wrong with the law at rest.
+    pub fn weaknesses_at_rest(&self) -> Vec<Weakness> {
         let mut found = Vec::new();
         let (stress, tangent) = response(&*self.space(), &[0.0; 6]);
         let residual = stress.iter().map(|x| x.abs()).fold(0.0, f64::max);
@@ -72,8 +82,6 @@ impl Material {
         let stiffness = Matrix6::from_fn(|i, j| tangent[i][j]).symmetric_eigenvalues().min();
         if stiffness <= RESIDUAL_STRESS * self.youngs_modulus() {
             found.push(Weakness::StiffnessAtRest(stiffness));
-        } else if self.kinematics() == Kinematics::GreenLagrange && residual <= RESIDUAL_STRESS * self.youngs_modulus() {
-            found.extend(self.lost_ellipticity());
         }
         found
     }

@@ -165,6 +165,9 @@ pub const DEFECT: f64 = 100.0;
 /// Energy that came or went, relative to all, from which on a run does not count as conserving: a thousand steps of round-off stay below.
 pub const CONSERVED: f64 = 1e-8;
 
+/// Energy that counts as none in any units: round-off of a model in which nothing happens.
+pub const NO_ENERGY: f64 = 1e-40;
+
 /// Energy that contact has taken or keeps, relative to all, from which on it is told: it begins to show in a plot.
 pub const LOST: f64 = 1e-3;
 
@@ -291,6 +294,16 @@ pub const ORDER_ROUND_OFF: f64 = 1e-13;
 /// Entry off the diagonal, squared and relative to the squared size of a matrix, below which rotations no longer diagonalise it: a
 /// hundredth of round-off.
 pub const DIAGONAL: f64 = 1e-36;
+
+/// Largest entry of a constraint less those before it, relative to its own, that counts as none: it follows from them.
+pub const DEPENDENT: f64 = 1e-9;
+
+/// Entry of a constraint, relative to its largest, that elimination drops.
+pub const NEGLIGIBLE_ENTRY: f64 = 1e-14;
+
+/// Sum of the squared factors by which values of cells become one of a node, up to which a patch of cells tells a slope: no noise of the
+/// cells is larger at the node than in one of them.
+pub const RECOVERY_AMPLIFICATION: f64 = 1.0;
 
 /// Stress at rest of an energy, relative to the terms that cancel in it, that is the round-off of its constants.
 pub const RESIDUAL_STRESS: f64 = 1e-14;

@@ -45,6 +45,8 @@ pub struct Summary {
     pub peak_memory_bytes: Option<u64>,
     /// See [`Drifts::energy`].
     pub energy_drift: Option<f64>,
+    /// See [`Drifts::unexplained_energy`].
+    pub energy_unexplained: Option<f64>,
     /// See [`Drifts::momentum`].
     pub momentum_drift: Option<f64>,
     /// See [`Drifts::angular_momentum`].
@@ -76,6 +78,10 @@ pub const KEYS: &[(&str, &str)] = &[
     ("wall_seconds", "an object: where the time went, `total` and its parts [s]"),
     ("peak_memory_bytes", "the largest resident memory of the process, where the system tells"),
     ("energy_drift", "the largest change of the total energy since the loads ended, relative to the largest energy since then"),
+    (
+        "energy_unexplained",
+        "the same of what neither loads nor contact nor dissipation explain: the largest sum of energy defects since then",
+    ),
     ("momentum_drift", "the same for the linear momentum, less what supports explain"),
     ("angular_momentum_drift", "the same for the angular momentum"),
     ("worst_energy_defect", "the largest energy defect of a step, relative to the largest total energy of the run"),
@@ -153,6 +159,7 @@ impl Summary {
     /// Takes over the drifts of a run.
     pub fn judge(&mut self, drifts: &Drifts) {
         self.energy_drift = drifts.energy;
+        self.energy_unexplained = drifts.unexplained_energy;
         self.momentum_drift = drifts.momentum;
         self.angular_momentum_drift = drifts.angular_momentum;
         self.worst_energy_defect = drifts.worst_energy_defect;
@@ -257,6 +264,8 @@ pub struct Drifts {
     /// Largest change of the total energy since the loads ended, contact work included, over the largest `kinetic + strain + |potential|`
     /// since then.
     pub energy: Option<f64>,
+    /// Largest sum of energy defects since the loads ended, which neither loads nor contact nor dissipation explain, over the same.
+    pub unexplained_energy: Option<f64>,
     /// Largest change of the linear momentum since the loads ended, less what supports explain, over the largest of `|p|` and
     /// `sqrt(2 mass kinetic)`, which bounds `|p|` from above. Without [`Inertia`]: over the largest `|p|`.
     pub momentum: Option<f64>,
@@ -286,6 +295,11 @@ pub fn drifts(rows: &[LedgerRow], loads_ended: f64, inertia: Option<Inertia>) ->
     let since = &free[0];
     let energy = largest(&mut free.iter().map(|row| (row.total() - since.total()).abs()));
     let energy_scale = largest(&mut free.iter().map(|row| row.kinetic + row.strain + row.potential.abs()));
+    let mut booked = 0.0;
+    let unexplained = largest(&mut free[1..].iter().map(|row| {
+        booked += row.energy_defect;
+        booked.abs()
+    }));
 
     let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
     let change = |momentum: fn(&LedgerRow) -> [f64; 3], defect: fn(&LedgerRow) -> f64| {
@@ -304,6 +318,7 @@ pub fn drifts(rows: &[LedgerRow], loads_ended: f64, inertia: Option<Inertia>) ->
         largest(&mut rows.iter().map(|row| length(row.angular_momentum))).max(speed_scale * inertia.map_or(0.0, |inertia| inertia.radius));
     Drifts {
         energy: Some(relative(energy, energy_scale)),
+        unexplained_energy: Some(relative(unexplained, energy_scale)),
         momentum: Some(relative(change(|row| row.momentum, |row| row.momentum_defect), momentum_scale)),
         angular_momentum: Some(relative(change(|row| row.angular_momentum, |row| row.angular_momentum_defect), angular_scale)),
         worst_energy_defect,

@@ -46,14 +46,9 @@ pub fn page(study: &StudyFolder, plan: &Plan, collected: &Collected, pictures: &
 
 fn summary(plan: &Plan, collected: &Collected) -> String {
     let count = plan.points.len();
-    let (completed, failed) = (collected.completed(), collected.failed());
-    let open = count - completed - failed;
     let mut rows = vec![
         ("script".to_string(), plan.scenario.script.display().to_string()),
-        (
-            "points".to_string(),
-            format!("{count}: {completed} completed, {failed} failed{}", if open > 0 { format!(", {open} open") } else { String::new() }),
-        ),
+        ("points".to_string(), format!("{count}: {}", collected.tally())),
         ("varied".to_string(), plan.names.join(", ")),
     ];
     rows.extend(plan.scenario.fixed.iter().cloned());

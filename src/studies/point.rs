@@ -128,7 +128,7 @@ fn run(
             let cause = error.as_ref().map(told);
             let warnings = transcript.warnings();
             let record = Record { cause, scripts, results, warnings, wall_seconds: seconds, ..Record::of(&point.id, outcome, "") };
-            Ok(Some(filled(record, &folder)))
+            Ok(Some(filled(record, &folder, &report.energy)))
         }
     }
 }
@@ -144,11 +144,12 @@ fn told(error: &Diagnostic) -> String {
     format!("{place}{}{cause}", error.title)
 }
 
-/// What the run has told of itself in `summary.json`.
-fn filled(mut record: Record, folder: &Path) -> Record {
+/// What the run has told of itself in `summary.json`; `energy` is where its energy came from and went to.
+fn filled(mut record: Record, folder: &Path, energy: &[String]) -> Record {
     let Ok(summary) = read_summary(&folder.join("summary.json")) else { return record };
     if record.outcome == RecordOutcome::Completed && summary.get("outcome").and_then(Value::as_str) == Some(NOT_CONSERVING) {
         record.outcome = RecordOutcome::NotConserving;
+        record.cause = Some(energy.join("; "));
     }
     record.steps = summary.get("steps").and_then(Value::as_u64);
     record.balance = BALANCE.iter().map(|name| summary.get(*name).and_then(Value::as_f64)).collect();

@@ -78,7 +78,7 @@ pub struct Record {
 }
 
 /// Numbers of `summary.json` that tell how well a run conserves, in the order of [`Record::balance`].
-pub const BALANCE: [&str; 4] = ["energy_drift", "momentum_drift", "angular_momentum_drift", "worst_energy_defect"];
+pub const BALANCE: [&str; 5] = ["energy_drift", "energy_unexplained", "momentum_drift", "angular_momentum_drift", "worst_energy_defect"];
 
 impl Record {
     /// A record of a point of which nothing else is known.

@@ -77,7 +77,6 @@ fn tell(plan: &Plan, collected: &Collected, shown: &Path, console: &Console, tol
         small_table(plan, collected).iter().for_each(|line| console.say(line));
     }
     let (completed, failed) = (collected.completed(), collected.failed());
-    let open = plan.points.len() - completed - failed;
     let troubles = collected.states.iter().enumerate().filter_map(|(index, state)| match state {
         PointState::Done(record) if record.outcome.is_completed() => None,
         PointState::Done(record) => Some((index, record.outcome.word().to_string(), record.cause.clone().unwrap_or_default())),
@@ -99,14 +98,14 @@ fn tell(plan: &Plan, collected: &Collected, shown: &Path, console: &Console, tol
         console.note(&format!("{who} warned of something: see `warnings` in the table and `output.txt` in the folder of a point"));
     }
     collected.remarks.iter().for_each(|remark| complain(&format!("warning: {remark}\n")));
-    let rest = if open > 0 { format!(", {open} not done") } else { String::new() };
     let table: PathBuf = shown.join("table.csv");
     if failed > 0 {
         console.note("`command` in the table repeats a point by itself; `--retry failed` computes them again");
     }
     console.note(&format!(
-        "{}: {completed} completed, {failed} failed{rest}; table in {}, page in {}",
+        "{}: {}; table in {}, page in {}",
         counted(plan.points.len(), "point"),
+        collected.tally(),
         table.display(),
         shown.join("study.html").display()
     ));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::amplitude::Amplitude;
 use super::error::ModelError;
-use super::interactions::{BodyBoundary, Interaction, Partner};
+use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use super::part::PartDefinition;
 use crate::bodies::{Formulation, Plane};
 use crate::materials::Material;
@@ -164,15 +164,24 @@ impl Model {
         names
     }
 
-    /// Bodies that gravity moves for ever: no support holds them, no interaction and no other part joins them to anything.
+    /// Bodies that gravity moves for ever: no support holds them, and neither interactions nor other parts join them to anything that is
+    /// held or to an obstacle.
     pub fn falling(&self) -> Vec<&BodyDefinition> {
         if self.gravity == [0.0; 3] {
             return Vec::new();
         }
         let held = self.supports.iter().map(|support| support.on.body).chain(self.prescriptions.iter().map(|given| given.on.body));
-        let touching = self.interactions.iter().flat_map(|one| std::iter::once(&one.secondary).chain(one.primary())).map(|on| on.body);
-        let joined = self.parts.iter().flat_map(|part| part.bodies());
-        let kept: BTreeSet<usize> = held.chain(touching).chain(joined).collect();
+        let on_obstacles =
+            self.interactions.iter().filter(|one| matches!(one.partner, Partner::Obstacle { .. })).map(|one| one.secondary.body);
+        let touching = self.interactions.iter().map(|one| std::iter::once(&one.secondary).chain(one.primary()).map(|on| on.body).collect());
+        let joined: Vec<Vec<usize>> = touching.chain(self.parts.iter().map(|part| part.bodies())).collect();
+        let mut kept: BTreeSet<usize> = held.chain(on_obstacles).collect();
+        while let Some(group) = joined.iter().find(|group| {
+            let count = group.iter().filter(|body| kept.contains(body)).count();
+            count > 0 && group.iter().any(|body| !kept.contains(body))
+        }) {
+            kept.extend(group);
+        }
         let falls = |(index, _): &(usize, &BodyDefinition)| !kept.contains(index);
         self.bodies.iter().enumerate().filter(falls).map(|(_, body)| body).collect()
     }
@@ -296,6 +305,26 @@ impl Model {
             };
             if primary.iter().any(shares) {
                 return Err(ModelError::SelfContact { contact: name.clone(), boundary: self.boundary_name(secondary) });
+            }
+        }
+        self.check_repeated()
+    }
+
+    /// No two contacts with multipliers have facets of both sides in common.
+    fn check_repeated(&self) -> Result<(), ModelError> {
+        let shares = |a: &BodyBoundary, b: &BodyBoundary| {
+            a.body == b.body && a.boundary.facets.iter().any(|facet| b.boundary.facets.contains(facet))
+        };
+        let is_exact = |one: &&Interaction| matches!((&one.partner, one.enforcement), (Partner::Surfaces(_), Enforcement::Multiplier));
+        let exact: Vec<&Interaction> = self.interactions.iter().filter(is_exact).collect();
+        for (index, second) in exact.iter().enumerate() {
+            let repeats = |first: &&&Interaction| {
+                let is_opposite = |on: &BodyBoundary| second.primary().iter().any(|other| shares(on, other));
+                shares(&first.secondary, &second.secondary) && first.primary().iter().any(is_opposite)
+            };
+            if let Some(first) = exact[..index].iter().find(repeats) {
+                let (first, boundary) = (first.name.clone(), self.boundary_name(&second.secondary));
+                return Err(ModelError::RepeatedContact { first, second: second.name.clone(), boundary });
             }
         }
         Ok(())

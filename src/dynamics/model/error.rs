@@ -110,6 +110,16 @@ pub enum ModelError {
         /// x, y or z.
         direction: &'static str,
     },
+    /// Two contacts between the same surfaces, whose constraints would depend on each other.
+    #[error("contacts \"{first}\" and \"{second}\" are between the same surfaces: \"{boundary}\" has the same facets opposite in both")]
+    RepeatedContact {
+        /// Name of one.
+        first: String,
+        /// Name of the other.
+        second: String,
+        /// Secondary `body.boundary` of the second.
+        boundary: String,
+    },
     /// A formulation that does not go with a body.
     #[error("body \"{body}\": {source}")]
     Formulation {
@@ -172,6 +182,7 @@ impl ModelError {
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::Formulation { source, .. } => source.cure(),
+            ModelError::RepeatedContact { .. } => "define one contact for each pair of surfaces".into(),
             ModelError::HeldAndMoved { .. } => {
                 "hold the other directions only, as in `fix(boundary, \"x\")`, or leave this one out of `prescribe`".into()
             }

@@ -62,7 +62,8 @@ impl Model {
         let of = |body: &BodyDefinition| {
             let (ratio, cells) = (body.material.bulk_over_shear(), body.mesh.kind);
             let has_one_point = cells.has_one_point();
-            let is_free = body.formulation.plane == Plane::Stress || (body.formulation.dilatation == Dilatation::Mean && !has_one_point);
+            let is_free =
+                body.formulation.plane == Plane::Stress || (body.formulation.dilatation != Dilatation::Pointwise && !has_one_point);
             let has_mean = body.material.kinematics() == Kinematics::GreenLagrange && body.material.split().is_some();
             (body.material.hardly_changes_volume() && !is_free).then(|| Locking {
                 body: body.name.clone(),

@@ -1,8 +1,9 @@
 //! A deformable body in the numbering of the model.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
-use crate::bodies::{ElementLoop, Step};
+use crate::bodies::{ElementLoop, Recovery, Step};
 use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
 use crate::linear::Pattern;
 
@@ -16,6 +17,8 @@ pub struct Body<const D: usize> {
     pub nodes: Range<usize>,
     /// The loop over its cells.
     pub elements: Box<dyn ElementLoop<D>>,
+    /// How values of its cells become such of its nodes, once it is known.
+    pub recovery: OnceLock<Recovery>,
 }
 
 impl<const D: usize> Part for Body<D> {

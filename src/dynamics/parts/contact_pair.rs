@@ -161,12 +161,16 @@ impl ContactPair {
     }
 
     /// Holds it by penalty potentials: the pressure at a node is `factor * youngs_modulus / h` times its depth, whatever length of the
-    /// surface it stands for. `q`: positions at rest.
-    pub fn penalize(&mut self, factor: f64, q: &[f64]) {
+    /// surface it stands for, and of which circumference. `q`: positions at rest;
+    /// `has_middles`: whether the edges of the surface are of second order, whose ends on the axis stand for nothing.
+    pub fn penalize(&mut self, factor: f64, q: &[f64], has_middles: bool) {
         let of_depth = factor * self.c * self.kernel.facet_size();
+        // Half a facet that ends on the axis stands for what a third of the facet away from it does.
+        let on_axis = if self.is_round && !has_middles { std::f64::consts::TAU * 2.0 / 3.0 } else { 0.0 };
         let around = |row: usize| self.node_of(row).map_or(1.0, |node| self.circumference(node, q));
         let rows = self.rows.clone().zip(self.kernel.weights());
-        self.penalties = rows.map(|(row, weight)| of_depth * around(row) / weight.max(f64::MIN_POSITIVE)).collect();
+        let stiffness = |(row, &weight): (usize, &f64)| of_depth * f64::max(around(row), on_axis * weight) / weight.max(f64::MIN_POSITIVE);
+        self.penalties = rows.map(stiffness).collect();
         self.hold = Hold::Penalty;
     }
 

@@ -91,7 +91,10 @@ impl Pairing<'_> {
         (pair.update, pair.equality) = (interaction.update.unwrap_or(self.default_rule), interaction.equality);
         match interaction.enforcement {
             Enforcement::Multiplier => {}
-            Enforcement::Penalty { factor } => pair.penalize(factor, self.reference),
+            Enforcement::Penalty { factor } => {
+                let has_middles = self.middles.lengths(&facets, self.reference).is_some();
+                pair.penalize(factor, self.reference, has_middles);
+            }
             Enforcement::AugmentedLagrange { factor } => pair.hold = Hold::Augmented { factor },
         }
         pair

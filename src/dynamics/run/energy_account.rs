@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::ledger::LedgerRow;
 use crate::math::digits::{percent, three_digits};
-use crate::math::tolerances::CONSERVED;
+use crate::math::tolerances::{CONSERVED, NO_ENERGY};
 
 /// Sums over the rows of a run `[energy]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,7 +34,7 @@ impl EnergyAccount {
         let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
         let (loads, contact, viscosity) = (sum(|row| row.load_work), sum(|row| row.contact_work), -sum(|row| row.dissipation));
         let integrator = sum(|row| row.energy_defect);
-        let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max);
         let otherwise = last.total() - first.total() - loads - contact - viscosity - integrator;
         EnergyAccount { start: first.total(), end: last.total(), loads, contact, viscosity, integrator, otherwise, scale }
     }

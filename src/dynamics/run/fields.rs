@@ -42,16 +42,44 @@ impl BodyFields {
 
     /// Pressure at a node, a third of the negative trace of the stress `[stress]`.
     pub fn pressure(&self, node: usize) -> f64 {
-        let [xx, yy, zz, ..] = self.stress[node];
-        -(xx + yy + zz) / 3.0
+        pressure(&self.stress[node])
     }
 
     /// Von Mises stress at a node `[stress]`.
     pub fn von_mises(&self, node: usize) -> f64 {
-        let [xx, yy, zz, xy, yz, xz] = self.stress[node];
-        let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
-        (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
+        von_mises(&self.stress[node])
     }
+}
+
+/// Pressure of a stress xx, yy, zz, xy, yz, xz, a third of its negative trace `[stress]`.
+pub fn pressure([xx, yy, zz, ..]: &[f64; 6]) -> f64 {
+    -(xx + yy + zz) / 3.0
+}
+
+/// Von Mises stress of a stress xx, yy, zz, xy, yz, xz `[stress]`.
+pub fn von_mises([xx, yy, zz, xy, yz, xz]: &[f64; 6]) -> f64 {
+    let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+    (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
+}
+
+/// Where stresses and strains inside of cells are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellPlaces {
+    /// One mean for each cell, by volume, at its centroid.
+    Cells,
+    /// Each quadrature point, those of a cell together.
+    Points,
+}
+
+/// Stress and strain at a place inside of a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CellStress {
+    /// Present position `[length]`.
+    pub position: [f64; 3],
+    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`.
+    pub stress: [f64; 6],
+    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz.
+    pub strain: [f64; 6],
 }
 
 /// One body as a whole at one time.
@@ -84,6 +112,21 @@ pub struct PlacedObstacle {
     pub shape: Obstacle,
     /// Its translation `[length]`.
     pub translation: [f64; 2],
+}
+
+/// Constraints of a tie that follow from others and from supports, and are left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RedundantConstraints {
+    /// Name of the tie.
+    pub tie: String,
+    /// How many of its constraints.
+    pub count: usize,
+    /// How many it has.
+    pub of: usize,
+    /// Body of the first node that has one, and its number there.
+    pub node: (String, usize),
+    /// Where that node is at rest `[length]`.
+    pub place: [f64; 3],
 }
 
 /// Quantities of a contact pair at one time; every vector has one entry per secondary node, in the order of the nodes along the surface.

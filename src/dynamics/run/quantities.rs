@@ -2,9 +2,9 @@
 
 use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
-use crate::bodies::{Elements, Projected, Space, StressError};
+use crate::bodies::{Elements, Recovery, Space, StressError, Stresses};
 use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::body::Body;
@@ -20,9 +20,6 @@ where
         let q = &self.system.nodes.positions(u)[..];
         let v = &self.state.velocities;
         let nodes = self.system.nodes.count();
-        let (stress, strain) = self.stresses_at(u);
-        let mut error = StressError::new(nodes);
-        self.system.bodies.iter().for_each(|body| body.elements.stress_error(u, &stress, &mut error));
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
         let evaluations = self.system.evaluations_at(q, &self.state.lambda);
@@ -52,40 +49,54 @@ where
             .bodies
             .iter()
             .zip(&self.model.bodies)
-            .map(|(body, definition)| BodyFields {
-                name: body.name.clone(),
-                mesh: definition.mesh.clone(),
-                displacement: body.nodes.clone().map(|node| vector(u, node)).collect(),
-                velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
-                stress: stress[body.nodes.clone()].to_vec(),
-                strain: strain[body.nodes.clone()].to_vec(),
-                stress_error: body.nodes.clone().map(|node| error.at(node)).collect(),
-                contact_pressure: pressure[body.nodes.clone()].to_vec(),
-                contact_gap: gap[body.nodes.clone()].to_vec(),
-                contact_force: contact_force[body.nodes.clone()].to_vec(),
-                contact_active: contact_active[body.nodes.clone()].to_vec(),
+            .map(|(body, definition)| {
+                let Stresses { stress, strain } = self.stresses_at(u, body);
+                BodyFields {
+                    name: body.name.clone(),
+                    mesh: definition.mesh.clone(),
+                    displacement: body.nodes.clone().map(|node| vector(u, node)).collect(),
+                    velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
+                    stress_error: StressError::new(&*body.elements, u, body.nodes.clone(), &stress).at_nodes(),
+                    stress,
+                    strain,
+                    contact_pressure: pressure[body.nodes.clone()].to_vec(),
+                    contact_gap: gap[body.nodes.clone()].to_vec(),
+                    contact_force: contact_force[body.nodes.clone()].to_vec(),
+                    contact_active: contact_active[body.nodes.clone()].to_vec(),
+                }
             })
             .collect()
     }
 
-    /// Stress and strain at all nodes.
-    fn stresses_at(&self, u: &[f64]) -> (Vec<[f64; 6]>, Vec<[f64; 6]>) {
-        let mut sums = Projected::new(self.system.nodes.count());
-        self.system.bodies.iter().for_each(|body| body.elements.project(u, &mut sums));
-        let mean = |(sum, weight): (&[f64; 6], &f64)| sum.map(|value| value / weight);
-        (sums.stress.iter().zip(&sums.weight).map(mean).collect(), sums.strain.iter().zip(&sums.weight).map(mean).collect())
+    /// Stress and strain at the nodes of a body.
+    fn stresses_at(&self, u: &[f64], body: &Body<D>) -> Stresses {
+        let recovery = body.recovery.get_or_init(|| Recovery::new(&self.model.bodies[body.number].mesh));
+        Stresses::at_nodes(&*body.elements, u, body.nodes.clone(), recovery)
     }
 
-    /// Estimated errors of the stresses of all bodies over the size of the stresses.
-    pub fn estimated_errors(&self) -> Vec<f64> {
-        let u = &self.state.displacements;
-        let (stress, _) = self.stresses_at(u);
-        let of = |body: &Body<D>| {
-            let mut error = StressError::new(self.system.nodes.count());
-            body.elements.stress_error(u, &stress, &mut error);
-            error.relative()
-        };
-        self.system.bodies.iter().map(of).collect()
+    /// Estimated error of the stresses of a body over the size of the stresses.
+    pub fn estimated_error(&self, body: usize) -> f64 {
+        let (u, body) = (&self.state.displacements, &self.system.bodies[body]);
+        StressError::new(&*body.elements, u, body.nodes.clone(), &self.stresses_at(u, body).stress).relative()
+    }
+
+    /// Stress and strain inside of the cells of a body, in the order of the cells.
+    pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
+        let (q, elements) = (&self.state.positions, &self.system.bodies[body].elements);
+        let mut points = Vec::new();
+        elements.visit_stresses(&self.state.displacements, &mut |point| {
+            let mut position = [0.0; 3];
+            for (shape, &node) in point.shapes.iter().zip(point.nodes) {
+                (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
+            }
+            let share = point.volume / point.cell_volume;
+            points.push((point.cell, share, CellStress { position, stress: point.stress, strain: point.strain }));
+        });
+        points.sort_by_key(|point| point.0);
+        match places {
+            CellPlaces::Points => points.into_iter().map(|(.., values)| values).collect(),
+            CellPlaces::Cells => points.chunk_by(|a, b| a.0 == b.0).map(mean).collect(),
+        }
     }
 
     /// One body as a whole.
@@ -103,7 +114,7 @@ where
         }
         BodyTotals {
             mass,
-            stress_error: self.estimated_errors()[body],
+            stress_error: self.estimated_error(body),
             kinetic: half_product(v, momenta),
             strain: elements.strain_energy(&state.displacements),
             potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
@@ -126,6 +137,20 @@ where
             }
         }
         placed
+    }
+
+    /// The ties of which some constraints follow from others.
+    pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
+        let system = &self.system;
+        let of = |pair: &ContactPair| {
+            let mut rows = pair.rows.clone().filter(|&row| system.redundant[row]);
+            let node = pair.node_of(rows.next()?)? as usize;
+            let (body, number) = system.owner(node);
+            let place = std::array::from_fn(|i| if i < D { system.nodes.reference[node * D + i] } else { 0.0 });
+            let (tie, count, of) = (pair.name.clone(), rows.count() + 1, pair.rows.len());
+            Some(RedundantConstraints { tie, count, of, node: (body.into(), number), place })
+        };
+        system.pairs.iter().filter_map(of).collect()
     }
 
     pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {
@@ -205,6 +230,17 @@ where
         };
         self.probes.iter().map(values).collect()
     }
+}
+
+/// Mean of the values at the points of a cell, by their shares.
+fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
+    let mut mean = CellStress::default();
+    for (_, share, values) in points {
+        (0..3).for_each(|i| mean.position[i] += share * values.position[i]);
+        (0..6).for_each(|k| mean.stress[k] += share * values.stress[k]);
+        (0..6).for_each(|k| mean.strain[k] += share * values.strain[k]);
+    }
+    mean
 }
 
 /// A contact and its corners with their evaluations and multipliers.

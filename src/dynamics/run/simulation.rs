@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -185,6 +185,19 @@ impl Simulation {
         self.steps.body(body)
     }
 
+    /// Stress and strain inside of the cells of one body, in the order of the cells.
+    ///
+    /// # Panics
+    /// The model has no body of that index.
+    pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
+        self.steps.cell_stresses(body, places)
+    }
+
+    /// The ties of which some constraints follow from others and from supports, and are left out.
+    pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
+        self.steps.redundant_constraints()
+    }
+
     /// Every rigid obstacle where it is now.
     pub fn obstacles(&self) -> Vec<PlacedObstacle> {
         self.steps.obstacles()
@@ -292,7 +305,7 @@ impl Simulation {
     pub fn is_doubtful(&self, rows: &[LedgerRow]) -> bool {
         let is_doubt =
             |kind| matches!(kind, RunFindingKind::PositiveContactWork | RunFindingKind::EnergyDefect | RunFindingKind::PassedThrough);
-        self.findings(rows).iter().any(|finding| is_doubt(finding.kind))
+        run_findings(rows, &self.steps.measures()).into_iter().chain(self.passed_through()).any(|finding| is_doubt(finding.kind))
     }
 
     /// What the velocities say of the steps to come: contacts whose sides slide so fast that steps would be halved.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -33,7 +33,9 @@ pub trait Steps: Send {
     fn watched(&self) -> &[usize];
     fn fields(&self) -> Vec<BodyFields>;
     fn body(&self, body: usize) -> BodyTotals;
+    fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress>;
     fn excesses(&self) -> Vec<Excess>;
+    fn redundant_constraints(&self) -> Vec<RedundantConstraints>;
     fn stress_errors(&self) -> Vec<(&str, f64)>;
     fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;

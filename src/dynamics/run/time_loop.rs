@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::closing::Closing;
 use super::engine::Engine;
 use super::failed::tried;
-use super::fields::{BodyFields, BodyTotals, ContactFields, ContactSurface, PlacedObstacle};
+use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -117,7 +117,12 @@ where
             self.state = before;
             self.restore_search();
         }
-        outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
+        // Equilibria on the way are not kept.
+        let time = self.state.row.time;
+        outcome.map_err(|error| match self.options.or_interrupted(error, time) {
+            StepError::Interrupted { .. } => StepError::Interrupted { time },
+            error => error,
+        })
     }
 
     fn watch(&mut self, node: usize) {
@@ -142,6 +147,10 @@ where
         self.failure.as_ref().map(|(_, u)| self.fields_at(u))
     }
 
+    fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
+        self.cell_stresses(body, places)
+    }
+
     fn body(&self, body: usize) -> BodyTotals {
         self.body_totals(body)
     }
@@ -150,8 +159,12 @@ where
         self.excessive_cells()
     }
 
+    fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
+        self.redundant_constraints()
+    }
+
     fn stress_errors(&self) -> Vec<(&str, f64)> {
-        self.system.bodies.iter().map(|body| body.name.as_str()).zip(self.estimated_errors()).collect()
+        self.system.bodies.iter().enumerate().map(|(index, body)| (body.name.as_str(), self.estimated_error(index))).collect()
     }
 
     fn obstacles(&self) -> Vec<PlacedObstacle> {

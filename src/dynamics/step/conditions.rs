@@ -87,7 +87,7 @@ impl<const D: usize> System<D> {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         let held = self.closed_gaps();
         let mut targets = vec![0.0; gap_n.len()];
-        let mut members = vec![true; gap_n.len()];
+        let mut members: Vec<bool> = self.redundant.iter().map(|is_redundant| !is_redundant).collect();
         let mut shift = vec![0.0; gap_n.len()];
         let end_point = start.derivative() == Derivative::AT_END;
         for pair in &self.pairs {
@@ -100,7 +100,7 @@ impl<const D: usize> System<D> {
                         gap_n[row] += shift[row];
                     }
                 } else if pair.update.holds == Holds::AsItIs {
-                    members[row] = pair.equality || gap_n[row] <= held + closed;
+                    members[row] &= pair.equality || gap_n[row] <= held + closed;
                     targets[row] = gap_n[row];
                 } else if !pair.equality {
                     targets[row] = gap_n[row].min(held);

@@ -66,7 +66,7 @@ pub fn worst_violation<const D: usize>(
 
 /// Whether an iterate meets the contact conditions.
 pub fn meets<const D: usize>(system: &System<D>, at: &Linearization, conditions: &Conditions) -> bool {
-    let (mut dropped, mut kept) = (vec![false; at.lambda.len()], at.lambda.clone());
+    let (mut dropped, mut kept) = (system.redundant.clone(), at.lambda.clone());
     !drop_slivers(system, at, &mut dropped, &mut kept) && worst_violation(system, at, conditions, &dropped).0 <= 1.0
 }
 

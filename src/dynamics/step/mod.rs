@@ -17,6 +17,7 @@ pub mod matrix;
 pub mod newton;
 pub mod predictor;
 pub mod push;
+pub mod redundancy;
 pub mod search_history;
 pub mod start;
 pub mod system;

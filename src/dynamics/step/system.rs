@@ -9,7 +9,7 @@
 //!
 //! (Hesch and Betsch 2007, equation 3). Its numbers at an iterate are a [`Linearization`](super::iterate::Linearization).
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::counters::Counters;
@@ -49,6 +49,8 @@ pub struct System<const D: usize> {
     pub pairs: Vec<ContactPair>,
     /// Number of their rows.
     pub multipliers: usize,
+    /// Rows of ties that follow from others and from supports, and take part in no step.
+    pub redundant: Vec<bool>,
     /// The matrix of the steps.
     pub matrix: Matrix,
     /// What has been done so far.
@@ -111,6 +113,7 @@ where
             others,
             pairs,
             multipliers,
+            redundant: vec![false; multipliers],
             matrix,
             counters: Counters::default(),
             spare: Spare::default(),
@@ -155,7 +158,7 @@ where
         let elements = Space::<D>::elements(&body.mesh, &body.material, body.formulation, first)
             .map_err(|Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant })?;
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
-        bodies.push(Body { name: body.name.clone(), number, nodes: first..reference.len() / D, elements });
+        bodies.push(Body { name: body.name.clone(), number, nodes: first..reference.len() / D, elements, recovery: OnceLock::new() });
     }
     Ok((bodies, reference))
 }
@@ -394,5 +397,6 @@ impl<const D: usize> System<D> {
             self.matrix.is_stale |= pair.kernel.update_candidates(&Outlook::within(q, 0.0));
             pair.kernel.begin_step(q);
         }
+        self.redundant = self.redundant_rows();
     }
 }

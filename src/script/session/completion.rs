@@ -135,6 +135,9 @@ impl Words<'_> {
                 if !self.registry.types().contains(self.engine.map_type_name(value.type_name())) {
                     found.extend(self.builtin_members(value));
                 }
+                if value.is_array() {
+                    found.extend(self.of_arrays());
+                }
                 self.engine.map_type_name(value.type_name()).to_string()
             }
             Known::Type(name) => name.to_string(),
@@ -167,6 +170,18 @@ impl Words<'_> {
                 display: format!("{name}({names})"),
             })
             .collect()
+    }
+
+    /// Functions of the language that take an array alone, which may stand in front of a dot.
+    fn of_arrays(&self) -> impl Iterator<Item = Candidate> {
+        let takes_an_array = |function: &&Rc<Function>| {
+            function.form == Form::Function && matches!(function.parameters.as_slice(), [only] if only.kind == Kind::Array)
+        };
+        let member = |function: &Rc<Function>| {
+            let text = format!("{}()", function.name);
+            Candidate { display: text.clone(), text }
+        };
+        self.registry.functions().iter().filter(takes_an_array).map(member)
     }
 
     /// What is known of the expression that ends in front of piece `end`.

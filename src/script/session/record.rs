@@ -90,7 +90,7 @@ impl Record {
                 steps.extend(steps_since(session, before));
             }
             self.entries.push(Recorded { text, fate: Fate::Interrupted { steps } });
-        } else if affected || tokens.iter().any(|lexeme| lexeme.token.is_op_assignment() || matches!(lexeme.token, Token::Equals)) {
+        } else if affected || (is_compound(tokens) && tokens.iter().any(|lexeme| assigns(&lexeme.token))) {
             self.entries.push(Recorded { text, fate: Fate::Failed });
         }
     }
@@ -113,7 +113,9 @@ impl Record {
         if starts_with_none {
             lines.push(format!("let {ANSWER} = ();"));
         }
-        for (entry, named) in self.entries.iter().zip(named) {
+        let is_left_out =
+            |entry: &Recorded, named: bool| entry.fate == Fate::Done { value: true } && !named && is_look(session, &entry.text);
+        for (entry, named) in self.entries.iter().zip(named).filter(|(entry, named)| !is_left_out(entry, *named)) {
             lines.push(match &entry.fate {
                 Fate::Done { .. } if named => with_named_value(session, &entry.text),
                 Fate::Done { .. } => terminated(session, &entry.text),
@@ -132,6 +134,22 @@ impl Record {
         lines.push(String::new());
         lines.join("\n")
     }
+}
+
+/// Whether a token assigns.
+fn assigns(token: &Token) -> bool {
+    token.is_op_assignment() || matches!(token, Token::Equals)
+}
+
+/// Whether a statement has others inside, of which some may be done when it fails.
+fn is_compound(tokens: &[Lexeme]) -> bool {
+    tokens.iter().any(|lexeme| matches!(lexeme.token, Token::LeftBrace))
+}
+
+/// Whether a text only looks at variables and properties.
+fn is_look(session: &Session, text: &str) -> bool {
+    let acts = |token: &Token| assigns(token) || matches!(token, Token::LeftParen | Token::LeftBrace | Token::Let | Token::Const);
+    !lexemes(session, text).iter().any(|lexeme| acts(&lexeme.token))
 }
 
 /// Assignments that give the variables named in an interrupted statement the values they have now, where these can be written.

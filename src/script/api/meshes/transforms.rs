@@ -9,6 +9,7 @@ use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -84,14 +85,18 @@ fn scale() -> Function {
             let mesh = call.receiver::<MeshHandle>().mesh();
             let argument = call.argument("factor");
             let factors = if argument.value().is_array() {
-                let factors = argument.numbers_of(mesh.dimension())?;
+                let factors = argument.numbers_of(mesh.dimension()).map_err(not_mirrored)?;
                 [factors[0], factors[1], factors.get(2).copied().unwrap_or(1.0)]
             } else {
-                [argument.number()?; 3]
+                [argument.number().map_err(not_mirrored)?; 3]
             };
             mesh_value(call, (*mesh).clone().scale(factors))
         }),
     }
+}
+
+fn not_mirrored(failure: Failure) -> Failure {
+    failure.hint("a mirror image would have its cells inside out: draw the outline mirrored before it is meshed")
 }
 
 fn map_function() -> Function {

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
-use crate::dynamics::{BodyFields, BodyTotals};
+use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, pressure, von_mises};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
@@ -13,63 +13,87 @@ use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// What a field has at a node.
+/// What a field is, and where it is known.
 #[derive(Clone, Copy)]
 enum Value {
+    /// A number at each node.
     Number(fn(&BodyFields, usize) -> f64),
+    /// A vector at each node.
     Vector(fn(&BodyFields, usize) -> [f64; 3]),
-    /// A component of the stress.
-    Stress(usize),
-    /// A component of the strain.
-    Strain(usize),
+    /// The position of each node, or place inside of a cell.
+    Position,
+    /// A number of the stress, wherever that is known.
+    Stress(fn(&[f64; 6]) -> f64),
+    /// A number of the strain.
+    Strain(fn(&[f64; 6]) -> f64),
 }
 
 /// All fields by their names.
 static FIELDS: &[(&str, Value)] = &[
-    ("position", Value::Vector(BodyFields::position)),
+    ("position", Value::Position),
     ("displacement", Value::Vector(|body, node| body.displacement[node])),
     ("velocity", Value::Vector(|body, node| body.velocity[node])),
     ("contact_force", Value::Vector(|body, node| body.contact_force[node])),
     ("contact_pressure", Value::Number(|body, node| body.contact_pressure[node])),
     ("contact_gap", Value::Number(|body, node| body.contact_gap[node])),
-    ("von_mises", Value::Number(BodyFields::von_mises)),
-    ("pressure", Value::Number(BodyFields::pressure)),
+    ("von_mises", Value::Stress(von_mises)),
+    ("pressure", Value::Stress(pressure)),
     ("stress_error", Value::Number(|body, node| body.stress_error[node])),
-    ("stress_xx", Value::Stress(0)),
-    ("stress_yy", Value::Stress(1)),
-    ("stress_zz", Value::Stress(2)),
-    ("stress_xy", Value::Stress(3)),
-    ("stress_yz", Value::Stress(4)),
-    ("stress_xz", Value::Stress(5)),
-    ("strain_xx", Value::Strain(0)),
-    ("strain_yy", Value::Strain(1)),
-    ("strain_zz", Value::Strain(2)),
-    ("strain_xy", Value::Strain(3)),
-    ("strain_yz", Value::Strain(4)),
-    ("strain_xz", Value::Strain(5)),
+    ("stress_xx", Value::Stress(|stress| stress[0])),
+    ("stress_yy", Value::Stress(|stress| stress[1])),
+    ("stress_zz", Value::Stress(|stress| stress[2])),
+    ("stress_xy", Value::Stress(|stress| stress[3])),
+    ("stress_yz", Value::Stress(|stress| stress[4])),
+    ("stress_xz", Value::Stress(|stress| stress[5])),
+    ("strain_xx", Value::Strain(|strain| strain[0])),
+    ("strain_yy", Value::Strain(|strain| strain[1])),
+    ("strain_zz", Value::Strain(|strain| strain[2])),
+    ("strain_xy", Value::Strain(|strain| strain[3])),
+    ("strain_yz", Value::Strain(|strain| strain[4])),
+    ("strain_xz", Value::Strain(|strain| strain[5])),
 ];
 
-impl Value {
-    /// Its value at a node: a number, or so many components.
-    fn at(self, body: &BodyFields, node: usize, dimension: usize) -> Dynamic {
+/// Where values are taken, as a script names it.
+static PLACES: &[(&str, Option<CellPlaces>)] = &[("nodes", None), ("cells", Some(CellPlaces::Cells)), ("points", Some(CellPlaces::Points))];
+
+/// Values of a field with the positions where they are.
+enum Chosen {
+    Numbers(Vec<([f64; 3], f64)>),
+    Vectors(Vec<([f64; 3], [f64; 3])>),
+}
+
+impl Chosen {
+    /// Numbers, or the lengths of vectors.
+    fn sizes(self) -> Vec<([f64; 3], f64)> {
         match self {
-            Value::Vector(read) => vector(&read(body, node), dimension),
-            _ => self.size(body, node).into(),
+            Chosen::Numbers(numbers) => numbers,
+            Chosen::Vectors(vectors) => vectors.into_iter().map(|(position, [x, y, z])| (position, x.hypot(y).hypot(z))).collect(),
+        }
+    }
+}
+
+impl Value {
+    fn at_nodes(self, body: &BodyFields) -> Chosen {
+        let placed = |node: usize| body.position(node);
+        let nodes = 0..body.displacement.len();
+        match self {
+            Value::Number(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(body, node))).collect()),
+            Value::Stress(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(&body.stress[node]))).collect()),
+            Value::Strain(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(&body.strain[node]))).collect()),
+            Value::Vector(read) => Chosen::Vectors(nodes.map(|node| (placed(node), read(body, node))).collect()),
+            Value::Position => Chosen::Vectors(nodes.map(|node| (placed(node), placed(node))).collect()),
         }
     }
 
-    /// The number, or the length of the vector.
-    fn size(self, body: &BodyFields, node: usize) -> f64 {
+    /// The same inside of cells, where that is known.
+    fn in_cells(self, cells: &[CellStress]) -> Option<Chosen> {
         match self {
-            Value::Number(read) => read(body, node),
-            Value::Stress(component) => body.stress[node][component],
-            Value::Strain(component) => body.strain[node][component],
-            Value::Vector(read) => {
-                let [x, y, z] = read(body, node);
-                x.hypot(y).hypot(z)
-            }
+            Value::Stress(read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(&cell.stress))).collect())),
+            Value::Strain(read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(&cell.strain))).collect())),
+            Value::Position => Some(Chosen::Vectors(cells.iter().map(|cell| (cell.position, cell.position)).collect())),
+            Value::Number(_) | Value::Vector(_) => None,
         }
     }
 }
@@ -113,15 +137,20 @@ fn field() -> Function {
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
         summary: "a field of a body now: an array with a number or a vector for each node, in the order of `position`; stress is Cauchy's, \
-                  strain Green and Lagrange's, both extrapolated from the quadrature points of each cell and averaged at the nodes",
+                  strain Green and Lagrange's, both recovered at the nodes from the cells nearby, or as they are inside of the cells",
         parameters: parameters(),
         returns: "Array",
-        example: flight_example("sim.run_to(0.05);\nlet stress = sim.field(\"von_mises\", plate);\nprint(stress.len());"),
+        example: flight_example(
+            "sim.run_to(0.05);\nlet stress = sim.field(\"von_mises\", plate);\nprint(stress.len());\n\
+             print(sim.field(\"stress_xx\", plate, #{ at: \"points\" }).len());",
+        ),
         see_also: &["extremes", "body", "picture", "write_fields"],
         body: body(|call| {
             let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
-            let (fields, value) = chosen(call)?;
-            let values: Array = (0..fields.displacement.len()).map(|node| value.at(&fields, node, dimension)).collect();
+            let values: Array = match chosen(call)? {
+                Chosen::Numbers(numbers) => numbers.into_iter().map(|(_, number)| number.into()).collect(),
+                Chosen::Vectors(vectors) => vectors.iter().map(|(_, value)| vector(value, dimension)).collect(),
+            };
             Ok(values.into())
         }),
     }
@@ -142,14 +171,14 @@ fn extremes() -> Function {
         see_also: &["field", "picture"],
         body: body(|call| {
             let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
-            let (fields, value) = chosen(call)?;
+            let sizes = chosen(call)?.sizes();
             // A gap is not a number where nothing lies opposite.
-            let sizes = || (0..fields.displacement.len()).map(|node| (node, value.size(&fields, node))).filter(|(_, size)| !size.is_nan());
+            let sizes = || sizes.iter().filter(|(_, size)| !size.is_nan());
             let ends = sizes().min_by(|a, b| a.1.total_cmp(&b.1)).zip(sizes().max_by(|a, b| a.1.total_cmp(&b.1)));
             let mut found = Map::new();
-            let mut put = |size: &str, at: &str, (node, value): (usize, f64)| {
-                found.insert(size.into(), value.into());
-                found.insert(at.into(), vector(&fields.position(node), dimension));
+            let mut put = |size: &str, at: &str, (position, value): &([f64; 3], f64)| {
+                found.insert(size.into(), (*value).into());
+                found.insert(at.into(), vector(position, dimension));
             };
             let Some((least, most)) = ends else {
                 let failure = call.fail(format!("\"{}\" has no value at any node of this body", call.text("name")?));
@@ -164,16 +193,33 @@ fn extremes() -> Function {
 
 fn parameters() -> Vec<Parameter> {
     static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| FIELDS.iter().map(|row| row.0).collect());
-    vec![Parameter::new("name", Kind::Choice(&NAMES), "which field"), Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body")]
+    static AT: LazyLock<Vec<&str>> = LazyLock::new(|| PLACES.iter().map(|row| row.0).collect());
+    let at = Parameter::new(
+        "at",
+        Kind::Choice(&AT),
+        "where: at the nodes, one mean for each cell at its centroid, or at the quadrature points of each cell; the last two for stress, \
+         strain and `position`",
+    );
+    vec![
+        Parameter::new("name", Kind::Choice(&NAMES), "which field"),
+        Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+        Parameter::new("options", Kind::Options(vec![at.or(Absent::Text("nodes"))]), "where values are taken")
+            .or(Absent::Means("at the nodes")),
+    ]
 }
 
-/// The fields of the body that a call names, and how to read the one that it names.
-fn chosen(call: &Call) -> Result<(BodyFields, Value), Failure> {
-    let (handle, name) = (call.receiver::<SimulationHandle>(), call.text("name")?);
-    let index = handle.body_index(call)?;
-    let mut fields = handle.with(call, |simulation| simulation.fields())?;
+/// Values of the field of the body that a call names.
+fn chosen(call: &Call) -> Result<Chosen, Failure> {
+    let (handle, name, options) = (call.receiver::<SimulationHandle>(), call.text("name")?, call.options("options")?);
+    let (index, at) = (handle.body_index(call)?, options.text("at")?);
     let value = FIELDS.iter().find(|row| row.0 == name).map_or(FIELDS[0].1, |row| row.1);
-    Ok((fields.swap_remove(index), value))
+    let Some(places) = PLACES.iter().find(|row| row.0 == at).and_then(|row| row.1) else {
+        return handle.with(call, |simulation| value.at_nodes(&simulation.fields()[index]));
+    };
+    handle.with(call, |simulation| value.in_cells(&simulation.cell_stresses(index, places)))?.ok_or_else(|| {
+        let failure = options.argument("at").fail(format!("\"{name}\" is a field of the nodes"));
+        failure.hint("inside of cells there are stresses, strains, `von_mises`, `pressure` and `position`")
+    })
 }
 
 /// A body as a whole at the time when it was asked for.

@@ -62,6 +62,8 @@ pub struct SimulationData {
     pub causes_seen: Cell<usize>,
     /// Largest total energy so far.
     pub scale: Cell<f64>,
+    /// How often equilibrium was asked for since anything has changed.
+    pub standing: Cell<u32>,
     /// Whether it takes steps now.
     pub advancing: Cell<bool>,
     /// Whether the kernels know the row of the last step alone, because an earlier program has computed it.

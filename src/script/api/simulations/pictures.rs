@@ -159,7 +159,8 @@ fn panels(options: &Options) -> Result<Vec<Panel>, Failure> {
     let units: Vec<&str> = units.split(',').map(str::trim).collect();
     if fields.len() > 1 && argument.is_given() && units.len() != fields.len() {
         let failure = argument.fail(format!("{} must name one unit for each of the {} fields", argument.title(), fields.len()));
-        return Err(failure.label(format!("this names {}", units.len())).hint("write `\"MPa, mm\"`"));
+        let example: Vec<String> = names.iter().map(|name| format!("<unit of {name}>")).collect();
+        return Err(failure.label(format!("this names {}", units.len())).hint(format!("write `unit: \"{}\"`", example.join(", "))));
     }
     let unit = |index: usize| if fields.len() == 1 { units.join(", ") } else { units.get(index).unwrap_or(&"").to_string() };
     Ok(fields.iter().zip(ranges).enumerate().map(|(index, (&field, range))| Panel { field, range, unit: unit(index) }).collect())

@@ -186,7 +186,11 @@ fn formulation(formulation: Formulation, dimension: usize) -> String {
         Plane::Stress => "plane stress",
         Plane::Axisymmetric => "axisymmetric",
     };
-    let mean = if formulation.dilatation == Dilatation::Mean { ", mean dilatation" } else { "" };
+    let mean = match formulation.dilatation {
+        Dilatation::Pointwise => "",
+        Dilatation::Mean => ", mean dilatation",
+        Dilatation::Linear => ", linear dilatation",
+    };
     format!("{plane}{mean}")
 }
 

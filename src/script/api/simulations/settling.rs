@@ -6,15 +6,19 @@ use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 
 use super::handle::{SimulationHandle, busy, result_used};
 use super::journal::go_on;
-use crate::dynamics::{SettleReport, StepError};
+use crate::dynamics::{LedgerRow, SettleReport, StepError};
 use crate::math::catalogue::Interval;
 use crate::output::checkpoint::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::{brief, number_text};
+use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Parameter};
+
+/// How often equilibrium may be asked for at one time without any change.
+const STANDSTILL: u32 = 100;
 
 /// `settle`: equilibrium now or at a later time.
 pub fn settle() -> Function {
@@ -72,6 +76,19 @@ impl SimulationHandle {
         settled.map_err(|error| self.step_failure(call, error).into())
     }
 
+    /// Refuses to go on where equilibria at one time follow each other without any change, as in a loop that waits for a later time.
+    fn refuse_standstill(&self, call: &Call, before: &LedgerRow, now: &LedgerRow) -> Result<(), Failure> {
+        let count = if (before.time, before.strain) == (now.time, now.strain) { self.0.standing.get() + 1 } else { 0 };
+        self.0.standing.set(count);
+        if count < STANDSTILL {
+            return Ok(());
+        }
+        let failure = call.fail("`settle` does not move time");
+        let time = brief(self.0.script_time(now.time));
+        let failure = failure.cause(format!("it was called {STANDSTILL} times at t = {time}, and nothing has changed"));
+        Err(failure.hint("write `sim.settle(time)` for equilibrium at a later time, or `sim.run_to(time)` for motion"))
+    }
+
     fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
         let data = &self.0;
         self.refuse_wrong_way(call)?;
@@ -82,9 +99,11 @@ impl SimulationHandle {
         self.refuse_nested(call)?;
         call.host.go_on()?;
         call.host.observer.began(&format!("settling \"{}\"", data.name));
+        let before = data.simulation.borrow().row().clone();
         let settled = self.settled(call, time);
         call.host.observer.ended();
         let report = settled?;
+        self.refuse_standstill(call, &before, data.simulation.borrow().row())?;
         self.show(call.host);
         call.host.count_effect();
         data.past.borrow_mut().clear();

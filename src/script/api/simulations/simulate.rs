@@ -12,8 +12,9 @@ use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::journal::Journal;
 use crate::contact::Finding;
-use crate::dynamics::{LedgerRow, Model, Options, Simulation};
+use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
 use crate::integrators::{self, Scheme};
+use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
 use crate::script::api::asides::{current_motion, is_study};
@@ -25,7 +26,7 @@ use crate::script::api::motion::Motion;
 use crate::script::api::parameters::check_overrides;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::digits::number_text;
+use crate::script::language::digits::{brief_vector, number_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -158,11 +159,30 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
         call.host.warn(warning.hint(finding.cure()));
     }
+    for found in simulation.redundant_constraints() {
+        let RedundantConstraints { tie, count, of, node: (body, number), place } = found;
+        let title = format!("{count} of {of} constraints of tie \"{tie}\" follow from supports and other ties, and are left out");
+        let warning = Diagnostic::warning(title, model.place_of_contact(&tie));
+        let warning = warning.cause(format!("the first is that of node {number} of body \"{body}\", at {}", brief_vector(&place[..2])));
+        call.host.warn(
+            warning.hint("tie surfaces once, and leave supports to one of two tied surfaces; nothing is lost unless supports part them"),
+        );
+    }
     for body in model.model.locking() {
         call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.cure()));
     }
+    for body in &model.model.bodies {
+        // Laws of the catalogue are sound at rest.
+        let of_text = body.material.energy().map(|_| body.material.weaknesses_at_rest()).unwrap_or_default();
+        for weakness in of_text.iter().filter(|weakness| !matches!(weakness, Weakness::EnergyAtRest(_))) {
+            let title = format!("the law of body \"{}\" is not sound at rest: {weakness}", body.name);
+            let warning = Diagnostic::warning(title, call.place(&Target::Call));
+            call.host
+                .warn(warning.hint("mend its energy, such as with `I1bar` in place of `I1`; `material.check()` tells all that is wrong"));
+        }
+    }
     for body in model.model.falling() {
-        let title = format!("gravity moves body \"{}\" for ever: it has no support, and nothing to land on", body.name);
+        let title = format!("gravity moves body \"{}\" for ever: neither it nor what it may touch has a support to rest on", body.name);
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
     }
@@ -253,6 +273,7 @@ pub fn create(
         motion,
         spent: Cell::new(spent),
         scale: Cell::new(simulation.row().total().abs()),
+        standing: Cell::new(0),
         overlaps: RefCell::default(),
         accepts_overlap: Cell::default(),
         simulation: RefCell::new(simulation),

@@ -47,7 +47,13 @@ pub fn write(
         // What looks like another ending gives way.
         let stem =
             path.rsplit_once('.').filter(|(stem, ending)| !stem.is_empty() && !ending.contains('/')).map_or(&*path, |(stem, _)| stem);
-        return Err(failure.label("another ending").hint(format!("write \"{stem}{}\"", endings[0])));
+        let is_video = [".mp4", ".webm", ".avi", ".mov", ".mkv"].iter().any(|ending| path.ends_with(ending));
+        return Err(match endings.contains(&".gif") && is_video {
+            true => failure
+                .label("a video, for which there is no encoder")
+                .hint(format!("write \"{stem}.gif\", or \"{stem}.png\" (animated PNG), which video tools convert")),
+            false => failure.label("another ending").hint(format!("write \"{stem}{}\"", endings[0])),
+        });
     }
     if call.host.is_check() {
         call.host.findings.borrow_mut().push(format!("would write {path}"));

@@ -105,9 +105,11 @@ impl Explainer<'_> {
         if matches!(function.form, Form::Property(_)) {
             return script(format!("`{name}` is a property, not a function")).hint("leave out the parentheses");
         }
-        let counted = given.len() - usize::from(function.form.receiver().is_some());
-        let least = function.parameters.iter().filter(|parameter| !parameter.is_optional()).count();
-        let most = function.parameters.len();
+        // In front of a dot or not, the object that it belongs to is written once.
+        let object = usize::from(function.form.receiver().is_some());
+        let (counted, more) = if after_dot { (given.len() - object, 0) } else { (given.len(), object) };
+        let least = more + function.parameters.iter().filter(|parameter| !parameter.is_optional()).count();
+        let most = more + function.parameters.len();
         let wanted = if least == most {
             count_of(most, "argument", "arguments")
         } else {

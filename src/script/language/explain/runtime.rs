@@ -44,7 +44,12 @@ impl Explainer<'_> {
                     0 => "it is empty; columns of a history have no entries before the first step".into(),
                     count => format!("it has {}, counted from 0", count_of(count, "entry", "entries")),
                 })
-                .hint("negative numbers count from the end: `array[-1]` is the last"),
+                .hint(match place {
+                    Some(place) if *count <= 1 && is_of_history(place) => {
+                        "no step has been taken: `run_to`, `step` and `settle` add entries to a history"
+                    }
+                    _ => "negative numbers count from the end: `array[-1]` is the last",
+                }),
             ErrorStringBounds(count, index, _) => script(format!("the string has no character {index}"))
                 .cause(format!("it has {}", count_of(*count, "character", "characters"))),
             ErrorBitFieldBounds(count, index, _) => script(format!("there is no bit {index}")).cause(format!("there are {count} bits")),
@@ -81,6 +86,12 @@ impl Explainer<'_> {
             other => script(lower(&other.to_string())),
         }
     }
+}
+
+/// Whether what is indexed at a place is written as a column of a history.
+fn is_of_history(place: &Place) -> bool {
+    let before = place.text.get(..place.range.start).unwrap_or("").trim_end_matches('[');
+    before.rsplit(|letter: char| !(letter.is_alphanumeric() || letter == '_' || letter == '.')).next().unwrap_or("").contains(".history")
 }
 
 /// A closure that uses the object whose method it was given to.

@@ -1,0 +1,143 @@
+//! Values at the nodes of cells of first order, recovered from those of the cells nearby.
+//!
+//! Means of four-node and eight-node cells are of second order at their centres, and so are means of two triangles between these: what is
+//! wrong with the one is wrong with the other in the opposite direction. A linear polynomial is fitted to such samples around each node,
+//! and read there (superconvergent patch recovery: Zienkiewicz and Zhu, International Journal for Numerical Methods in Engineering 33,
+//! 1992). At a surface the few cells at a node leave the slope open, so that the patch grows by the cells that share nodes with it.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::math::tolerances::RECOVERY_AMPLIFICATION;
+use crate::mesh::Mesh;
+
+/// How often a patch may grow.
+const GROWTHS: usize = 3;
+
+/// For each node of a mesh the factors of the cells around it.
+pub struct Recovery {
+    /// Where each node's cells begin, and where the last ones end.
+    starts: Vec<usize>,
+    cells: Vec<(u32, f64)>,
+}
+
+impl Recovery {
+    /// For the nodes of a mesh; none has a factor where the cells are of second order.
+    pub fn new(mesh: &Mesh) -> Self {
+        let mut recovery = Recovery { starts: vec![0], cells: Vec::new() };
+        let patches = mesh.kind.is_first_order().then(|| Patches::new(mesh));
+        for node in 0..mesh.points.len() {
+            recovery.cells.extend(patches.as_ref().and_then(|patches| patches.factors(node)).unwrap_or_default());
+            recovery.starts.push(recovery.cells.len());
+        }
+        recovery
+    }
+
+    /// The value at each node that has factors, from values of the cells.
+    pub fn recovered<'a>(&'a self, cells: &'a [[f64; 6]]) -> impl Iterator<Item = (usize, [f64; 6])> + 'a {
+        self.starts.windows(2).enumerate().filter(|(_, ends)| ends[0] < ends[1]).map(move |(node, ends)| {
+            let mut value = [0.0; 6];
+            for &(cell, factor) in &self.cells[ends[0]..ends[1]] {
+                value.iter_mut().zip(cells[cell as usize]).for_each(|(sum, value)| *sum += factor * value);
+            }
+            (node, value)
+        })
+    }
+}
+
+/// The mean of one cell or of two, and where it belongs: at the mean of their centres.
+struct Sample {
+    cells: Vec<u32>,
+    place: [f64; 3],
+}
+
+/// What patches are made of.
+struct Patches<'a> {
+    mesh: &'a Mesh,
+    /// The cells at each node.
+    around: Vec<Vec<u32>>,
+    samples: Vec<Sample>,
+    /// The samples that begin with each cell.
+    of_cell: Vec<Vec<usize>>,
+}
+
+impl<'a> Patches<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        let mut patches = Patches {
+            mesh,
+            around: vec![Vec::new(); mesh.points.len()],
+            samples: Vec::new(),
+            of_cell: vec![Vec::new(); mesh.cell_count()],
+        };
+        let mut facets: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for (index, cell) in (0u32..).zip(mesh.cells()) {
+            cell.iter().for_each(|&node| patches.around[node as usize].push(index));
+            if !mesh.kind.has_one_point() {
+                patches.add_sample(&[index]);
+                continue;
+            }
+            for facet in mesh.kind.row().facets {
+                let mut nodes: Vec<u32> = facet.iter().map(|&local| cell[local]).collect();
+                nodes.sort_unstable();
+                match facets.remove(&nodes) {
+                    Some(neighbor) => patches.add_sample(&[neighbor, index]),
+                    None => drop(facets.insert(nodes, index)),
+                }
+            }
+        }
+        patches
+    }
+
+    fn add_sample(&mut self, cells: &[u32]) {
+        let nodes: Vec<u32> = cells.iter().flat_map(|&cell| self.mesh.cell(cell as usize)).copied().collect();
+        let mean = |i: usize| nodes.iter().map(|&node| self.mesh.points[node as usize][i]).sum::<f64>() / nodes.len() as f64;
+        let place = std::array::from_fn(mean);
+        self.of_cell[cells[0] as usize].push(self.samples.len());
+        self.samples.push(Sample { cells: cells.to_vec(), place });
+    }
+
+    /// Cells and their factors in the value at a node; none where no patch tells a slope in every direction, as in one layer of cells.
+    fn factors(&self, node: usize) -> Option<BTreeMap<u32, f64>> {
+        let mut patch = self.around[node].clone();
+        for _ in 0..=GROWTHS {
+            let is_inside = |sample: &&Sample| sample.cells.iter().all(|cell| patch.binary_search(cell).is_ok());
+            let begun = patch.iter().flat_map(|&cell| &self.of_cell[cell as usize]);
+            let samples: Vec<&Sample> = begun.map(|&sample| &self.samples[sample]).filter(is_inside).collect();
+            if let Some(factors) = self.fitted(node, &samples) {
+                let mut sums = BTreeMap::new();
+                for (sample, factor) in samples.iter().zip(factors) {
+                    let share = factor / sample.cells.len() as f64;
+                    sample.cells.iter().for_each(|&cell| *sums.entry(cell).or_insert(0.0) += share);
+                }
+                return Some(sums);
+            }
+            patch = self.grown(&patch);
+        }
+        None
+    }
+
+    /// The cells of a patch and all that share a node with one of them, in order.
+    fn grown(&self, patch: &[u32]) -> Vec<u32> {
+        let nodes = patch.iter().flat_map(|&cell| self.mesh.cell(cell as usize));
+        let mut cells: Vec<u32> = nodes.flat_map(|&node| self.around[node as usize].iter().copied()).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
+
+    /// Factors of samples in the value at a node of the linear polynomial with least squares, where they do not amplify what is wrong with
+    /// the samples: with `P` the values of the polynomials there, all but the first of which are zero at the node, the factors are
+    /// `P (P^T P)^-1 e_1`, and the sum of their squares is the first entry of `(P^T P)^-1`.
+    fn fitted(&self, node: usize, samples: &[&Sample]) -> Option<Vec<f64>> {
+        let arm = |sample: &&Sample| -> [f64; 3] { std::array::from_fn(|i| sample.place[i] - self.mesh.points[node][i]) };
+        let arms: Vec<[f64; 3]> = samples.iter().map(arm).collect();
+        let reach = arms.iter().flatten().fold(0.0f64, |reach, x| reach.max(x.abs()));
+        let count = self.mesh.dimension() + 1;
+        let values = DMatrix::from_fn(arms.len(), count, |row, k| if k == 0 { 1.0 } else { arms[row][k - 1] / reach });
+        let mut first = DVector::zeros(count);
+        first[0] = 1.0;
+        let coefficients = values.tr_mul(&values).cholesky()?.solve(&first);
+        (coefficients[0] <= RECOVERY_AMPLIFICATION).then(|| (values * coefficients).iter().copied().collect())
+    }
+}

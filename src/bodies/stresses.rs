@@ -1,0 +1,121 @@
+//! Stresses and strains of a body: at the quadrature points of its cells, as means of the cells, at its nodes, and how far off they are.
+//!
+//! Tensors have the components xx, yy, zz, xy, yz, xz; the stress is Cauchy's, the strain Green and Lagrange's.
+
+use std::ops::Range;
+
+use super::element_loop::ElementLoop;
+use super::recovery::Recovery;
+
+/// Stress and strain at a quadrature point.
+#[derive(Clone, Copy, Debug)]
+pub struct PointStress<'a> {
+    /// Number of the cell in its mesh.
+    pub cell: usize,
+    /// The cell's nodes in the model.
+    pub nodes: &'a [u32],
+    /// Values of the cell's shape functions at the point.
+    pub shapes: &'a [f64],
+    /// Factors of the point's values in those that are extrapolated to the nodes of the cell.
+    pub extrapolation: &'a [f64],
+    /// Undeformed volume that belongs to the point.
+    pub volume: f64,
+    /// Undeformed volume of the cell.
+    pub cell_volume: f64,
+    /// Cauchy stress `[stress]`.
+    pub stress: [f64; 6],
+    /// Green-Lagrange strain.
+    pub strain: [f64; 6],
+}
+
+/// Stress and strain at each of some places.
+#[derive(Clone, Debug)]
+pub struct Stresses {
+    /// Cauchy stress `[stress]`.
+    pub stress: Vec<[f64; 6]>,
+    /// Green-Lagrange strain.
+    pub strain: Vec<[f64; 6]>,
+}
+
+impl Stresses {
+    fn zeros(count: usize) -> Self {
+        Stresses { stress: vec![[0.0; 6]; count], strain: vec![[0.0; 6]; count] }
+    }
+
+    fn add(&mut self, place: usize, share: f64, point: &PointStress) {
+        let add = |sum: &mut [f64; 6], values: &[f64; 6]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
+        add(&mut self.stress[place], &point.stress);
+        add(&mut self.strain[place], &point.strain);
+    }
+
+    /// Values at the nodes of a body, these numbers of the model: recovered from the cells nearby where they are of first order, elsewhere
+    /// extrapolated from the quadrature points of each cell and averaged by volume (Hinton and Campbell, International Journal for
+    /// Numerical Methods in Engineering 8, 1974); NaN at nodes of no cell.
+    pub fn at_nodes<const D: usize>(elements: &dyn ElementLoop<D>, u: &[f64], nodes: Range<usize>, recovery: &Recovery) -> Self {
+        let (mut values, mut weight) = (Stresses::zeros(nodes.len()), vec![0.0; nodes.len()]);
+        let mut means = Stresses::zeros(elements.cliques().len());
+        elements.visit_stresses(u, &mut |point| {
+            means.add(point.cell, point.volume / point.cell_volume, point);
+            for (&node, factor) in point.nodes.iter().zip(point.extrapolation) {
+                let (node, share) = (node as usize - nodes.start, point.cell_volume * factor);
+                weight[node] += share;
+                values.add(node, share, point);
+            }
+        });
+        for (values, means) in [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain)] {
+            values.iter_mut().zip(&weight).for_each(|(value, weight)| *value = value.map(|value| value / weight));
+            recovery.recovered(means).for_each(|(node, value)| values[node] = value);
+        }
+        values
+    }
+}
+
+/// How far stresses of cells are from a continuous stress, squares over volumes (Zienkiewicz and Zhu, International Journal for Numerical
+/// Methods in Engineering 24, 1987).
+pub struct StressError {
+    /// Of all cells `[stress^2 volume]`.
+    off: f64,
+    /// The same of the continuous stress itself.
+    size: f64,
+    /// Of the cells at each node, and their volumes.
+    at_nodes: Vec<[f64; 2]>,
+}
+
+impl StressError {
+    /// Of a body with these nodes of the model, on which a continuous stress has these values.
+    pub fn new<const D: usize>(elements: &dyn ElementLoop<D>, u: &[f64], nodes: Range<usize>, continuous: &[[f64; 6]]) -> Self {
+        let mut error = StressError { off: 0.0, size: 0.0, at_nodes: vec![[0.0; 2]; nodes.len()] };
+        elements.visit_stresses(u, &mut |point| {
+            let mut smooth = [0.0; 6];
+            for (shape, &node) in point.shapes.iter().zip(point.nodes) {
+                smooth.iter_mut().zip(continuous[node as usize - nodes.start]).for_each(|(sum, value)| *sum += shape * value);
+            }
+            let off: [f64; 6] = std::array::from_fn(|k| smooth[k] - point.stress[k]);
+            let (off, size) = (point.volume * contracted(&off), point.volume * contracted(&smooth));
+            error.off += off;
+            error.size += size;
+            for &node in point.nodes {
+                let [sum, volume] = &mut error.at_nodes[node as usize - nodes.start];
+                *sum += off;
+                *volume += point.volume;
+            }
+        });
+        error
+    }
+
+    /// All of it over the size of the stress; 0 where there is no stress.
+    pub fn relative(&self) -> f64 {
+        if self.size > 0.0 { (self.off / self.size).sqrt() } else { 0.0 }
+    }
+
+    /// Root mean square over the cells at each node `[stress]`.
+    pub fn at_nodes(&self) -> Vec<f64> {
+        self.at_nodes.iter().map(|&[off, volume]| if volume > 0.0 { (off / volume).sqrt() } else { 0.0 }).collect()
+    }
+}
+
+/// Double contraction of a symmetric tensor with itself.
+fn contracted(tensor: &[f64; 6]) -> f64 {
+    let [direct, shear] = [&tensor[..3], &tensor[3..]].map(|part| part.iter().map(|x| x * x).sum::<f64>());
+    direct + 2.0 * shear
+}
