@@ -18,6 +18,7 @@ use super::node_patch::{self, Start};
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
 use super::surface::{Sides, Surface};
+use super::tips::Tip;
 use super::window::{Outlook, Travel, Window};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SAME_WAY;
@@ -297,6 +298,25 @@ impl NodeToSegment {
         pocket.filter(|branches| is_near && branches.iter().all(|[facet, _]| start.closest[*facet as usize]))
     }
 
+    /// The facet of the other side through which a corner has come, and out again through the next one.
+    fn passed(&self, p: usize, start: &Start, q: &[f64]) -> Option<u32> {
+        self.corners.as_ref()?;
+        let surface = &self.sides.secondary;
+        let &[one, other] = self.own_facets(self.point(p)) else { return None };
+        let node = self.points.nodes()[self.point(p)];
+        let ends = [one, other].map(|facet| surface.facets()[facet as usize]);
+        let (before, after) = if ends[0][1] == node { (ends[0][0], ends[1][1]) } else { (ends[1][0], ends[0][1]) };
+        let [before, at, after] = [before, node, after].map(|node| [q[2 * node as usize], q[2 * node as usize + 1]]);
+        let tip = Tip { before, at, after };
+        start.chain.corners().find_map(|([first, second], nodes)| {
+            let takes_part = start.closest[first as usize] && start.closest[second as usize];
+            let [before, at, after] = nodes.map(|node| [start.positions[2 * node as usize], start.positions[2 * node as usize + 1]]);
+            let other = Tip { before, at, after };
+            let side = if takes_part { tip.came_through(&other) } else { None };
+            side.map(|side| [first, second][side])
+        })
+    }
+
     /// Whether a corner is too deep to have constraints: what it sees is the far side of a body, or an overlap that it began with.
     fn is_sunk(&self, start: &Start) -> bool {
         self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -SUNK * self.sides.facet_size)
@@ -414,7 +434,8 @@ impl ContactKernel for NodeToSegment {
     fn begin_step(&mut self, q_0: &[f64]) {
         let mut starts = std::mem::take(&mut self.start);
         for (p, start) in starts.iter_mut().enumerate() {
-            start.begin(self.sides.patches.nodes(p), q_0, |start| self.pocket(start), |start| self.is_sunk(start));
+            let passed = |start: &Start| self.passed(p, start, q_0);
+            start.begin(self.sides.patches.nodes(p), q_0, passed, |start| self.pocket(start), |start| self.is_sunk(start));
         }
         self.start = starts;
     }

@@ -93,6 +93,7 @@ where
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
         row.probes = self.probe_values(&at.u_1, &v_1);
+        let drift = self.state.drift + row.energy_defect;
         let acted = obstacle_work != 0.0 || outside.load.iter().any(|f| *f != 0.0);
         let state = State {
             row,
@@ -108,6 +109,7 @@ where
             clock: self.state.clock,
             search,
             level: self.state.level,
+            drift,
             preferred,
             loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
         };
