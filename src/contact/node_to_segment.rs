@@ -18,7 +18,7 @@ use super::node_patch::{self, Start};
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
 use super::surface::{Sides, Surface};
-use super::tips::Tip;
+use super::tips::{Parting, Tip};
 use super::window::{Outlook, Travel, Window};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SAME_WAY;
@@ -298,23 +298,33 @@ impl NodeToSegment {
         pocket.filter(|branches| is_near && branches.iter().all(|[facet, _]| start.closest[*facet as usize]))
     }
 
-    /// The facet of the other side through which a corner has come, and out again through the next one.
-    fn passed(&self, p: usize, start: &Start, q: &[f64]) -> Option<u32> {
+    /// What a corner that crosses one of the other side sees of it: the line of a facet, or nothing; `None` where that is as always.
+    fn crossed(&self, p: usize, start: &Start, q: &[f64]) -> Option<Option<u32>> {
         self.corners.as_ref()?;
-        let surface = &self.sides.secondary;
-        let &[one, other] = self.own_facets(self.point(p)) else { return None };
-        let node = self.points.nodes()[self.point(p)];
-        let ends = [one, other].map(|facet| surface.facets()[facet as usize]);
-        let (before, after) = if ends[0][1] == node { (ends[0][0], ends[1][1]) } else { (ends[1][0], ends[0][1]) };
-        let [before, at, after] = [before, node, after].map(|node| [q[2 * node as usize], q[2 * node as usize + 1]]);
-        let tip = Tip { before, at, after };
-        start.chain.corners().find_map(|([first, second], nodes)| {
-            let takes_part = start.closest[first as usize] && start.closest[second as usize];
+        let measure = start.chain.measure(&start.positions, &start.closest)?;
+        let tip = self.tip(self.point(p), q)?;
+        let distance = |tip: &Tip| (tip.at[0] - start.positions[0]).hypot(tip.at[1] - start.positions[1]);
+        let tips = start.chain.corners().filter(|(facets, _)| facets.contains(&measure.facet)).map(|(facets, nodes)| {
             let [before, at, after] = nodes.map(|node| [start.positions[2 * node as usize], start.positions[2 * node as usize + 1]]);
-            let other = Tip { before, at, after };
-            let side = if takes_part { tip.came_through(&other) } else { None };
-            side.map(|side| [first, second][side])
-        })
+            (facets, Tip { before, at, after })
+        });
+        let (facets, other) = tips.min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
+        match tip.parting(&other)? {
+            Parting::AtOther(side) => (facets[side] != measure.facet).then_some(Some(facets[side])),
+            Parting::AtOwn { misleading } => {
+                let side = usize::from(facets[1] == measure.facet);
+                (misleading[side] && measure.gap < 0.0).then_some(None)
+            }
+        }
+    }
+
+    /// A point with the nodes beside it.
+    fn tip(&self, point: usize, q: &[f64]) -> Option<Tip> {
+        let &[one, other] = self.own_facets(point) else { return None };
+        let [one, other] = [one, other].map(|facet| self.sides.secondary.facets()[facet as usize]);
+        let (first, second) = if one[1] == self.points.nodes()[point] { (one, other) } else { (other, one) };
+        let [before, at, after] = [first[0], second[0], second[1]].map(|node| [q[2 * node as usize], q[2 * node as usize + 1]]);
+        Some(Tip { before, at, after })
     }
 
     /// Whether a corner is too deep to have constraints: what it sees is the far side of a body, or an overlap that it began with.
@@ -434,8 +444,8 @@ impl ContactKernel for NodeToSegment {
     fn begin_step(&mut self, q_0: &[f64]) {
         let mut starts = std::mem::take(&mut self.start);
         for (p, start) in starts.iter_mut().enumerate() {
-            let passed = |start: &Start| self.passed(p, start, q_0);
-            start.begin(self.sides.patches.nodes(p), q_0, passed, |start| self.pocket(start), |start| self.is_sunk(start));
+            let crossed = |start: &Start| self.crossed(p, start, q_0);
+            start.begin(self.sides.patches.nodes(p), q_0, crossed, |start| self.pocket(start), |start| self.is_sunk(start));
         }
         self.start = starts;
     }

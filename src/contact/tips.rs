@@ -1,9 +1,9 @@
-//! Convex corners of two surfaces that have slipped past each other: they cross, and no node is inside the other body.
+//! Convex corners of two surfaces that cross: beyond which side of which of them the other one lies.
 //!
 //! Two wedges are apart where the line of a side of one of them has the other one wholly in front of it, so of their four sides those count
-//! beyond which the other wedge opens away, each by the distance of its tip. The largest of these distances is how far the wedges are
-//! apart, or, negative, what it takes to part them (the separating axes of two convex sets). The distance of a tip from the body's own
-//! corner, where the nearer of both sides counts, sees the tip outside again once it has come through.
+//! from which the other wedge opens away, each by the distance of its tip. The largest of these distances is how far the wedges are
+//! apart, or, negative, what it takes to part them (the separating axes of two convex sets). The distance of a tip from the other body,
+//! for which the nearer of both sides counts, leads it on through the other tip, and sees it outside again behind that.
 
 /// A corner of a surface: its node, and those before and after it, the body on the left.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +11,18 @@ pub struct Tip {
     pub before: [f64; 2],
     pub at: [f64; 2],
     pub after: [f64; 2],
+}
+
+/// Sine of the turn from which on a corner is sharp, 20 degrees.
+const SHARP: f64 = 0.342;
+
+/// What parts two crossing tips with the least motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parting {
+    /// The line of this side of the other tip (0: before, 1: after its node).
+    AtOther(usize),
+    /// That of a side of the own tip; these sides of the other one do not part them.
+    AtOwn { misleading: [bool; 2] },
 }
 
 /// A side of a tip: from where, and along what.
@@ -30,18 +42,14 @@ impl Tip {
         [(self.before, minus(self.at, self.before)), (self.at, minus(self.after, self.at))]
     }
 
-    fn is_convex(&self) -> bool {
+    fn is_sharp(&self) -> bool {
         let [(_, t), (_, u)] = self.sides();
-        t[0] * u[1] - t[1] * u[0] > 0.0
+        t[0] * u[1] - t[1] * u[0] > SHARP * t[0].hypot(t[1]) * u[0].hypot(u[1])
     }
 
     /// Distance of a point from each side, negative behind it.
     fn gaps(&self, x: [f64; 2]) -> [f64; 2] {
         self.sides().map(|(from, along)| outward(along, minus(x, from)))
-    }
-
-    fn holds(&self, x: [f64; 2]) -> bool {
-        self.gaps(x).iter().all(|gap| *gap < 0.0)
     }
 
     /// For each side the distance of another tip from it, where the other body opens away from it.
@@ -63,20 +71,22 @@ impl Tip {
         self.sides().iter().any(|&own| other.sides().iter().any(|&side| is_cut(own, side) && is_cut(side, own)))
     }
 
-    /// The side (0: before, 1: after the node) of another tip through which this one has come and out again, if it is the line of that side
-    /// that parts them with the least motion.
-    pub fn came_through(&self, other: &Tip) -> Option<usize> {
-        let is_possible = self.is_convex() && other.is_convex() && !other.holds(self.at) && !self.holds(other.at);
-        if !is_possible || !self.crosses(other) {
+    /// What parts this tip from another one with the least motion, where they are sharp and cross.
+    pub fn parting(&self, other: &Tip) -> Option<Parting> {
+        if !self.is_sharp() || !other.is_sharp() || !self.crosses(other) {
             return None;
         }
         let largest = |apart: [Option<f64>; 2]| {
-            let known = apart.into_iter().enumerate().filter_map(|(side, gap)| Some((side, gap?)));
-            known.max_by(|a, b| a.1.total_cmp(&b.1))
+            let known = apart.into_iter().enumerate().filter_map(|(side, gap)| Some((gap?, side)));
+            known.max_by(|a, b| a.0.total_cmp(&b.0))
         };
-        let (side, gap) = largest(other.apart(self))?;
-        let back = largest(self.apart(other)).map_or(f64::NEG_INFINITY, |(_, gap)| gap);
-        (gap < 0.0 && gap >= back).then_some(side)
+        let (others, own) = (other.apart(self), largest(self.apart(other)));
+        let found = match (largest(others), own) {
+            (Some((gap, side)), own) if own.is_none_or(|(own, _)| gap >= own) => (gap, Parting::AtOther(side)),
+            (_, Some((gap, _))) => (gap, Parting::AtOwn { misleading: others.map(|gap| gap.is_none()) }),
+            _ => return None,
+        };
+        (found.0 < 0.0).then_some(found.1)
     }
 }
 
@@ -91,11 +101,18 @@ mod tests {
     }
 
     #[test]
-    fn the_side_that_a_tip_has_come_through_parts_them() {
+    fn what_parts_two_tips_is_the_least_motion_that_does() {
         let up = tip(true, [0.0, 0.0]);
-        // Beside the other one, in it, through it, so far through that the other one's tip is nearer, above it.
-        let places = [[-0.3, -0.3], [0.0, -0.3], [0.2, -0.3], [0.4, -0.3], [0.2, 0.4]];
-        let found = places.map(|x| [tip(false, x).came_through(&up), up.came_through(&tip(false, x))]);
-        assert_eq!(found, [[None; 2], [None; 2], [Some(1), None], [None, Some(0)], [None; 2]]);
+        let parting = |x: [f64; 2]| [tip(false, x).parting(&up), up.parting(&tip(false, x))];
+        // Beside the other one, above it.
+        assert_eq!([parting([-0.3, -0.3]), parting([0.2, 0.4])], [[None; 2]; 2]);
+        // A little into it, where the nearer side is the one that leads on through; and out there.
+        for x in [[0.01, -0.3], [0.14, -0.3], [0.2, -0.3]] {
+            let back = Some(Parting::AtOwn { misleading: [false, true] });
+            assert_eq!(parting(x), [Some(Parting::AtOther(1)), back], "{x:?}");
+        }
+        // So far through that the other one's tip is nearer to a side of it.
+        let back = Some(Parting::AtOwn { misleading: [true, false] });
+        assert_eq!(parting([0.4, -0.3]), [back, Some(Parting::AtOther(0))]);
     }
 }
