@@ -75,8 +75,9 @@ impl Start {
         }
     }
 
-    /// Keeps what depends on the start of the step, `nodes` those of the patch; `pocket` finds the concave corner that the point is in,
-    /// `crossed` what it sees of a corner that it crosses if that is not what it always sees, and what `is_sunk` has no measure: first of that corner, then at all.
+    /// Keeps what depends on the start of the step, `nodes` those of the patch. `crossed` finds what a corner sees of one that it crosses, if
+    /// that is not what it always sees; `pocket` the concave corner that the point is in; what `is_sunk` has no measure, first of that
+    /// corner, then at all.
     pub fn begin(
         &mut self,
         nodes: &[u32],

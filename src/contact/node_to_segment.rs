@@ -81,7 +81,12 @@ pub struct NodeToSegment {
 #[derive(Clone, Debug)]
 enum Corners {
     /// Where both sides are bent, sharply or bluntly.
-    Bends { sharp: Bends, blunt: Bends },
+    Bends {
+        sharp: Bends,
+        blunt: Bends,
+        /// Whether the corners of the other side have constraints as these.
+        is_mutual: bool,
+    },
     /// These points of the secondary side.
     Points(Vec<bool>),
 }
@@ -146,7 +151,7 @@ impl NodeToSegment {
         let [sharp, blunt] = cosines.map(|cosine| Bends::new(both, reference, cosine));
         let within = |(side, bends): (&Surface, &Vec<bool>)| bends.iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
         let corners = if both.into_iter().zip(&blunt.reference).any(within) {
-            Corners::Bends { sharp, blunt }
+            Corners::Bends { sharp, blunt, is_mutual: !is_beside_nodes }
         } else if sides.secondary.is_closed() {
             return None;
         } else {
@@ -203,7 +208,7 @@ impl NodeToSegment {
 
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
-        let Some(Corners::Bends { sharp, blunt }) = &mut self.corners else { return };
+        let Some(Corners::Bends { sharp, blunt, .. }) = &mut self.corners else { return };
         let sides = [&self.sides.secondary, &self.sides.primary];
         sharp.find(sides, q);
         blunt.find(sides, q);
@@ -214,7 +219,7 @@ impl NodeToSegment {
         let primary = &self.sides.primary;
         match &self.corners {
             Some(Corners::Points(points)) if !points[point] => None,
-            Some(Corners::Bends { sharp, blunt }) if !sharp.are_at(point, facets, primary) => {
+            Some(Corners::Bends { sharp, blunt, .. }) if !sharp.are_at(point, facets, primary) => {
                 blunt.are_at(point, facets, primary).then_some(BEND_SLACK)
             }
             _ => Some(1.0),
@@ -313,7 +318,9 @@ impl NodeToSegment {
             Parting::AtOther(side) => (facets[side] != measure.facet).then_some(Some(facets[side])),
             Parting::AtOwn { misleading } => {
                 let side = usize::from(facets[1] == measure.facet);
-                (misleading[side] && measure.gap < 0.0).then_some(None)
+                // Where the other side has no such constraint, this one holds as well as it can.
+                let is_mutual = matches!(self.corners, Some(Corners::Bends { is_mutual: true, .. }));
+                (is_mutual && misleading[side] && measure.gap < 0.0).then_some(None)
             }
         }
     }
