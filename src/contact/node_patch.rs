@@ -75,8 +75,8 @@ impl Start {
         }
     }
 
-    /// Keeps what depends on the start of the step, `nodes` those of the patch. `crossed` finds what a corner sees of one that it crosses, if
-    /// that is not what it always sees; `pocket` the concave corner that the point is in; what `is_sunk` has no measure, first of that
+    /// Keeps what depends on the start of the step, `nodes` those of the patch. `crossed` finds what a corner sees of one that it crosses,
+    /// if that is not what it always sees; `pocket` the concave corner that the point is in; what `is_sunk` has no measure, first of that
     /// corner, then at all.
     pub fn begin(
         &mut self,

@@ -305,7 +305,8 @@ impl NodeToSegment {
 
     /// What a corner that crosses one of the other side sees of it: the line of a facet, or nothing; `None` where that is as always.
     fn crossed(&self, p: usize, start: &Start, q: &[f64]) -> Option<Option<u32>> {
-        self.corners.as_ref()?;
+        // Where the other side has no such constraint, this one holds as it always does.
+        let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
         let measure = start.chain.measure(&start.positions, &start.closest)?;
         let tip = self.tip(self.point(p), q)?;
         let distance = |tip: &Tip| (tip.at[0] - start.positions[0]).hypot(tip.at[1] - start.positions[1]);
@@ -318,9 +319,7 @@ impl NodeToSegment {
             Parting::AtOther(side) => (facets[side] != measure.facet).then_some(Some(facets[side])),
             Parting::AtOwn { misleading } => {
                 let side = usize::from(facets[1] == measure.facet);
-                // Where the other side has no such constraint, this one holds as well as it can.
-                let is_mutual = matches!(self.corners, Some(Corners::Bends { is_mutual: true, .. }));
-                (is_mutual && misleading[side] && measure.gap < 0.0).then_some(None)
+                (misleading[side] && measure.gap < 0.0).then_some(None)
             }
         }
     }
