@@ -44,7 +44,8 @@ fn pressure(meshes: [(Mesh, &str); 2], plane: Plane, method: &'static ContactMet
     let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 1e-3))?;
     sim.settle()?;
     let fields = sim.contact("fit").ok_or("there is no such contact")?;
-    Ok(fields.pressure.iter().sum::<f64>() / fields.pressure.len() as f64)
+    // The mean over the surface: nodal pressures of a method that fails the patch test differ, and those at ends stand for half as much.
+    Ok(fields.normal_force / fields.area)
 }
 
 /// Radial displacement of a ring's contact side at radius 1 by a unit pressure, its other side at that radius.

@@ -50,6 +50,15 @@ impl Chain {
         &self.facets
     }
 
+    /// Its facets that follow each other, with their nodes in that order.
+    pub fn corners(&self) -> impl Iterator<Item = ([u32; 2], [u32; 3])> {
+        let pairs = self.neighbors.iter().enumerate().filter(|(_, [_, next])| *next != NONE);
+        pairs.map(|(facet, &[_, next])| {
+            let [before, at] = self.facets[facet];
+            ([facet as u32, next], [before, at, self.facets[next as usize][1]])
+        })
+    }
+
     /// What measures the gap at the positions `z` of the patch; facets that are not `admitted` cannot be the closest. `None` where the
     /// function vanishes identically.
     pub fn measure(&self, z: &[f64], admitted: &[bool]) -> Option<Measure> {

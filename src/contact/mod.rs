@@ -35,6 +35,7 @@ mod round;
 mod search;
 mod surface;
 mod tie;
+mod tips;
 mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};

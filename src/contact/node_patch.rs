@@ -20,6 +20,8 @@ pub struct Start {
     pub measures: [Option<Measure>; 2],
     /// The facets of the concave corner that the node is in, each with the end at which they meet and with a row of its own in this step.
     pub pocket: Option<[[u32; 2]; 2]>,
+    /// The facet whose line alone measures in this step, where the point is a corner that crosses another one.
+    pub line: Option<u32>,
     /// The round surface about the point, with the facet that it is opposite; otherwise the point is one of a surface.
     pub round: Option<Round>,
     /// Slack of its constraint over that of the pair.
@@ -63,6 +65,9 @@ impl Start {
 
     /// What measures the gap of each row.
     pub fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
+        if let Some(facet) = self.line {
+            return [Some(self.chain.line(facet, z)), None];
+        }
         match (self.pocket, self.round) {
             (Some(branches), _) => branches.map(|branch| self.chain.measure_branch(branch, z, &self.closest)),
             (None, Some(Round { radius, is_concave })) => [self.chain.distance_of_disk(z, is_concave, radius), None],
@@ -70,18 +75,29 @@ impl Start {
         }
     }
 
-    /// Keeps what depends on the start of the step, `nodes` those of the patch; `pocket` finds the concave corner that the point is in, and
-    /// what `is_sunk` has no measure: first of that corner, then at all.
+    /// Keeps what depends on the start of the step, `nodes` those of the patch. `crossed` finds what a corner sees of one that it crosses,
+    /// if that is not what it always sees; `pocket` the concave corner that the point is in; what `is_sunk` has no measure, first of that
+    /// corner, then at all.
     pub fn begin(
         &mut self,
         nodes: &[u32],
         q_0: &[f64],
+        crossed: impl Fn(&Start) -> Option<Option<u32>>,
         pocket: impl Fn(&Start) -> Option<[[u32; 2]; 2]>,
         is_sunk: impl Fn(&Start) -> bool,
     ) {
         let mut positions = std::mem::take(&mut self.positions);
         self.gather_into(nodes, q_0, &mut positions);
         self.positions = positions;
+        let crossed = crossed(self);
+        if let Some(line) = crossed {
+            self.line = line;
+            if line.is_none() {
+                self.closest.fill(false);
+            }
+            self.measures = self.measures(&self.positions);
+            return;
+        }
         self.pocket = pocket(self);
         self.measures = self.measures(&self.positions);
         if is_sunk(self) {

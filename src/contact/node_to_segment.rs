@@ -18,6 +18,7 @@ use super::node_patch::{self, Start};
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
 use super::surface::{Sides, Surface};
+use super::tips::{Parting, Tip};
 use super::window::{Outlook, Travel, Window};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SAME_WAY;
@@ -80,7 +81,12 @@ pub struct NodeToSegment {
 #[derive(Clone, Debug)]
 enum Corners {
     /// Where both sides are bent, sharply or bluntly.
-    Bends { sharp: Bends, blunt: Bends },
+    Bends {
+        sharp: Bends,
+        blunt: Bends,
+        /// Whether the corners of the other side have constraints as these.
+        is_mutual: bool,
+    },
     /// These points of the secondary side.
     Points(Vec<bool>),
 }
@@ -145,7 +151,7 @@ impl NodeToSegment {
         let [sharp, blunt] = cosines.map(|cosine| Bends::new(both, reference, cosine));
         let within = |(side, bends): (&Surface, &Vec<bool>)| bends.iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
         let corners = if both.into_iter().zip(&blunt.reference).any(within) {
-            Corners::Bends { sharp, blunt }
+            Corners::Bends { sharp, blunt, is_mutual: !is_beside_nodes }
         } else if sides.secondary.is_closed() {
             return None;
         } else {
@@ -202,7 +208,7 @@ impl NodeToSegment {
 
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
-        let Some(Corners::Bends { sharp, blunt }) = &mut self.corners else { return };
+        let Some(Corners::Bends { sharp, blunt, .. }) = &mut self.corners else { return };
         let sides = [&self.sides.secondary, &self.sides.primary];
         sharp.find(sides, q);
         blunt.find(sides, q);
@@ -213,7 +219,7 @@ impl NodeToSegment {
         let primary = &self.sides.primary;
         match &self.corners {
             Some(Corners::Points(points)) if !points[point] => None,
-            Some(Corners::Bends { sharp, blunt }) if !sharp.are_at(point, facets, primary) => {
+            Some(Corners::Bends { sharp, blunt, .. }) if !sharp.are_at(point, facets, primary) => {
                 blunt.are_at(point, facets, primary).then_some(BEND_SLACK)
             }
             _ => Some(1.0),
@@ -295,6 +301,36 @@ impl NodeToSegment {
         let is_near = measure.covered && start.chain.distance(measure.facet, &start.positions) <= POCKET_REACH * self.sides.facet_size;
         let pocket = start.chain.pocket(measure.facet, &start.positions, POCKET.to_radians().sin());
         pocket.filter(|branches| is_near && branches.iter().all(|[facet, _]| start.closest[*facet as usize]))
+    }
+
+    /// What a corner that crosses one of the other side sees of it: the line of a facet, or nothing; `None` where that is as always.
+    fn crossed(&self, p: usize, start: &Start, q: &[f64]) -> Option<Option<u32>> {
+        // Where the other side has no such constraint, this one holds as it always does.
+        let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
+        let measure = start.chain.measure(&start.positions, &start.closest)?;
+        let tip = self.tip(self.point(p), q)?;
+        let distance = |tip: &Tip| (tip.at[0] - start.positions[0]).hypot(tip.at[1] - start.positions[1]);
+        let tips = start.chain.corners().filter(|(facets, _)| facets.contains(&measure.facet)).map(|(facets, nodes)| {
+            let [before, at, after] = nodes.map(|node| [start.positions[2 * node as usize], start.positions[2 * node as usize + 1]]);
+            (facets, Tip { before, at, after })
+        });
+        let (facets, other) = tips.min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
+        match tip.parting(&other)? {
+            Parting::AtOther(side) => (facets[side] != measure.facet).then_some(Some(facets[side])),
+            Parting::AtOwn { misleading } => {
+                let side = usize::from(facets[1] == measure.facet);
+                (misleading[side] && measure.gap < 0.0).then_some(None)
+            }
+        }
+    }
+
+    /// A point with the nodes beside it.
+    fn tip(&self, point: usize, q: &[f64]) -> Option<Tip> {
+        let &[one, other] = self.own_facets(point) else { return None };
+        let [one, other] = [one, other].map(|facet| self.sides.secondary.facets()[facet as usize]);
+        let (first, second) = if one[1] == self.points.nodes()[point] { (one, other) } else { (other, one) };
+        let [before, at, after] = [first[0], second[0], second[1]].map(|node| [q[2 * node as usize], q[2 * node as usize + 1]]);
+        Some(Tip { before, at, after })
     }
 
     /// Whether a corner is too deep to have constraints: what it sees is the far side of a body, or an overlap that it began with.
@@ -414,7 +450,8 @@ impl ContactKernel for NodeToSegment {
     fn begin_step(&mut self, q_0: &[f64]) {
         let mut starts = std::mem::take(&mut self.start);
         for (p, start) in starts.iter_mut().enumerate() {
-            start.begin(self.sides.patches.nodes(p), q_0, |start| self.pocket(start), |start| self.is_sunk(start));
+            let crossed = |start: &Start| self.crossed(p, start, q_0);
+            start.begin(self.sides.patches.nodes(p), q_0, crossed, |start| self.pocket(start), |start| self.is_sunk(start));
         }
         self.start = starts;
     }

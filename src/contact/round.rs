@@ -104,7 +104,7 @@ impl ContactKernel for RoundContact {
 
     fn begin_step(&mut self, q_0: &[f64]) {
         for (p, start) in self.start.iter_mut().enumerate() {
-            start.begin(self.sides.patches.nodes(p), q_0, |_| None, |_| false);
+            start.begin(self.sides.patches.nodes(p), q_0, |_| None, |_| None, |_| false);
         }
     }
 

@@ -4,6 +4,10 @@
 /// Well above round-off (1e-16) and a hundred times below the promised defect of 1e-11 per step.
 pub const NEWTON_ENERGY: f64 = 1e-13;
 
+/// Part of [`NEWTON_ENERGY`] that is left in a step where those before it have added up to [`DEFECT`]: a million steps of one sign stay far
+/// below that.
+pub const EXACT: f64 = 1e-6;
+
 /// What the momentum that a residual gives within a step counts against the energy that it moves: with the default tolerance a step is done
 /// with 5e-12 of the momentum that belongs to its energy.
 pub const NEWTON_MOMENTUM: f64 = 0.01;

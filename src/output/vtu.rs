@@ -439,6 +439,7 @@ mod tests {
                 positions: (0..3).map(|node| [x + node as f64, 0.25, 0.0]).collect(),
                 pressure: vec![1.0, 2.0, x],
                 gap: vec![0.0, 0.1 + 0.2, f64::NAN],
+                mean_pressure: vec![1.0, 2.0, x],
                 active: vec![true, true, false],
                 forces: vec![[0.0, x, 0.0]; 3],
                 force: [0.0, 3.0 * x, 0.0],

@@ -39,3 +39,17 @@ fn block_in_space_keeps_energy_and_momenta_while_it_tumbles() {
         tumble(block([3.0, 2.0, 1.0], [3, 2, 1], [0.0; 3]).expect("the mesh is sound"), law, [0.1, 5.0, 0.1], 0.05, 4.0);
     }
 }
+
+/// Newton's tolerance leaves the same sign in every step, which added up to 8e-11 of the energy here.
+#[test]
+fn what_newton_leaves_in_each_step_does_not_add_up() {
+    let mut builder = Builder::default();
+    let mesh = rectangle([2.0, 2.0], [2, 2], [0.0; 2]).expect("the mesh is sound");
+    let body = builder.body("block", mesh, &material("neo_hookean", [100.0, 0.3, 1.0]));
+    builder.throw(body, [2.0, -1.0, 0.0], [0.0, 0.0, 6.0]);
+    let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.1);
+    let rows = run(&mut sim, 2000.0);
+    let energy = rows[0].total();
+    // A tenth of it is round-off.
+    assert!(worst(&rows, |row| row.total() - energy) < 2.5e-11 * energy, "{:.1e}", worst(&rows, |row| row.total() - energy) / energy);
+}

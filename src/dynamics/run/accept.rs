@@ -26,6 +26,12 @@ struct Outside {
     slip_moment: [f64; 3],
 }
 
+impl Outside {
+    fn has_load(&self) -> bool {
+        self.load.iter().any(|f| *f != 0.0)
+    }
+}
+
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
@@ -93,8 +99,8 @@ where
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
         row.probes = self.probe_values(&at.u_1, &v_1);
-        let acted = obstacle_work != 0.0 || outside.load.iter().any(|f| *f != 0.0);
         let state = State {
+            drift: self.state.drift + row.energy_defect,
             row,
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),
@@ -109,7 +115,7 @@ where
             search,
             level: self.state.level,
             preferred,
-            loads_ended: if acted { start.time + dt } else { self.state.loads_ended },
+            loads_ended: if obstacle_work != 0.0 || outside.has_load() { start.time + dt } else { self.state.loads_ended },
         };
         self.system.recycle(at);
         Ok(state)

@@ -7,7 +7,8 @@
 //! Pressures are forces over the present area, around an axis that of the circumference. A mortar method's multipliers are the nodal
 //! values of a linear field that presses where the surface is covered: at a node that is covered in part the field is continued to where
 //! nothing is, and its value there can be many times what presses. So the share that is not covered takes the mean of the field over the
-//! node's part of the contact instead, which is the nodal force over that of a unit pressure. On the axis of bodies of revolution no node
+//! node's part of the contact instead, which is the nodal force over that of a unit pressure. That mean of every node is a field of its own
+//! beside the pressure. On the axis of bodies of revolution no node
 //! has a force: its pressure is continued from its neighbours'.
 
 use super::fields::ContactFields;
@@ -203,6 +204,21 @@ fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     pressures
 }
 
+/// The same as means over what is covered of each node: the multipliers of a consistent mortar method waver beside the edge of a contact,
+/// and the forces that they make do not.
+fn smoothed(contact: Loaded, forces: &ContactForces, pressures: &[f64], q: &[f64]) -> Vec<f64> {
+    let kernel = &contact.pair.kernel;
+    if kernel.is_nodal() || kernel.rows_per_node() > 1 {
+        return pressures.to_vec();
+    }
+    let of = |((mean, pressed), area): ((&f64, &f64), f64)| mean + if *pressed > 0.0 { pressed / area } else { 0.0 };
+    let mut means: Vec<f64> = forces.mean.iter().zip(&forces.pressed).zip(areas(contact.pair, q)).map(of).collect();
+    for index in (0..means.len()).filter(|&index| is_on_axis(contact.pair, index, q)) {
+        means[index] = pressure_on_axis(contact, index, &means, q);
+    }
+    means
+}
+
 /// Which secondary nodes are in contact, and how many corners of the other side are.
 fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, usize) {
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
@@ -264,6 +280,7 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     let (gaps, coverage) = (&evaluation.gap, &evaluation.coverage);
     let forces = contact_forces::<D>(contact, corners, q);
     let totals = summed(contact, corners, &forces, q);
+    let pressure = pressures(contact, &forces, q);
     let position = |node: u32| {
         let mut x = [0.0; 3];
         x[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
@@ -272,7 +289,8 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     let node_rows = || (0..secondary.len()).map(|node| node * rows..(node + 1) * rows);
     ContactFields {
         positions: secondary.iter().map(|&node| position(node)).collect(),
-        pressure: pressures(contact, &forces, q),
+        mean_pressure: smoothed(contact, &forces, &pressure, q),
+        pressure,
         gap: node_rows()
             .map(|rows| {
                 let (covered, weight) = (coverage[rows.start], pair.kernel.weights()[rows.start]);

@@ -89,6 +89,7 @@ where
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
             search: system.search(),
             level: 0,
+            drift: 0.0,
             preferred: Preferred::default(),
             loads_ended: 0.0,
             positions,

@@ -136,6 +136,8 @@ pub struct ContactFields {
     pub positions: Vec<[f64; 3]>,
     /// Contact pressure `[stress]`.
     pub pressure: Vec<f64>,
+    /// Contact force of the node over that of a unit pressure on what is covered of it `[stress]`.
+    pub mean_pressure: Vec<f64>,
     /// Gap `[length]`, NaN where nothing lies opposite.
     pub gap: Vec<f64>,
     /// Whether the node is in contact.
@@ -175,6 +177,7 @@ impl ContactFields {
         ContactFields {
             positions: sorted(&self.positions, order),
             pressure: sorted(&self.pressure, order),
+            mean_pressure: sorted(&self.mean_pressure, order),
             gap: sorted(&self.gap, order),
             active: sorted(&self.active, order),
             forces: sorted(&self.forces, order),

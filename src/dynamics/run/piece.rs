@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
+use super::options::Options;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};
@@ -68,6 +69,7 @@ where
             conditions: &conditions,
             energy,
             tolerance: options.tolerance,
+            is_exact: self.has_drifted(energy),
             at_least: 0,
             is_patient: !may_be_halved,
             preferred: state.preferred,
@@ -87,6 +89,13 @@ where
         }
         let jump = self.velocity_jump(&motion, &solution, &conditions)?;
         self.accept(&start, &motion, solution, &conditions, jump).map_err(Failure::Fatal)
+    }
+
+    /// Whether what was left in the steps before adds up to what a single one may be off by: in motion without contact it has the same sign
+    /// in every step.
+    fn has_drifted(&self, energy: f64) -> bool {
+        let Options { tolerance, integrator, .. } = self.options;
+        integrator.promises.energy && self.state.drift.abs() > tolerances::DEFECT * tolerance * energy
     }
 
     /// Energy that defects are measured by: that of the state, the predicted kinetic energy, and the work of loads over the prediction.

@@ -179,7 +179,7 @@ where
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
-        let State { positions: q, displacements: u, velocities: v, row, active, felt, reserve, memory, .. } =
+        let State { positions: q, displacements: u, velocities: v, row, active, felt, reserve, memory, drift, .. } =
             Arc::make_mut(&mut self.state);
         *memory = self.system.memory_at_rest();
         row.strain = self.system.strain_energy(u);
@@ -188,7 +188,7 @@ where
             self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(Pose { q, u }, memory);
         *felt = gaps;
         reserve.fill(0.0);
-        row.reserve = 0.0;
+        (row.reserve, *drift) = (0.0, 0.0);
         (row.momentum, row.angular_momentum) = self.system.nodes.momenta(q, v);
         row.active = self.system.touching(active);
         row.max_penetration = contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
@@ -392,6 +392,7 @@ where
             conditions,
             energy: self.system.strain_energy(start.u_0).max(floor),
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
+            is_exact: false,
             at_least: 1,
             is_patient: care == Care::Patient,
             preferred: Preferred::default(),

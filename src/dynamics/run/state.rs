@@ -39,6 +39,9 @@ pub struct State {
     pub(super) search: Arc<SearchHistory>,
     /// Halvings with which the next nominal step begins.
     pub(super) level: usize,
+    /// Sum of the ledger's energy defects since the run began or was last settled: Newton's tolerance has a sign, which may be the same in
+    /// every step `[energy]`.
+    pub(super) drift: f64,
     /// Which attempt of Newton's method the next step tries first.
     pub(super) preferred: Preferred,
     /// End of the last step in which a load acted.

@@ -1,5 +1,7 @@
 //! When the iterations of one attempt are done, go on or are given up.
 
+use crate::math::tolerances::EXACT;
+
 /// Growth of the energy, over what is tolerated, up to which a residual that falls no longer may be round-off.
 const STALLED: f64 = 100.0;
 
@@ -45,6 +47,8 @@ pub struct Convergence {
     most: usize,
     /// Whether iterations go on although they come no nearer.
     is_patient: bool,
+    /// Whether a residual that is met goes on falling, as far as it falls.
+    is_exact: bool,
     /// Energy of the last iterate.
     last_energy: f64,
     /// Least distance from a solution, and iterations since.
@@ -65,9 +69,10 @@ pub enum Judgement {
 }
 
 impl Convergence {
-    /// Nothing is known yet of an attempt of that many iterations; a patient one takes them all.
-    pub fn new(most: usize, is_patient: bool) -> Self {
-        Convergence { most, is_patient, last_energy: f64::INFINITY, nearest: f64::INFINITY, idle: 0, is_limited: false }
+    /// Nothing is known yet of an attempt of that many iterations; a patient one takes them all, an exact one stops at
+    /// round-off.
+    pub fn new(most: usize, is_patient: bool, is_exact: bool) -> Self {
+        Convergence { most, is_patient, is_exact, last_energy: f64::INFINITY, nearest: f64::INFINITY, idle: 0, is_limited: false }
     }
 
     /// Judges an iterate; not before the iteration `at_least` is it a solution.
@@ -76,7 +81,8 @@ impl Convergence {
         self.last_energy = record.energy;
         let is_round_off = !falls && (record.energy <= STALLED || record.residual <= record.floor);
         let is_met = record.residual <= record.target && record.violation <= 1.0;
-        if iteration >= at_least && is_met && (record.energy <= 1.0 || is_round_off) {
+        let is_exact = !self.is_exact || !falls || record.energy <= EXACT;
+        if iteration >= at_least && is_met && (record.energy <= 1.0 && is_exact || is_round_off) {
             return Judgement::Done;
         }
         let distance = (record.residual / record.target).max(record.violation);

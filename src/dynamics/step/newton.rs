@@ -56,6 +56,8 @@ pub struct Task<'a> {
     pub energy: f64,
     /// Share of it that the residual may still move.
     pub tolerance: f64,
+    /// Whether a residual that still falls is not left at that.
+    pub is_exact: bool,
     /// Iterations before it may be done: a step that starts at its own solution moves no energy, whatever its residual.
     pub at_least: usize,
     /// Whether attempts go on that come no nearer to a solution, and change sets as long as that helps: where nothing else can be tried.
@@ -164,7 +166,7 @@ where
         system,
         task,
     };
-    let mut convergence = Convergence::new(strategy.iterations(), task.is_patient);
+    let mut convergence = Convergence::new(strategy.iterations(), task.is_patient, task.is_exact);
     let mut at = attempt.beginning(&lambda, iterations)?;
     for iteration in 0.. {
         if (task.interrupted)() {

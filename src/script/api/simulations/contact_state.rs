@@ -57,6 +57,12 @@ pub fn functions() -> Vec<Function> {
         array("pressure", "the contact pressure at each secondary node, in their order along the surface", |contact| {
             contact.fields.pressure.iter().map(|&value| value.into()).collect()
         }),
+        array(
+            "mean_pressure",
+            "the mean contact pressure on what is covered of each secondary node, its force over its area, in their order along the \
+             surface: beside the edge of a contact it is smoother than `pressure`, the multipliers of a mortar method",
+            |contact| contact.fields.mean_pressure.iter().map(|&value| value.into()).collect(),
+        ),
         array("gap", "the gap at each secondary node, in their order along the surface, NaN where nothing lies opposite", |contact| {
             contact.fields.gap.iter().map(|&value| value.into()).collect()
         }),

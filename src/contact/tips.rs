@@ -1,0 +1,118 @@
+//! Convex corners of two surfaces that cross: beyond which side of which of them the other one lies.
+//!
+//! Two wedges are apart where the line of a side of one of them has the other one wholly in front of it, so of their four sides those count
+//! from which the other wedge opens away, each by the distance of its tip. The largest of these distances is how far the wedges are
+//! apart, or, negative, what it takes to part them (the separating axes of two convex sets). The distance of a tip from the other body,
+//! for which the nearer of both sides counts, leads it on through the other tip, and sees it outside again behind that.
+
+/// A corner of a surface: its node, and those before and after it, the body on the left.
+#[derive(Clone, Copy, Debug)]
+pub struct Tip {
+    pub before: [f64; 2],
+    pub at: [f64; 2],
+    pub after: [f64; 2],
+}
+
+/// Sine of the turn from which on a corner is sharp, 20 degrees.
+const SHARP: f64 = 0.342;
+
+/// What parts two crossing tips with the least motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parting {
+    /// The line of this side of the other tip (0: before, 1: after its node).
+    AtOther(usize),
+    /// That of a side of the own tip; these sides of the other one do not part them.
+    AtOwn { misleading: [bool; 2] },
+}
+
+/// A side of a tip: from where, and along what.
+type Line = ([f64; 2], [f64; 2]);
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+/// How far a direction leads out of the body behind a line, over the line's length.
+fn outward(t: [f64; 2], d: [f64; 2]) -> f64 {
+    (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1])
+}
+
+impl Tip {
+    fn sides(&self) -> [Line; 2] {
+        [(self.before, minus(self.at, self.before)), (self.at, minus(self.after, self.at))]
+    }
+
+    fn is_sharp(&self) -> bool {
+        let [(_, t), (_, u)] = self.sides();
+        t[0] * u[1] - t[1] * u[0] > SHARP * t[0].hypot(t[1]) * u[0].hypot(u[1])
+    }
+
+    /// Distance of a point from each side, negative behind it.
+    fn gaps(&self, x: [f64; 2]) -> [f64; 2] {
+        self.sides().map(|(from, along)| outward(along, minus(x, from)))
+    }
+
+    /// For each side the distance of another tip from it, where the other body opens away from it.
+    fn apart(&self, other: &Tip) -> [Option<f64>; 2] {
+        let gaps = self.gaps(other.at);
+        [0, 1].map(|side| {
+            let (_, along) = self.sides()[side];
+            let opens = |end: [f64; 2]| outward(along, minus(end, other.at)) > 0.0;
+            (opens(other.before) && opens(other.after)).then_some(gaps[side])
+        })
+    }
+
+    /// Whether a side of one crosses a side of the other.
+    fn crosses(&self, other: &Tip) -> bool {
+        let is_cut = |(from, along): Line, (start, way): Line| {
+            let side = |x: [f64; 2]| outward(along, minus(x, from));
+            side(start) * side([start[0] + way[0], start[1] + way[1]]) < 0.0
+        };
+        self.sides().iter().any(|&own| other.sides().iter().any(|&side| is_cut(own, side) && is_cut(side, own)))
+    }
+
+    /// What parts this tip from another one with the least motion, where they are sharp and cross.
+    pub fn parting(&self, other: &Tip) -> Option<Parting> {
+        if !self.is_sharp() || !other.is_sharp() || !self.crosses(other) {
+            return None;
+        }
+        let largest = |apart: [Option<f64>; 2]| {
+            let known = apart.into_iter().enumerate().filter_map(|(side, gap)| Some((gap?, side)));
+            known.max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let (others, own) = (other.apart(self), largest(self.apart(other)));
+        let found = match (largest(others), own) {
+            (Some((gap, side)), own) if own.is_none_or(|(own, _)| gap >= own) => (gap, Parting::AtOther(side)),
+            (_, Some((gap, _))) => (gap, Parting::AtOwn { misleading: others.map(|gap| gap.is_none()) }),
+            _ => return None,
+        };
+        (found.0 < 0.0).then_some(found.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A corner half as wide as it is long, its tip at `x`, that points to the right or up.
+    fn tip(points_up: bool, x: [f64; 2]) -> Tip {
+        let at = |[a, b]: [f64; 2]| if points_up { [x[0] - b, x[1] + a] } else { [x[0] + a, x[1] + b] };
+        Tip { before: at([-1.0, -0.5]), at: x, after: at([-1.0, 0.5]) }
+    }
+
+    #[test]
+    fn what_parts_two_tips_is_the_least_motion_that_does() {
+        let up = tip(true, [0.0, 0.0]);
+        let parting = |x: [f64; 2]| [tip(false, x).parting(&up), up.parting(&tip(false, x))];
+        // Beside the other one, above it.
+        assert_eq!([parting([-0.3, -0.3]), parting([0.2, 0.4])], [[None; 2]; 2]);
+        // A little into it, where the nearer side is the one that leads on through; and out there.
+        for x in [[0.01, -0.3], [0.14, -0.3], [0.2, -0.3]] {
+            let back = Some(Parting::AtOwn { misleading: [false, true] });
+            assert_eq!(parting(x), [Some(Parting::AtOther(1)), back], "{x:?}");
+        }
+        // So far through that the other one's tip is nearer to a side of it.
+        let back = Some(Parting::AtOwn { misleading: [true, false] });
+        assert_eq!(parting([0.4, -0.3]), [back, Some(Parting::AtOther(0))]);
+    }
+}
