@@ -114,7 +114,7 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         }
         ExportFormat::Vtu => {
             let list = format!("{name}-text.pvd");
-            files.write(&list, pvd(&listed))?;
+            files.write(&list, pvd(listed.iter().map(|(time, file)| (*time, file.as_str()))))?;
             list
         }
         ExportFormat::Xdmf => {
