@@ -368,7 +368,7 @@ fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
         ("begun in", origin.folder.display().to_string().into()),
         ("version", origin.program.into()),
         ("instructions", origin.instructions.into()),
-        ("computations", journal.computations.into()),
+        ("computations", journal.events.into()),
         ("files", files.len().into()),
     ];
     for course in courses {

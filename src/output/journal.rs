@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::counted::{FOLDER, checksum};
 use super::files::{OutputError, RunFiles, Stream};
 use super::inputs::refuse_others;
-use crate::dynamics::{LedgerRow, SettleReport, State};
+use crate::dynamics::{LedgerRow, SettleReport, State, Tally};
 
 /// Name of the file in the folder of the checkpoints.
 pub const NAME: &str = "journal";
@@ -58,6 +58,13 @@ pub enum Entry {
         computation: Computation,
         /// How it ended.
         outcome: Outcome,
+        /// What the simulation has counted then.
+        tally: Tally,
+    },
+    /// A simulation went to a state that the script had kept, or back by steps.
+    WentBack {
+        /// Which of the script's simulations.
+        simulation: usize,
     },
     /// The script came to a state that does not follow from the entries before it without computing.
     State {
@@ -75,8 +82,8 @@ pub struct Mark {
     pub length: u64,
     /// Their CRC-32.
     pub checksum: u32,
-    /// Computations among the entries.
-    pub computations: u64,
+    /// Computations and ways back among the entries.
+    pub events: u64,
 }
 
 impl Mark {
@@ -99,16 +106,16 @@ pub struct JournalWriter {
     sum: Hasher,
     /// What is in the file.
     mark: Mark,
-    /// Entries that are not in it yet, and the computations among them.
+    /// Entries that are not in it yet, and the events among them.
     waiting: Vec<u8>,
-    computations: u64,
+    events: u64,
 }
 
 impl JournalWriter {
     /// The journal of a run, from its beginning or from the mark of a checkpoint on.
     pub fn new(files: &RunFiles, mark: Mark) -> Self {
         let sum = Hasher::new_with_initial_len(mark.checksum, mark.length);
-        JournalWriter { files: files.clone(), stream: None, sum, mark, waiting: Vec::new(), computations: 0 }
+        JournalWriter { files: files.clone(), stream: None, sum, mark, waiting: Vec::new(), events: 0 }
     }
 
     /// Whether there is no entry yet.
@@ -128,7 +135,7 @@ impl JournalWriter {
         let size = self.waiting.len().saturating_sub(before);
         let length = u32::try_from(size.saturating_sub(4)).unwrap_or(u32::MAX);
         self.waiting.iter_mut().skip(before).zip(length.to_le_bytes()).for_each(|(byte, known)| *byte = known);
-        self.computations += u64::from(matches!(entry, Entry::Computed { .. }));
+        self.events += u64::from(matches!(entry, Entry::Computed { .. } | Entry::WentBack { .. }));
         if self.waiting.len() < PIECE {
             return Ok(size);
         }
@@ -154,7 +161,7 @@ impl JournalWriter {
         self.sum.update(&self.waiting);
         self.mark.length += self.waiting.len() as u64;
         self.mark.checksum = self.sum.clone().finalize();
-        self.mark.computations += std::mem::take(&mut self.computations);
+        self.mark.events += std::mem::take(&mut self.events);
         self.waiting.clear();
         Ok(())
     }
@@ -230,7 +237,12 @@ mod tests {
 
     fn computed(step: usize) -> Entry {
         let rows = vec![LedgerRow { step, time: 0.1, ..LedgerRow::default() }];
-        Entry::Computed { simulation: 0, computation: Computation::Step(Some(2.0)), outcome: Outcome::Stepped(rows) }
+        Entry::Computed {
+            simulation: 0,
+            computation: Computation::Step(Some(2.0)),
+            outcome: Outcome::Stepped(rows),
+            tally: Tally::default(),
+        }
     }
 
     fn read(run: &Path, mark: &Mark) -> Vec<Entry> {
@@ -244,7 +256,7 @@ mod tests {
         let mut writer = JournalWriter::new(&files, Mark::default());
         (0..3).for_each(|step| drop(writer.add(&computed(step)).unwrap()));
         let mark = writer.secure().unwrap();
-        assert_eq!(mark.computations, 3);
+        assert_eq!(mark.events, 3);
         (3..9).for_each(|step| drop(writer.add(&computed(step)).unwrap()));
         let further = writer.secure().unwrap();
         assert_eq!((read(&directory, &mark), read(&directory, &further).len()), ((0..3).map(computed).collect(), 9));

@@ -165,9 +165,9 @@ impl Artifacts {
         self.each_series(|series| series.cut(shown)).map_err(|error| output_failure(&error))?;
         self.live.iter_mut().for_each(|live| live.cut(same));
         after[same..].iter().enumerate().for_each(|(index, row)| self.show_row(same + index, row));
-        if !self.recalls {
-            self.recording.keep(same);
-            if after.len() > same {
+        if !self.recalls && shown < before.len().max(after.len()) {
+            self.recording.keep(shown);
+            if after.len() > shown {
                 self.recording.advanced(simulation, after.len() - 1);
             }
             self.show_stills();

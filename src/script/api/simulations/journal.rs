@@ -3,8 +3,9 @@
 //! A script cannot be stopped in its middle and gone on with: its variables and closures live in the engine. But all it does follows from
 //! its text and from what its simulations answer. So a run that is resumed runs the script again, and every step and equilibrium that was
 //! computed before comes from the [journal](crate::output::journal). It has the rows of all steps, and the states that the script asked for
-//! anything but the row of their step; in between, the kernels know that row alone (`is_behind`). A checkpoint has what the simulations
-//! are where the journal ends. Frames of the fields are on the disk already ([`Artifacts`](super::artifacts::Artifacts)).
+//! anything but the row of their step; in between, the kernels know that row alone (`is_behind`). Ways back to kept states are in it, too,
+//! so that the end of the journal is a moment at which nothing has happened to a state since. A checkpoint has what the simulations are
+//! then. Frames of the fields are on the disk already ([`Artifacts`](super::artifacts::Artifacts)).
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
@@ -17,7 +18,7 @@ use std::time::{Duration, Instant};
 use super::artifacts::output_failure;
 use super::handle::{Past, SimulationHandle, Simulations};
 use super::run_folder::{RunFolder, output_folder};
-use crate::dynamics::{State, TimeFunction};
+use crate::dynamics::{State, Tally, TimeFunction};
 use crate::math::simd::instructions;
 use crate::output::checkpoint::{Checkpoint, Course, Origin};
 use crate::output::journal::{Computation, Entry, JournalReader, JournalWriter, Mark, Outcome};
@@ -46,7 +47,7 @@ pub struct Journal(RefCell<Pages>);
 struct Pages {
     /// What an earlier program has computed and the script has not asked for yet.
     earlier: Option<JournalReader>,
-    /// Computations in it.
+    /// Computations and ways back in it.
     left: u64,
     /// What that program knew of its simulations at its end.
     courses: Vec<Course>,
@@ -163,7 +164,7 @@ impl Journal {
     pub fn resumed(run: &Path, checkpoint: Checkpoint) -> io::Result<Self> {
         let Checkpoint { journal: mark, courses, .. } = checkpoint;
         let earlier = Some(JournalReader::open(run, &mark)?);
-        Ok(Journal(RefCell::new(Pages { earlier, left: mark.computations, mark, courses, is_resumed: true, ..Pages::default() })))
+        Ok(Journal(RefCell::new(Pages { earlier, left: mark.events, mark, courses, is_resumed: true, ..Pages::default() })))
     }
 
     /// Before a simulation is made: what it computes is taken down, if checkpoints are wanted.
@@ -202,22 +203,27 @@ impl Journal {
     }
 
     /// The next computation, which must be this one.
-    fn next(&self, host: &Host, simulation: usize, computation: Computation) -> Result<Option<Outcome>, Failure> {
+    fn next(&self, host: &Host, simulation: usize, computation: Computation) -> Result<(Outcome, Tally), Failure> {
+        match self.next_event(host)? {
+            Some(Entry::Computed { simulation: known, computation: asked, outcome, tally })
+                if (known, asked) == (simulation, computation) =>
+            {
+                self.0.borrow_mut().repeats = outcome == Outcome::Failed;
+                Ok((outcome, tally))
+            }
+            _ => Err(something_else()),
+        }
+    }
+
+    /// The next computation or way back; the simulations whose states come before it stand at these.
+    fn next_event(&self, host: &Host) -> Result<Option<Entry>, Failure> {
         while let Some((other, state)) = self.next_state(None)? {
-            show_to(host, other, &state)?;
+            let handle = Simulations::of(host).0.borrow().get(other).cloned().ok_or_else(something_else)?;
+            handle.stand_at(&state)?;
         }
         let mut pages = self.0.borrow_mut();
-        let Some(reader) = &mut pages.earlier else { return Ok(None) };
-        let Some(Entry::Computed { simulation: known, computation: asked, outcome }) = reader.take().map_err(|error| unreadable(&error))?
-        else {
-            return Err(something_else());
-        };
-        if (known, asked) != (simulation, computation) {
-            return Err(something_else());
-        }
-        pages.left -= 1;
-        pages.repeats = outcome == Outcome::Failed;
-        Ok(Some(outcome))
+        pages.left = pages.left.saturating_sub(1);
+        pages.earlier.as_mut().map_or(Ok(None), |reader| reader.take().map_err(|error| unreadable(&error)))
     }
 
     /// The next entry, if it is a state; of this simulation, if one is given.
@@ -237,11 +243,11 @@ impl Journal {
         }
     }
 
-    /// Adds a computation.
-    fn add(&self, simulation: usize, computation: Computation, outcome: Outcome) {
+    /// Adds a computation or a way back.
+    fn add(&self, event: &Entry) {
         let mut pages = self.0.borrow_mut();
         if !std::mem::take(&mut pages.repeats) {
-            pages.add(&Entry::Computed { simulation, computation, outcome });
+            pages.add(event);
             pages.new += 1;
         }
     }
@@ -334,12 +340,6 @@ pub fn is_kept(host: &Host) -> bool {
     output_folder(host).is_some() && host.settings.checkpoints != Checkpoints::Never
 }
 
-/// Lets a simulation stand at a state of the journal.
-fn show_to(host: &Host, simulation: usize, state: &State) -> Result<(), Failure> {
-    let handle = Simulations::of(host).0.borrow().get(simulation).cloned().ok_or_else(something_else)?;
-    handle.stand_at(state)
-}
-
 impl SimulationHandle {
     fn stand_at(&self, state: &State) -> Result<(), Failure> {
         let Ok(mut simulation) = self.0.simulation.try_borrow_mut() else { return Ok(()) };
@@ -362,14 +362,16 @@ impl SimulationHandle {
             return Ok(None);
         }
         let Some((journal, number)) = self.0.journal.clone() else { return Ok(None) };
-        let Some(outcome) = journal.next(call.host, number, computation)? else { return Ok(None) };
+        let (outcome, tally) = journal.next(call.host, number, computation)?;
         if outcome == Outcome::Failed {
             // It is made again, from the state that came before it.
             return Ok(None);
         }
         self.0.is_behind.set(true);
         self.0.is_known.set(false);
-        if let (Outcome::Stepped(rows), Ok(mut simulation)) = (&outcome, self.0.simulation.try_borrow_mut()) {
+        let Ok(mut simulation) = self.0.simulation.try_borrow_mut() else { return Ok(Some(outcome)) };
+        simulation.count_from(&tally);
+        if let Outcome::Stepped(rows) = &outcome {
             rows.last().into_iter().for_each(|row| simulation.recall(row));
             // Loads note whether they acted, when they are asked.
             let asked = || rows.iter().flat_map(|row| [row.time - 0.5 * row.dt, row.time]);
@@ -379,14 +381,30 @@ impl SimulationHandle {
     }
 
     /// Takes down a computation; one that failed begins at a state that is kept.
-    pub fn take_down(&self, computation: Computation, outcome: Outcome, before: &Arc<State>) {
-        let Some((journal, number)) = &self.0.journal else { return };
+    pub fn take_down(&self, computation: Computation, outcome: Outcome, before: &Arc<State>, tally: Tally) {
+        let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return };
         let has_failed = outcome == Outcome::Failed;
         if has_failed && !self.0.is_known.get() {
-            journal.keep(*number, before.clone());
+            journal.keep(simulation, before.clone());
         }
-        journal.add(*number, computation, outcome);
+        journal.add(&Entry::Computed { simulation, computation, outcome, tally });
         self.0.is_known.set(has_failed);
+    }
+
+    /// Takes down that the simulation has gone to a state that the script had kept, or takes it from what an earlier program has done.
+    ///
+    /// # Errors
+    /// The script asks for something else than in the run that is resumed; a file that cannot be written.
+    pub fn take_down_way_back(&self, host: &Host) -> Result<(), Failure> {
+        let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return Ok(()) };
+        let event = Entry::WentBack { simulation };
+        if !journal.is_recalling() {
+            go_on(host)?;
+            journal.add(&event);
+        } else if journal.next_event(host)? != Some(event) {
+            return Err(something_else());
+        }
+        Ok(())
     }
 
     /// Before the script learns more of the state than the row of its step: a run that is resumed must know it, too.

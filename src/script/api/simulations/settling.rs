@@ -65,9 +65,9 @@ impl SimulationHandle {
         let settled = simulation.settle_at(time);
         data.spent.set(data.spent.get() + begun.elapsed());
         match &settled {
-            Ok(report) => self.take_down(computation, Outcome::Settled(report.clone()), &before),
+            Ok(report) => self.take_down(computation, Outcome::Settled(report.clone()), &before, simulation.tally()),
             Err(StepError::Interrupted { .. }) => simulation.count_from(&tally),
-            Err(_) => self.take_down(computation, Outcome::Failed, &before),
+            Err(_) => self.take_down(computation, Outcome::Failed, &before, simulation.tally()),
         }
         drop(simulation);
         settled.map_err(|error| self.step_failure(call, error).into())
@@ -85,6 +85,9 @@ impl SimulationHandle {
         call.host.observer.began(&format!("settling \"{}\"", data.name));
         let settled = self.settled(call, time);
         call.host.observer.ended();
+        if settled.is_err() {
+            go_on(call.host)?;
+        }
         let report = settled?;
         self.looked()?;
         self.show();

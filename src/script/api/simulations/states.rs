@@ -9,6 +9,7 @@ use std::time::Instant;
 use rhai::Dynamic;
 
 use super::handle::{SimulationHandle, busy};
+use super::journal::go_on;
 use super::simulate::{Course, create, kernels};
 use crate::dynamics::{LedgerRow, State};
 use crate::math::catalogue::Interval;
@@ -219,12 +220,15 @@ impl SimulationHandle {
     /// Goes to a state; the history is what it was then.
     pub fn go_to(&self, call: &Call, state: &State, history: Vec<LedgerRow>) -> Result<(), Failure> {
         self.refuse_nested(call)?;
+        self.take_down_way_back(call.host)?;
         self.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(state);
         self.0.is_behind.set(false);
         self.0.is_known.set(true);
         call.host.count_effect();
         let common = self.0.history.borrow().iter().zip(&history).take_while(|(before, after)| before == after).count();
         self.0.past.borrow_mut().retain(|past| past.rows < history.len() && past.rows <= common);
-        self.replace_history(history)
+        self.replace_history(history)?;
+        // After the last event of an earlier program.
+        go_on(call.host)
     }
 }

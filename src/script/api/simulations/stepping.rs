@@ -179,9 +179,7 @@ impl SimulationHandle {
         }
         // After the last step of an earlier program: what the script draws or restores now goes on from its recording.
         go_on(call.host)?;
-        if !data.is_behind.get() {
-            self.warn_of_large_motion(call.host);
-        }
+        self.warn_of_large_motion(call.host);
         stepped.map_err(|error| self.step_failure(call, error))?;
         // No borrow is held here, because a closure may look at everything and hand over further closures.
         let callbacks = data.callbacks.borrow().clone();
@@ -221,8 +219,8 @@ impl SimulationHandle {
                     let stopped = interrupted(format!("interrupted at t = {}", brief(start.row.time)));
                     return Err(stopped.hint("everything up to this time is kept").into());
                 }
-                Err(_) => self.take_down(computation, Outcome::Failed, &start),
-                Ok(()) => self.take_down(computation, Outcome::Stepped(rows.clone()), &start),
+                Err(_) => self.take_down(computation, Outcome::Failed, &start, simulation.tally()),
+                Ok(()) => self.take_down(computation, Outcome::Stepped(rows.clone()), &start, simulation.tally()),
             }
         }
         if !rows.is_empty() {
