@@ -202,6 +202,11 @@ impl RunFiles {
         self.run.iter().for_each(|run| run.counted.promise(files.clone()));
     }
 
+    /// Whether the record of the run has a file of that name, which may have been removed since.
+    pub fn has_written(&self, name: &str) -> bool {
+        self.run.as_ref().is_some_and(|run| run.record.knows(&self.root.join(name)))
+    }
+
     /// Whether a run that is resumed counts on a file of that name and moment.
     pub fn counts_on(&self, name: &str, time: f64) -> bool {
         let path = self.root.join(name);

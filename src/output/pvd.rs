@@ -49,6 +49,7 @@ impl FieldSeries {
     pub fn create(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
         let series = FieldSeries { recalls: false, ..Self::recalled(files, name)? };
         series.list()?;
+        series.remove_further()?;
         Ok(series)
     }
 
@@ -78,8 +79,15 @@ impl FieldSeries {
         let is_strange = |frame: &&Listed| !self.files.counts_on(&self.below(&frame.path), frame.time);
         match self.frames.iter().find(is_strange) {
             Some(frame) => Ok(Some(frame.time)),
-            None => self.list().map(|()| None),
+            None => self.list().and_then(|()| self.remove_further()).map(|()| None),
         }
+    }
+
+    /// Removes the frames behind the list that an earlier program of this run has written: that of the moment at which it was interrupted,
+    /// and those after its last checkpoint.
+    fn remove_further(&self) -> Result<(), OutputError> {
+        let further = (self.frames.len()..).map(|number| self.below(&self.path(number)));
+        further.take_while(|name| self.files.has_written(name)).try_for_each(|name| self.files.remove(&name))
     }
 
     /// Forgets the frames behind the first `rows` rows of the history, when a simulation goes back: they are of a course that was given up.
