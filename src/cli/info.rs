@@ -108,6 +108,9 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
     {
         return Ok(("file of a study", study_folder(study)?));
     }
+    if !kind.is_file() {
+        return Err(refused(&ReadError::new(path, "is neither a file nor a folder", "name a file or the folder of a run")));
+    }
     let mut head = Vec::new();
     let opened =
         std::fs::File::open(path).and_then(|file| std::io::Read::read_to_end(&mut std::io::Read::take(file, HEAD as u64), &mut head));

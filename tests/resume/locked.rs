@@ -12,7 +12,8 @@ fn both(home: &Path, first: &[&str], second: &[&str]) -> usize {
     let outputs = children.map(|child| child.wait_with_output().unwrap());
     let told = outputs.iter().filter(|output| {
         let message = stderr(output);
-        let is_told = output.status.code() == Some(2) && message.contains("a run is under way here") && message.contains("= hint: wait until");
+        let is_told =
+            output.status.code() == Some(2) && message.contains("a run is under way here") && message.contains("= hint: wait until");
         assert!(is_told || output.status.code() == Some(0), "{:?}: {message}", output.status.code());
         is_told
     });

@@ -56,6 +56,7 @@ fn signal(child: &Child, name: &str) {
 /// The newest checkpoint of a run.
 fn newest(run: &Path) -> PathBuf {
     let mut all: Vec<PathBuf> = std::fs::read_dir(run.join("checkpoints")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    all.retain(|path| path.extension().is_some_and(|ending| ending == "checkpoint"));
     all.sort();
     all.pop().unwrap()
 }

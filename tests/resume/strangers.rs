@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::program::{folder, stderr};
-use super::{LOOKS, assert_same, begun, interrupted, newest, run, signal, wait_for_lines};
+use super::{assert_same, begun, interrupted, newest, run, signal, wait_for_lines};
 
 /// A short run with frames.
 const SHORT: &str = r#"
@@ -73,7 +73,8 @@ fn a_result_never_takes_the_place_of_what_the_run_reads() {
     // A record that names it does not make it go, either.
     std::fs::write(home.join(".files"), "history.csv\ntable.csv\n").unwrap();
     std::fs::write(home.join("table.csv"), "t,a\n0,1\n").unwrap();
-    std::fs::write(home.join("main.rhai"), format!("let a = read_csv(\"table.csv\");{SHORT}sim.table(\"table.csv\", [\"time\"]);")).unwrap();
+    std::fs::write(home.join("main.rhai"), format!("let a = read_csv(\"table.csv\");{SHORT}sim.table(\"table.csv\", [\"time\"]);"))
+        .unwrap();
     let output = run(&home, &["run", "main.rhai", "--quiet", "--out", "."]);
     assert!(stderr(&output).contains("table.csv\" is read by this run"), "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(home.join("table.csv")).unwrap(), "t,a\n0,1\n");
@@ -130,7 +131,8 @@ fn frames_of_others_stay_and_lists_are_not_followed_out_of_their_folder() {
 /// What is there after a way back follows the history, whenever it is interrupted.
 #[test]
 fn frames_follow_the_history_when_a_simulation_goes_back() {
-    let script = SHORT.replace("sim.step(9);", "sim.step(2); let v = sim.save(); sim.step(8); sim.restore(v); sim.set(#{ dt: 0.007 }); sim.run_to(0.2);");
+    let script = SHORT
+        .replace("sim.step(9);", "sim.step(2); let v = sim.save(); sim.step(8); sim.restore(v); sim.set(#{ dt: 0.007 }); sim.run_to(0.2);");
     let home = folder("back", &script);
     assert_eq!(run(&home, &["run", "main.rhai", "--quiet", "--out", "k"]).status.code(), Some(0));
     let frames = conserva::output::read_frames(&home.join("k/fields.pvd")).unwrap();
@@ -151,7 +153,8 @@ fn frames_follow_the_history_when_a_simulation_goes_back() {
 /// The state to which `back` goes belongs to the checkpoint, also where the script goes back behind it.
 #[test]
 fn a_script_that_goes_back_by_steps_is_resumed() {
-    let script = SHORT.replace("sim.step(9);", "for k in 0..40 { sim.step(12); sim.back(9); if k % 7 == 0 { print(sim.body(plate).center); } }");
+    let script =
+        SHORT.replace("sim.step(9);", "for k in 0..40 { sim.step(12); sim.back(9); if k % 7 == 0 { print(sim.body(plate).center); } }");
     let home = folder("steps-back", &script);
     let whole = run(&home, &["run", "main.rhai", "--quiet", "--out", "whole"]);
     assert_eq!(whole.status.code(), Some(0), "{}", stderr(&whole));
