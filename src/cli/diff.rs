@@ -65,11 +65,13 @@ pub fn diff(arguments: Arguments) -> u8 {
         Format::Text => {
             all.iter().flat_map(told).for_each(|line| console.say(&line));
             let rows: usize = all.iter().map(|found| found.rows[2]).sum();
+            let frames: usize = all.iter().map(|found| found.frames_compared).sum();
             let (columns, fields) = (all[0].columns_compared, all[0].fields_compared);
             let within = if tolerance > 0.0 { format!(" within {tolerance:e}") } else { String::new() };
             let verdict = if same { "same" } else { "different" };
-            console
-                .say(&format!("{verdict}{within}: {rows} rows with {columns} columns and {fields} arrays of the last frame were compared"));
+            console.say(&format!(
+                "{verdict}{within}: {rows} rows with {columns} columns and {frames} frames with {fields} arrays were compared"
+            ));
         }
     }
     u8::from(!same)
@@ -106,9 +108,13 @@ fn told(found: &Comparison) -> Vec<String> {
         lines.extend(aligned(&rows));
     }
     if !found.fields.is_empty() {
-        let mut rows = vec![["field of the last frame", "places", "largest difference", "relative", "at"].map(String::from).to_vec()];
+        let head = ["field", "of", "from t", "frames", "largest difference", "relative", "at t", "at", "places"];
+        let mut rows = vec![head.map(String::from).to_vec()];
         rows.extend(found.fields.iter().map(|field| {
-            vec![field.field.clone(), field.places.to_string(), size(field.largest), size(field.relative), field.at.to_string()]
+            let (from, frames, at_time) = (short(field.from_time), field.frames.to_string(), short(field.at_time));
+            let (at, places) = (field.at.to_string(), field.places.to_string());
+            let (largest, relative) = (size(field.largest), size(field.relative));
+            vec![field.field.clone(), field.series.into(), from, frames, largest, relative, at_time, at, places]
         }));
         lines.extend(aligned(&rows));
     }

@@ -108,6 +108,9 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
     {
         return Ok(("file of a study", study_folder(study)?));
     }
+    if !kind.is_file() {
+        return Err(refused(&ReadError::new(path, "is neither a file nor a folder", "name a file or the folder of a run")));
+    }
     let mut head = Vec::new();
     let opened =
         std::fs::File::open(path).and_then(|file| std::io::Read::read_to_end(&mut std::io::Read::take(file, HEAD as u64), &mut head));
@@ -359,7 +362,7 @@ fn report_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 }
 
 fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
-    let Checkpoint { origin, courses, records } = Checkpoint::read(path).map_err(|error| {
+    let Checkpoint { origin, courses, journal, files } = Checkpoint::read(path).map_err(|error| {
         let message = Diagnostic::error(Class::Script, format!("the checkpoint \"{}\" is no good", path.display()));
         Box::new(message.cause(error.to_string()).hint("resume from the one before it, or run the script anew"))
     })?;
@@ -368,8 +371,8 @@ fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
         ("begun in", origin.folder.display().to_string().into()),
         ("version", origin.program.into()),
         ("instructions", origin.instructions.into()),
-        ("computations", records.len().into()),
-        ("states", records.iter().filter(|record| record.state.is_some()).count().into()),
+        ("computations", journal.events.into()),
+        ("files", files.len().into()),
     ];
     for course in courses {
         let (step, time) = course.reached;

@@ -8,7 +8,8 @@ use clap::Args;
 use super::console::{complain, ink};
 use super::process::exit_code;
 use super::run::{CourseArguments, Watch, interrupt};
-use crate::output::checkpoint::{self, Checkpoint, Origin};
+use crate::output::checkpoint::{self, Checkpoint, CheckpointError, Origin};
+use crate::output::{CountedFile, OutputError, RunLock};
 use crate::script::{Class, Diagnostic, Mode, Session, Settings, home, processors};
 
 /// Arguments of `conserva resume`.
@@ -30,19 +31,27 @@ fn refusal(title: impl Into<String>) -> Diagnostic {
     Diagnostic::error(Class::Script, title)
 }
 
-/// The run's folder and the checkpoint to go on from.
-fn find(given: &Path) -> Result<(PathBuf, Checkpoint), Box<Diagnostic>> {
-    let (run, place) = if given.is_file() {
-        let run = given.parent().and_then(Path::parent).unwrap_or(Path::new(".")).to_path_buf();
-        (if run.as_os_str().is_empty() { PathBuf::from(".") } else { run }, given.to_path_buf())
-    } else {
-        let Some(newest) = checkpoint::places(given).pop() else { return Err(Box::new(nothing_to_resume(given))) };
-        (given.to_path_buf(), newest)
+/// The run's folder and the place of the checkpoint to go on from.
+fn find(given: &Path) -> Result<(PathBuf, PathBuf), Box<Diagnostic>> {
+    if !given.is_file() {
+        let newest = checkpoint::places(given).pop().ok_or_else(|| Box::new(nothing_to_resume(given)))?;
+        return Ok((given.to_path_buf(), newest));
+    }
+    let run = given.parent().and_then(Path::parent).unwrap_or(Path::new("."));
+    Ok((if run.as_os_str().is_empty() { Path::new(".") } else { run }.to_path_buf(), given.to_path_buf()))
+}
+
+/// A checkpoint that belongs to the folder of a run, and the files that the run has replaced since.
+fn sound(run: &Path, place: &Path) -> Result<(Checkpoint, Vec<CountedFile>), Box<Diagnostic>> {
+    let whole = |place: &Path| {
+        let checkpoint = Checkpoint::read(place)?;
+        let aside = checkpoint.belongs_to(run)?;
+        Ok((checkpoint, aside))
     };
-    Checkpoint::read(&place).map(|checkpoint| (run.clone(), checkpoint)).map_err(|error| {
+    whole(place).map_err(|error: CheckpointError| {
         let refused = refusal(format!("the checkpoint {} cannot be resumed", place.display())).cause(error.to_string());
-        let others = checkpoint::places(&run).into_iter().rev().filter(|other| *other != place);
-        let sound = others.filter_map(|other| Checkpoint::read(&other).ok().map(|checkpoint| (other, checkpoint))).next();
+        let others = checkpoint::places(run).into_iter().rev().filter(|other| *other != place);
+        let sound = others.filter_map(|other| whole(&other).ok().map(|(checkpoint, _)| (other, checkpoint))).next();
         Box::new(match sound {
             Some((other, checkpoint)) => {
                 let reached = checkpoint.reached();
@@ -51,6 +60,12 @@ fn find(given: &Path) -> Result<(PathBuf, Checkpoint), Box<Diagnostic>> {
             None => refused.hint("there is no other one: run the script anew with `conserva run`"),
         })
     })
+}
+
+/// The diagnostic of what cannot be written.
+fn unwritten(error: &OutputError) -> Box<Diagnostic> {
+    let class = if matches!(error, OutputError::UnderWay { .. }) { Class::Script } else { Class::Output };
+    Box::new(Diagnostic::error(class, error.to_string()).hint(error.cure()))
 }
 
 fn nothing_to_resume(run: &Path) -> Diagnostic {
@@ -91,9 +106,12 @@ pub fn resume(arguments: Arguments) -> u8 {
 }
 
 fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
-    let (run, checkpoint) = find(&arguments.run)?;
-    let origin = checkpoint.origin.clone();
+    let (run, place) = find(&arguments.run)?;
     let out = run.canonicalize().unwrap_or_else(|_| run.clone());
+    // Before anything is read that another process may change.
+    let lock = RunLock::take(&out).map_err(|error| unwritten(&error))?;
+    let (checkpoint, aside) = sound(&run, &place)?;
+    let origin = checkpoint.origin.clone();
     // Paths mean what they meant then.
     std::env::set_current_dir(&origin.folder).map_err(|error| {
         let error = refusal(format!("the folder {} cannot be entered", origin.folder.display())).cause(error.to_string());
@@ -113,7 +131,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
         mode: Mode::Run,
         overrides: origin.overrides,
         allow_read: origin.allow_read,
-        output: Some(out),
+        output: Some(out.clone()),
         threads: usize::from(arguments.course.threads),
         workers: processors(),
         max_operations: origin.max_operations,
@@ -128,7 +146,9 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     watch.begin(&script, &run, arguments.course.threads, &settings.overrides);
     let mut session = Session::new(settings, home(&script), watch.observer())?;
     watch.console.note(&format!("resuming{}", checkpoint.reached()));
-    session.resume(checkpoint);
+    checkpoint::bring_back(&out, &aside).map_err(|error| unwritten(&error))?;
+    let resumed = session.resume(&out, checkpoint, lock);
+    resumed.map_err(|error| Box::new(refusal("the journal of the run cannot be read").cause(error.to_string())))?;
     let report = session.run_file(&script);
     match &report.error {
         Some(error) if error.class == Class::Interrupted && arguments.until.is_some() && !interrupt.load(Ordering::Relaxed) => {

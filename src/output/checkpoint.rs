@@ -1,7 +1,8 @@
-//! Checkpoints: what a run has computed so far, in one file, from which it goes on to the same bytes.
+//! Checkpoints: from where a run goes on to the same bytes.
 //!
-//! A checkpoint holds what was computed, not what the script does with it: the rows of every step, and the states at which the script
-//! could look. Who resumes runs the script again from its start and takes these in place of computing them ([`Record`]).
+//! Who resumes runs the script again from its start and takes what the [journal](super::journal) has in place of computing it. A checkpoint
+//! is a moment of the journal: how far it goes, what the simulations are then, and which files on the disk belong to it. Its size does not
+//! depend on how many steps were taken.
 //!
 //! The file: 12 bytes that say what it is, the version of the format, length and CRC-32 of the content (little endian), the content in
 //! the encoding of `postcard`. It is written beside its place, forced to the disk, and renamed.
@@ -12,23 +13,22 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::counted::{ASIDE, CountedFile, FOLDER, KEPT, Standing};
 use super::files::{OutputError, RunFiles};
+use super::inputs::read_file;
+use super::journal::{self, Mark};
 use super::recording::Recording;
-use crate::dynamics::{LedgerRow, SettleReport, State, Tally};
+use crate::dynamics::{State, Tally};
 use crate::math::simd::instructions;
 
 /// First bytes of a checkpoint.
 pub const MAGIC: &[u8; 12] = b"conserva\0ckp";
 /// Version of the format.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Bytes before the content.
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
-/// Folder of the checkpoints of a run.
-pub const FOLDER: &str = "checkpoints";
 /// Ending of the files beside them that keep what points of studies have given ([`PointLog`](super::PointLog)).
 pub const POINTS: &str = "points";
-/// Checkpoints that are kept.
-const KEPT: usize = 2;
 
 /// Where results come from: all that they depend on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -57,11 +57,11 @@ impl Origin {
     /// What a run with the same arguments would depend on now.
     pub fn now(then: &Origin) -> Origin {
         let source = |(name, _): &(String, String)| {
-            let text = std::fs::read(name).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+            let text = read_file(Path::new(name)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
             (name.clone(), text.unwrap_or_default())
         };
         let file = |(path, ..): &(PathBuf, u64, u32)| {
-            let (length, checksum) = std::fs::read(path).map_or((0, 0), |content| Origin::digest(&content));
+            let (length, checksum) = read_file(path).map_or((0, 0), |content| Origin::digest(&content));
             (path.clone(), length, checksum)
         };
         Origin {
@@ -103,39 +103,6 @@ impl Origin {
     }
 }
 
-/// A call for which a simulation computed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Computation {
-    /// A nominal step, cut off at a time if it is reached.
-    Step(Option<f64>),
-    /// Equilibrium at a time.
-    Settle(f64),
-}
-
-/// How a computation ended.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Outcome {
-    /// The step was taken, in pieces with these rows.
-    Stepped(Vec<LedgerRow>),
-    /// Equilibrium was found.
-    Settled(SettleReport),
-    /// It failed, and the script went on; it fails again.
-    Failed,
-}
-
-/// A computation, in the order in which a script asked for them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// Which of the script's simulations.
-    pub simulation: usize,
-    /// What was asked.
-    pub computation: Computation,
-    /// How it ended.
-    pub outcome: Outcome,
-    /// The state after it, where the script could look at it.
-    pub state: Option<Arc<State>>,
-}
-
 /// What is known of a simulation besides.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Course {
@@ -147,6 +114,10 @@ pub struct Course {
     pub reached: (usize, f64),
     /// What it has counted.
     pub tally: Tally,
+    /// Its state.
+    pub state: Option<Arc<State>>,
+    /// The states before its last steps, the newest last, where the script goes back by steps.
+    pub past: Vec<Arc<State>>,
     /// Its stills.
     pub recording: Option<Recording>,
 }
@@ -158,8 +129,10 @@ pub struct Checkpoint {
     pub origin: Origin,
     /// Its simulations.
     pub courses: Vec<Course>,
-    /// All that was computed.
-    pub records: Vec<Record>,
+    /// How far the journal goes.
+    pub journal: Mark,
+    /// Files of the run that go with it.
+    pub files: Vec<CountedFile>,
 }
 
 /// A file that is no checkpoint to go on from.
@@ -189,6 +162,15 @@ pub enum CheckpointError {
     /// Its bytes have changed.
     #[error("it is damaged: its content does not agree with its checksum")]
     Damaged,
+    /// From an earlier version of the program.
+    #[error("its format {found} is older than the format {FORMAT} of this program")]
+    Past {
+        /// Version of its format.
+        found: u32,
+    },
+    /// The folder is that of another run, or not as it was.
+    #[error("{0}")]
+    Stranger(String),
 }
 
 impl Checkpoint {
@@ -230,6 +212,9 @@ impl Checkpoint {
         if found > FORMAT {
             return Err(CheckpointError::Future { found });
         }
+        if found < FORMAT {
+            return Err(CheckpointError::Past { found });
+        }
         let Some((length, rest)) = rest.split_first_chunk() else { return Err(cut_off) };
         let Some((checksum, content)) = rest.split_first_chunk() else { return Err(cut_off) };
         let (announced, found) = (u64::from_le_bytes(*length), content.len() as u64);
@@ -247,8 +232,43 @@ impl Checkpoint {
     /// # Errors
     /// What is wrong with it.
     pub fn read(path: &Path) -> Result<Self, CheckpointError> {
-        let bytes = std::fs::read(path).map_err(|error| CheckpointError::Read(super::files::reason(&error)))?;
+        let bytes = read_file(path).map_err(|error| CheckpointError::Read(super::files::reason(&error)))?;
         Checkpoint::from_bytes(&bytes)
+    }
+
+    /// Makes sure that the folder of a run is the one to which this checkpoint belongs: its journal and its files are there. Gives the
+    /// files that the run has replaced since, which are to be brought back before it goes on.
+    ///
+    /// # Errors
+    /// What is there instead.
+    pub fn belongs_to(&self, run: &Path) -> Result<Vec<CountedFile>, CheckpointError> {
+        if let Some(complaint) = self.journal.complaint(run) {
+            return Err(CheckpointError::Stranger(complaint.into()));
+        }
+        let mut aside = Vec::new();
+        for file in &self.files {
+            let what = match file.time {
+                Some(time) => format!("the frame of the fields at t = {time} ({})", file.name),
+                None => file.name.clone(),
+            };
+            let complaint = match file.standing(run) {
+                Standing::There => continue,
+                Standing::Aside => {
+                    aside.push(file.clone());
+                    continue;
+                }
+                Standing::Gone => format!("{what} is gone: the run had written it, and does not compute it again"),
+                Standing::Replaced => format!("{what} has another content than the run had written"),
+            };
+            return Err(CheckpointError::Stranger(complaint));
+        }
+        Ok(aside)
+    }
+
+    /// The files of all checkpoints in the folder of a run, this one's last.
+    pub fn promises(&self, run: &Path) -> Vec<Vec<CountedFile>> {
+        let others = places(run).into_iter().filter_map(|place| Checkpoint::read(&place).ok()).filter(|other| other != self);
+        others.map(|other| other.files).chain([self.files.clone()]).collect()
     }
 
     /// Writes it into a run's folder, and removes the oldest ones there.
@@ -265,6 +285,14 @@ impl Checkpoint {
         }
         Ok(())
     }
+}
+
+/// Puts files of a run back that it has replaced since a checkpoint.
+///
+/// # Errors
+/// The operating system refused.
+pub fn bring_back(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
+    aside.iter().try_for_each(|file| file.bring_back(run).map_err(OutputError::write(run.join(&file.name))))
 }
 
 /// The number in the name of a checkpoint.
@@ -287,7 +315,8 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
 pub fn remove_all(run: &Path) -> Result<(), OutputError> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
     // What a program that was killed has begun to write, too.
-    let logs = entries.filter(|path| path.extension().is_some_and(|ending| ending == POINTS || ending == "part"));
+    let is_ours = |ending: &std::ffi::OsStr| [POINTS, ASIDE, "part"].iter().any(|known| *known == ending);
+    let logs = entries.filter(|path| path.extension().is_some_and(is_ours) || path.file_name().is_some_and(|name| name == journal::NAME));
     for path in places(run).into_iter().chain(logs) {
         std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
     }
@@ -301,9 +330,9 @@ mod tests {
     use super::*;
 
     fn checkpoint() -> Checkpoint {
-        let rows = vec![LedgerRow { step: 1, time: 0.1, ..LedgerRow::default() }];
-        let record = Record { simulation: 0, computation: Computation::Step(Some(2.0)), outcome: Outcome::Stepped(rows), state: None };
-        Checkpoint { records: vec![record; 3], ..Checkpoint::default() }
+        let file = CountedFile { name: "fields/fields_000000.vtu".into(), time: Some(0.0), length: 5, checksum: 7 };
+        let course = Course { name: "drop".into(), unknowns: 12, reached: (3, 0.3), ..Course::default() };
+        Checkpoint { courses: vec![course; 2], files: vec![file; 3], ..Checkpoint::default() }
     }
 
     #[test]

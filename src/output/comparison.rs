@@ -1,6 +1,6 @@
-//! What differs between two runs: parameters, outcome, columns of the history, fields of the last frame.
+//! What differs between two runs: parameters, outcome, columns of the history, fields of all frames.
 //!
-//! Rows belong together that have the same time, so that runs of different steps can be compared where they meet. A number differs when
+//! Rows and frames belong together that have the same time, so that runs of different steps can be compared where they meet. A number differs when
 //! it is off by more than the tolerance times a scale: the largest value of its kind in both runs. Of one kind are all energies, the
 //! components of one force, of one momentum, and so on, since a component that ought to be zero has nothing but round-off to be compared
 //! with. Wall-clock times and memory are never looked at.
@@ -79,11 +79,19 @@ pub struct ColumnDifference {
     pub second: Option<f64>,
 }
 
-/// A field of the last frames that differs.
+/// A field that differs. Places and sizes are those of the frame in which it differs most.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldDifference {
+    /// The list of its frames.
+    pub series: &'static str,
     /// Its name.
     pub field: String,
+    /// Frames in which it differs.
+    pub frames: usize,
+    /// Time of the first of them.
+    pub from_time: f64,
+    /// Time of the frame in which it differs most.
+    pub at_time: f64,
     /// Points (or cells) at which it differs.
     pub places: usize,
     /// The largest difference of a component; null where one run has a number and the other has none.
@@ -109,7 +117,9 @@ pub struct Comparison {
     pub columns: Vec<ColumnDifference>,
     /// Columns, fields, files and simulations that one of them lacks, and frames that do not fit each other, a sentence each.
     pub missing: Vec<String>,
-    /// Fields of the last frames that both have.
+    /// Frames of the same time that both have.
+    pub frames_compared: usize,
+    /// Fields in them that both have.
     pub fields_compared: usize,
     /// Fields that differ.
     pub fields: Vec<FieldDifference>,
@@ -120,6 +130,27 @@ impl Comparison {
     pub fn is_same(&self) -> bool {
         let entries = self.entries.iter().all(|entry| !entry.counts);
         entries && self.columns.is_empty() && self.missing.is_empty() && self.fields.is_empty() && self.rows[0] == self.rows[1]
+    }
+}
+
+impl Comparison {
+    /// Notes what one of them lacks, once.
+    fn miss(&mut self, sentence: String) {
+        if !self.missing.contains(&sentence) {
+            self.missing.push(sentence);
+        }
+    }
+
+    /// Notes that a field differs in a further frame.
+    fn differ(&mut self, new: FieldDifference) {
+        let Some(known) = self.fields.iter_mut().find(|known| (known.series, &known.field) == (new.series, &new.field)) else {
+            return self.fields.push(new);
+        };
+        known.frames += 1;
+        let size = |difference: &FieldDifference| difference.largest.unwrap_or(f64::INFINITY);
+        if size(&new) > size(known) {
+            *known = FieldDifference { frames: known.frames, from_time: known.from_time, ..new };
+        }
     }
 }
 
@@ -134,6 +165,9 @@ const ENTRIES: [(&str, bool); 8] = [
     ("newton_iterations", true),
     ("outcome", true),
 ];
+
+/// Lists of frames that a simulation may write.
+const SERIES: [&str; 3] = ["fields.pvd", "contacts.pvd", "obstacles.pvd"];
 
 /// Compares two runs, simulation by simulation.
 ///
@@ -170,11 +204,13 @@ fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<C
     } else if let Some(lacking) = lacking(&histories) {
         found.missing.push(format!("the {lacking} run has no history.csv"));
     }
-    let series = [0, 1].map(|run| runs[run].file("fields.pvd"));
-    if let [Some(first), Some(second)] = &series {
-        compare_last_frames([first, second], exactness, &mut found)?;
-    } else if let Some(lacking) = lacking(&series) {
-        found.missing.push(format!("the {lacking} run has no fields.pvd"));
+    for name in SERIES {
+        let series = [0, 1].map(|run| runs[run].file(name));
+        if let [Some(first), Some(second)] = &series {
+            compare_frames(name, [first, second], exactness, &mut found)?;
+        } else if let Some(lacking) = lacking(&series) {
+            found.missing.push(format!("the {lacking} run has no {name}"));
+        }
     }
     Ok(found)
 }
@@ -333,44 +369,45 @@ impl Difference {
     }
 }
 
-fn compare_last_frames(lists: [&Path; 2], exactness: &Exactness, found: &mut Comparison) -> Result<(), ReadError> {
-    let [first, second] = [read_frames(lists[0])?, read_frames(lists[1])?];
-    let [first, second] = match (first.last(), second.last()) {
-        (Some(first), Some(second)) => [first, second],
-        (None, None) => return Ok(()),
-        (none, _) => {
-            found.missing.push(format!("the {} run has no frame of the fields", ORDINALS[usize::from(none.is_some())]));
-            return Ok(());
+fn compare_frames(series: &'static str, lists: [&Path; 2], exactness: &Exactness, found: &mut Comparison) -> Result<(), ReadError> {
+    let lists = [read_frames(lists[0])?, read_frames(lists[1])?];
+    let times = lists.each_ref().map(|list| list.iter().map(|frame| Some(frame.time)).collect::<Vec<_>>());
+    let common = common_rows([&times[0], &times[1]]);
+    let [first, second] = lists.each_ref().map(Vec::len);
+    if first != second || common.len() < first {
+        found.missing.push(format!("{series}: {first} | {second} frames, of which {} have the same time", common.len()));
+    }
+    let mut fields = 0;
+    for [i, j] in common {
+        let frames = [read_fields(&lists[0][i].path)?, read_fields(&lists[1][j].path)?];
+        found.frames_compared += 1;
+        let time = lists[0][i].time;
+        let grid = |frame: &FieldsRead| (frame.points, frame.cells);
+        if grid(&frames[0]) != grid(&frames[1]) {
+            let [[p, c], [q, d]] = [0, 1].map(|run| [frames[run].points, frames[run].cells]);
+            let meshes = format!("{p} nodes and {c} cells, {q} nodes and {d} cells");
+            found.miss(format!("{series}: the meshes are others, so that fields are not compared: {meshes}"));
+            continue;
         }
-    };
-    if first.time != second.time {
-        found.missing.push(format!("the last frames are of t = {} and t = {}, so they are not compared", first.time, second.time));
-        return Ok(());
-    }
-    let frames = [read_fields(&first.path)?, read_fields(&second.path)?];
-    let grid = |frame: &FieldsRead| (frame.points, frame.cells);
-    if grid(&frames[0]) != grid(&frames[1]) {
-        let [[p, c], [q, d]] = [0, 1].map(|run| [frames[run].points, frames[run].cells]);
-        found
-            .missing
-            .push(format!("the meshes are others, so that fields are not compared: {p} nodes and {c} cells, {q} nodes and {d} cells"));
-        return Ok(());
-    }
-    let own = frames[0].arrays.iter().filter(|array| !exactness.ignores(&array.name));
-    for array in own {
-        match frames[1].array(array.section, &array.name) {
-            Some(other) if other.components == array.components && other.numbers.len() == array.numbers.len() => {
-                found.fields_compared += 1;
-                found.fields.extend(compare_arrays(array, other, exactness.tolerance));
+        let own: Vec<&ArrayRead> = frames[0].arrays.iter().filter(|array| !exactness.ignores(&array.name)).collect();
+        let mut compared = 0;
+        for array in own {
+            match frames[1].array(array.section, &array.name) {
+                Some(other) if other.components == array.components && other.numbers.len() == array.numbers.len() => {
+                    compared += 1;
+                    let difference = compare_arrays(array, other, exactness.tolerance);
+                    difference.into_iter().for_each(|new| found.differ(FieldDifference { series, from_time: time, at_time: time, ..new }));
+                }
+                Some(_) => found.miss(format!("{series}: the field `{}` has another size in the second run", array.name)),
+                None => found.miss(format!("{series}: the second run has no field `{}`", array.name)),
             }
-            Some(_) => found.missing.push(format!("the field `{}` has another size in the second run", array.name)),
-            None => found.missing.push(format!("the second run has no field `{}`", array.name)),
         }
+        fields = fields.max(compared);
+        let new = frames[1].arrays.iter().filter(|array| frames[0].array(array.section, &array.name).is_none());
+        let new = new.filter(|array| !exactness.ignores(&array.name));
+        new.for_each(|array| found.miss(format!("{series}: the first run has no field `{}`", array.name)));
     }
-    let new = frames[1].arrays.iter().filter(|array| frames[0].array(array.section, &array.name).is_none());
-    found
-        .missing
-        .extend(new.filter(|array| !exactness.ignores(&array.name)).map(|array| format!("the first run has no field `{}`", array.name)));
+    found.fields_compared += fields;
     Ok(())
 }
 
@@ -389,7 +426,11 @@ fn compare_arrays(first: &ArrayRead, second: &ArrayRead, tolerance: f64) -> Opti
     }
     difference.first?;
     Some(FieldDifference {
+        series: "",
         field: first.name.clone(),
+        frames: 1,
+        from_time: 0.0,
+        at_time: 0.0,
         places,
         largest: Some(difference.largest).filter(|largest| largest.is_finite()),
         relative: difference.relative(),
@@ -415,7 +456,9 @@ mod tests {
         let mut bodies = [ring("ring", [1.0, 1.5], [2, 12])];
         bodies[0].displacement[7][1] += push;
         let mut series = FieldSeries::create(files, &format!("{name}/fields.pvd")).unwrap();
-        series.append(&Frame::new(1.0, &bodies)).unwrap();
+        series.append(&Frame::new(0.5, &bodies), 1).unwrap();
+        bodies[0].displacement[7][1] -= 0.5 * push;
+        series.append(&Frame::new(1.0, &bodies), 2).unwrap();
     }
 
     const HISTORY: &str =
@@ -448,8 +491,10 @@ mod tests {
         assert_eq!((kinetic.first, kinetic.second), (Some(4.0), Some(3.0)));
         assert_eq!(found.columns.iter().map(|column| column.column.as_str()).collect::<Vec<_>>(), ["kinetic", "race.force_x"]);
         assert_eq!(found.entries[0].name, "parameter dt");
+        // The frame before the last one differs more.
         let field = &found.fields[0];
-        assert_eq!((field.field.as_str(), field.places, field.at), ("displacement", 1, 7));
+        assert_eq!((field.field.as_str(), field.places, field.at, field.frames), ("displacement", 1, 7, 2));
+        assert_eq!((field.series, field.from_time, field.at_time, found.frames_compared), ("fields.pvd", 0.5, 0.5, 2));
         assert!((field.largest.unwrap() - 0.125).abs() < 1e-15);
         // Round-off beside a force of 4 is none with a tolerance; the rest stays.
         let rough = Exactness { tolerance: 1e-12, ignored: vec!["kin*".into()] };

@@ -88,11 +88,12 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         ExportFormat::Vtu => (format!("{name}-text"), "vtu"),
         ExportFormat::Xdmf => (format!("{name}-hdf5"), "h5"),
     };
-    remove_older(files, &folder, ending)?;
+    let file_of = |number: usize| format!("{folder}/{name}_{number:06}.{ending}");
+    remove_older(files, file_of, frames.len())?;
     let (mut listed, mut grids) = (Vec::new(), Vec::new());
     for (number, ListedFrame { time, path, .. }) in frames.iter().enumerate() {
         let frame: FieldsRead = read_fields(path)?;
-        let file = format!("{folder}/{name}_{number:06}.{ending}");
+        let file = file_of(number);
         let refused = |what: String| ReadError::new(path, format!("cannot be converted: {what}"), "choose another format");
         match format {
             ExportFormat::Csv | ExportFormat::Parquet => files.write(&file, node_table(&frame).to_csv())?,
@@ -114,7 +115,7 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         }
         ExportFormat::Vtu => {
             let list = format!("{name}-text.pvd");
-            files.write(&list, pvd(&listed))?;
+            files.write(&list, pvd(listed.iter().map(|(time, file)| (*time, file.as_str()))))?;
             list
         }
         ExportFormat::Xdmf => {
@@ -126,15 +127,15 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
     Ok(list)
 }
 
-/// Removes the frames of an earlier conversion, of which there may have been more.
-fn remove_older(files: &RunFiles, folder: &str, ending: &str) -> Result<(), OutputError> {
-    let first = files.place(&format!("{folder}/first"))?;
-    for entry in first.parent().into_iter().flat_map(std::fs::read_dir).flatten().flatten() {
-        let path = entry.path();
-        let is_frame = path.extension().is_some_and(|found| found == ending) && entry.file_type().is_ok_and(|kind| kind.is_file());
-        if is_frame {
-            std::fs::remove_file(&path).map_err(|source| OutputError::Write { path: path.clone(), source })?;
+/// Removes the frames of an earlier conversion that had more of them than `count`.
+fn remove_older(files: &RunFiles, name: impl Fn(usize) -> String, count: usize) -> Result<(), OutputError> {
+    let further = (count..).map(|number| files.place(&name(number)));
+    for path in further {
+        let path = path?;
+        if !path.is_file() {
+            break;
         }
+        std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
     }
     Ok(())
 }

@@ -9,8 +9,12 @@ use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use super::inputs::{Inputs, read_file};
+
 /// Name of the record.
 pub const NAME: &str = ".files";
+/// Its name until it is whole.
+const PART: &str = "..files.part";
 
 /// Paths of the files that a run has written, relative to its folder.
 #[derive(Debug)]
@@ -25,9 +29,25 @@ impl FileRecord {
     /// # Errors
     /// The operating system refused.
     pub fn open(root: &Path) -> io::Result<Self> {
-        let known = read(root);
-        let file = File::options().create(true).append(true).open(root.join(NAME))?;
+        let (known, place) = (read(root), root.join(NAME));
+        // A new file in its place: the one that is there may have further names elsewhere, or be none.
+        let hidden = root.join(PART);
+        let _ = fs::remove_file(&hidden);
+        let mut file = File::options().create_new(true).append(true).open(&hidden)?;
+        file.write_all(known.iter().map(|name| format!("{name}\n")).collect::<String>().as_bytes())?;
+        fs::rename(&hidden, &place)?;
         Ok(FileRecord { root: root.into(), known: Mutex::new((known, file)) })
+    }
+
+    /// The path of a file relative to the folder, as the record has it.
+    fn name<'a>(&self, path: &'a Path) -> Option<&'a str> {
+        path.strip_prefix(&self.root).ok().and_then(Path::to_str).filter(|name| !name.contains(['\n', '\r']))
+    }
+
+    /// Whether a file is in the record.
+    pub fn knows(&self, path: &Path) -> bool {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        self.name(path).is_some_and(|name| known.0.contains(name))
     }
 
     /// Notes a file that is to be written.
@@ -35,9 +55,7 @@ impl FileRecord {
     /// # Errors
     /// The operating system refused.
     pub fn note(&self, path: &Path) -> io::Result<()> {
-        let Some(name) = path.strip_prefix(&self.root).ok().and_then(Path::to_str).filter(|name| !name.contains(['\n', '\r'])) else {
-            return Ok(());
-        };
+        let Some(name) = self.name(path) else { return Ok(()) };
         let (known, file) = &mut *self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if known.insert(name.to_string()) { file.write_all(format!("{name}\n").as_bytes()) } else { Ok(()) }
     }
@@ -52,14 +70,15 @@ impl FileRecord {
 
 /// The paths that the record in a folder names.
 fn read(root: &Path) -> BTreeSet<String> {
-    fs::read_to_string(root.join(NAME)).unwrap_or_default().lines().map(String::from).collect()
+    let bytes = read_file(&root.join(NAME)).unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default().lines().map(String::from).collect()
 }
 
-/// Removes the files that the record in a folder names, folders that are empty then, and the record.
+/// Removes the files that the record in a folder names but for those that the run reads, folders that are empty then, and the record.
 ///
 /// # Errors
 /// The operating system refused to remove the file.
-pub fn remove_all(root: &Path) -> Result<(), (PathBuf, io::Error)> {
+pub fn remove_all(root: &Path, inputs: &Inputs) -> Result<(), (PathBuf, io::Error)> {
     for name in read(root) {
         // The record may have been written by anybody.
         if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
@@ -67,6 +86,9 @@ pub fn remove_all(root: &Path) -> Result<(), (PathBuf, io::Error)> {
         }
         let path = root.join(&name);
         if !path.parent().and_then(|folder| folder.canonicalize().ok()).is_some_and(|folder| folder.starts_with(root)) {
+            continue;
+        }
+        if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
             continue;
         }
         match fs::remove_file(&path) {

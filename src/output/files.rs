@@ -1,19 +1,22 @@
 //! The output directory of a run: every file below it, replaced in one piece, and errors that name the file.
 //!
 //! A file is written beside its place under a hidden name and renamed, so that a reader sees the old or the new content, never half
-//! of one. Names come from scripts: what leads outside the directory (`..`, an absolute path, a symbolic link) is refused. This
-//! guards against mistakes and untrusted scripts, not against another program that swaps links while we write. Only checkpoints are
-//! forced to the disk: after a power failure the last of the other files may be missing.
+//! of one, and whatever stood there before (another name of a file elsewhere, a link, a pipe) is replaced, not written through. Names come
+//! from scripts: what leads outside the directory (`..`, an absolute path, a symbolic link) is refused, and so is the place of a file that
+//! the run reads. This guards against mistakes and untrusted scripts, not against another program that swaps links while we write. Only
+//! checkpoints are forced to the disk: after a power failure the last of the other files may be missing.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use thiserror::Error;
 
+use super::counted::{Counted, CountedFile};
 use super::file_record::{self, FileRecord};
+use super::inputs::{Inputs, read_file};
 
 /// A result that could not be written.
 #[derive(Debug, Error)]
@@ -39,6 +42,20 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// A file that the run reads.
+    #[error("\"{}\" is read by this run, so no result is written in its place", path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another process writes there.
+    #[error("a run is under way here{}: \"{}\"", if process.is_empty() { String::new() } else { format!(" ({process})") }, directory.display())]
+    UnderWay {
+        /// The output directory.
+        directory: PathBuf,
+        /// Who that is, such as `process 4711`; empty where it cannot be told.
+        process: String,
+    },
     /// The operating system refused.
     #[error("\"{}\" could not be written: {}", path.display(), reason(source))]
     Write {
@@ -60,6 +77,8 @@ impl OutputError {
                 "name a file below the output directory, such as `plots/energy.svg`; choose the directory itself with `--out`"
             }
             OutputError::NoFileName { .. } => "end the path with the name of a file, such as `plots/energy.svg`",
+            OutputError::Input { .. } => "choose another directory with `--out`, or another name",
+            OutputError::UnderWay { .. } => "wait until it has ended, or choose another directory with `--out`",
             OutputError::Gone { .. } => "leave the output directory alone until the run has ended; run the script again for what is lost",
             OutputError::Write { source, .. } => match source.kind() {
                 StorageFull | QuotaExceeded => "free some space, or choose a directory on another disk with `--out`",
@@ -74,7 +93,7 @@ impl OutputError {
         text.into()
     }
 
-    fn write(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+    pub(super) fn write(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
         move |source| OutputError::Write { path, source }
     }
@@ -93,7 +112,15 @@ pub(super) fn reason(error: &io::Error) -> String {
 pub struct RunFiles {
     directory: PathBuf,
     root: PathBuf,
-    record: Option<Arc<FileRecord>>,
+    run: Option<Arc<Run>>,
+}
+
+/// What is known of a run that owns its directory.
+#[derive(Debug)]
+struct Run {
+    record: FileRecord,
+    counted: Counted,
+    inputs: Inputs,
 }
 
 impl RunFiles {
@@ -105,31 +132,34 @@ impl RunFiles {
         let directory = directory.as_ref();
         fs::create_dir_all(directory).map_err(OutputError::write(directory))?;
         let root = directory.canonicalize().map_err(OutputError::write(directory))?;
-        Ok(RunFiles { directory: directory.into(), root, record: None })
+        Ok(RunFiles { directory: directory.into(), root, run: None })
     }
 
     /// Opens the output directory for a run, which removes the files of an earlier run that its record names (`.files`) and begins its own.
+    /// What the run reads stays.
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn begin(directory: impl AsRef<Path>) -> Result<Self, OutputError> {
+    pub fn begin(directory: impl AsRef<Path>, inputs: Inputs) -> Result<Self, OutputError> {
         let files = Self::create(directory)?;
-        file_record::remove_all(&files.root).map_err(|(path, source)| OutputError::Write { path, source })?;
-        files.recorded()
+        file_record::remove_all(&files.root, &inputs).map_err(|(path, source)| OutputError::Write { path, source })?;
+        files.recorded(inputs, Vec::new())
     }
 
-    /// Opens the output directory for a run that goes on with what an earlier program has written.
+    /// Opens the output directory for a run that goes on with what an earlier program has written, and counts on files of it: those that its
+    /// checkpoints name, the one last from which it goes on.
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn resume(directory: impl AsRef<Path>) -> Result<Self, OutputError> {
-        Self::create(directory)?.recorded()
+    pub fn resume(directory: impl AsRef<Path>, inputs: Inputs, counted: Vec<Vec<CountedFile>>) -> Result<Self, OutputError> {
+        Self::create(directory)?.recorded(inputs, counted)
     }
 
-    fn recorded(self) -> Result<Self, OutputError> {
+    fn recorded(self, inputs: Inputs, counted: Vec<Vec<CountedFile>>) -> Result<Self, OutputError> {
         let path = self.place(file_record::NAME)?;
         let record = FileRecord::open(&self.root).map_err(OutputError::write(path))?;
-        Ok(RunFiles { record: Some(Arc::new(record)), ..self })
+        let counted = Counted::new(&self.root, counted);
+        Ok(RunFiles { run: Some(Arc::new(Run { record, counted, inputs })), ..self })
     }
 
     /// A folder below the directory, with the same record.
@@ -138,7 +168,7 @@ impl RunFiles {
     /// A bad name, or the operating system refused.
     pub fn below(&self, name: &str) -> Result<Self, OutputError> {
         let root = self.place(&format!("{name}/x"))?.with_file_name("");
-        Ok(RunFiles { directory: self.directory.join(name), root, record: self.record.clone() })
+        Ok(RunFiles { directory: self.directory.join(name), root, run: self.run.clone() })
     }
 
     /// Writes the record in its order, when the run has written everything.
@@ -146,15 +176,41 @@ impl RunFiles {
     /// # Errors
     /// The operating system refused.
     pub fn complete_record(&self) -> Result<(), OutputError> {
-        let Some(record) = &self.record else { return Ok(()) };
-        RunFiles { record: None, ..self.clone() }.write(file_record::NAME, record.text()).map(drop)
+        let Some(run) = &self.run else { return Ok(()) };
+        RunFiles { run: None, ..self.clone() }.write(file_record::NAME, run.record.text()).map(drop)
     }
 
     /// The place of a file that is about to be written, noted in the record.
     fn noted(&self, name: &str) -> Result<PathBuf, OutputError> {
         let path = self.place(name)?;
-        self.record.as_ref().map_or(Ok(()), |record| record.note(&path)).map_err(OutputError::write(&path))?;
+        let Some(run) = &self.run else { return Ok(path) };
+        // A result of this run may be read by it and written again.
+        if run.inputs.contains(&path) && !run.record.knows(&path) {
+            return Err(OutputError::Input { path });
+        }
+        run.record.note(&path).map_err(OutputError::write(&path))?;
         Ok(path)
+    }
+
+    /// The files that a run which is resumed counts on, as they are now.
+    pub fn counted(&self) -> Vec<CountedFile> {
+        self.run.as_ref().map_or(Vec::new(), |run| run.counted.all())
+    }
+
+    /// From now on these files can be had back, until two further checkpoints are written.
+    pub fn promise(&self, files: Vec<CountedFile>) {
+        self.run.iter().for_each(|run| run.counted.promise(files.clone()));
+    }
+
+    /// Whether the record of the run has a file of that name, which may have been removed since.
+    pub fn has_written(&self, name: &str) -> bool {
+        self.run.as_ref().is_some_and(|run| run.record.knows(&self.root.join(name)))
+    }
+
+    /// Whether a run that is resumed counts on a file of that name and moment.
+    pub fn counts_on(&self, name: &str, time: f64) -> bool {
+        let path = self.root.join(name);
+        self.run.as_ref().is_none_or(|run| run.counted.get(&path).is_some_and(|file| file.time == Some(time)))
     }
 
     /// The directory as it was given.
@@ -215,43 +271,117 @@ impl RunFiles {
         self.replace(name, |file| file.write_all(bytes.as_ref()).and_then(|()| file.sync_all()))
     }
 
+    /// The same for a file that a run which is resumed counts on, because it shows what only the steps before know: a frame of a moment, a
+    /// movie. What a checkpoint counts on can be had back when it is replaced.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_counted(&self, name: &str, time: Option<f64>, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+        let path = self.write(name, bytes.as_ref())?;
+        self.run.iter().for_each(|run| run.counted.note(&path, time, bytes.as_ref()));
+        Ok(path)
+    }
+
+    /// Removes a file of this run; what a checkpoint counts on can be had back.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused.
+    pub fn remove(&self, name: &str) -> Result<(), OutputError> {
+        let path = self.place(name)?;
+        self.set_aside(&path)?;
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::Write { path, source: error }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Before a file is replaced or removed: it is moved away where a checkpoint counts on it.
+    fn set_aside(&self, path: &Path) -> Result<(), OutputError> {
+        let Some(aside) = self.run.as_ref().and_then(|run| run.counted.forget(path)) else { return Ok(()) };
+        aside.take(path).map_err(OutputError::write(path))
+    }
+
     /// Fills a file beside the place of that name and puts it there.
     fn replace(&self, name: &str, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<PathBuf, OutputError> {
         let path = self.noted(name)?;
+        self.put(&path, fill).map(|_| path)
+    }
+
+    /// Fills a file beside a place and puts it there; the file is still open.
+    fn put(&self, path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<File, OutputError> {
         let mut hidden = OsString::from(".");
         hidden.push(path.file_name().unwrap_or_default());
         hidden.push(".part");
         let hidden = path.with_file_name(hidden);
         // What a killed run left behind goes first: `create_new` then never writes through a link.
         let _ = fs::remove_file(&hidden);
-        let written = File::create_new(&hidden).and_then(|mut file| fill(&mut file)).and_then(|()| fs::rename(&hidden, &path));
-        if let Err(error) = written {
+        let mut options = File::options();
+        let mut written = options.append(true).create_new(true).open(&hidden);
+        written = written.and_then(|mut file| fill(&mut file).map(|()| file));
+        let put = written.map_err(OutputError::write(path)).and_then(|file| {
+            self.set_aside(path)?;
+            fs::rename(&hidden, path).map_err(OutputError::write(path)).map(|()| file)
+        });
+        if put.is_err() {
             // The first error is the one to report; a part that cannot be removed either is only litter.
             let _ = fs::remove_file(&hidden);
-            return Err(OutputError::Write { path, source: error });
         }
-        Ok(path)
+        put
     }
 
-    /// Opens an empty file that grows at its end.
+    /// Opens an empty file that grows at its end, in place of what stands there.
     ///
     /// # Errors
     /// A bad name, or the operating system refused.
     pub fn stream(&self, name: &str) -> Result<Stream, OutputError> {
-        self.noted(name).and_then(|path| File::create(&path).map_err(OutputError::write(&path)))?;
-        self.extend(name)
+        self.filled(name, |_| Ok(()))
     }
 
-    /// Opens a file that grows at its end with what is in it.
+    /// Opens a file that grows at its end with what it is filled with, in place of what stands there.
+    ///
+    /// # Errors
+    /// A bad name, or the operating system refused.
+    pub fn filled(&self, name: &str, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> Result<Stream, OutputError> {
+        let path = self.noted(name)?;
+        let file = self.put(&path, |file| {
+            let mut buffered = BufWriter::with_capacity(BUFFER, file);
+            fill(&mut buffered)?;
+            buffered.flush()
+        })?;
+        let length = file.metadata().map_err(OutputError::write(&path))?.len();
+        Ok(Stream { path, file, length })
+    }
+
+    /// Opens a file that grows at its end with what is in it; one that has further names is copied before.
     ///
     /// # Errors
     /// A bad name, or the operating system refused.
     pub fn extend(&self, name: &str) -> Result<Stream, OutputError> {
         let path = self.place(name)?;
+        let found = fs::symlink_metadata(&path).map_err(OutputError::write(&path))?;
+        if !found.is_file() || has_further_names(&found) {
+            let content = read_file(&path).map_err(OutputError::write(&path))?;
+            return self.filled(name, |file| file.write_all(&content));
+        }
         let file = File::options().append(true).open(&path).map_err(OutputError::write(&path))?;
         let length = file.metadata().map_err(OutputError::write(&path))?.len();
         Ok(Stream { path, file, length })
     }
+}
+
+/// Bytes that are collected before they are written.
+const BUFFER: usize = 1 << 16;
+
+/// Whether a file has more names than one.
+#[cfg(unix)]
+fn has_further_names(found: &fs::Metadata) -> bool {
+    std::os::unix::fs::MetadataExt::nlink(found) > 1
+}
+
+/// Whether a file has more names than one, as far as can be told.
+#[cfg(not(unix))]
+fn has_further_names(_: &fs::Metadata) -> bool {
+    false
 }
 
 /// A file that grows at its end by whole pieces.
@@ -287,6 +417,14 @@ impl Stream {
         Ok(())
     }
 
+    /// Waits until it is on the disk.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn sync(&self) -> Result<(), OutputError> {
+        self.file.sync_data().map_err(OutputError::write(&self.path))
+    }
+
     /// Makes sure that the file is still at its place.
     ///
     /// # Errors
@@ -309,14 +447,14 @@ impl Stream {
 
 /// Whether both are of one file.
 #[cfg(unix)]
-fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
+pub(super) fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;
     (there.dev(), there.ino()) == (own.dev(), own.ino())
 }
 
 /// Whether both are of one file, as far as can be told.
 #[cfg(not(unix))]
-fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
+pub(super) fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
     there.len() == own.len()
 }
 

@@ -7,8 +7,10 @@
 //! that of a probe added later, is an empty field.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 
 use super::files::{OutputError, RunFiles, Stream};
+use super::inputs::read_file;
 use super::table::is_count;
 use crate::dynamics::LedgerRow;
 
@@ -45,14 +47,17 @@ fn record(dimension: usize, row: &LedgerRow, extra: &[f64], extra_columns: usize
     text.into_bytes()
 }
 
+/// Its name.
+const NAME: &str = "history.csv";
+
 /// The growing file.
 #[derive(Debug)]
 pub struct HistoryCsv {
     files: RunFiles,
-    name: String,
     dimension: usize,
     extra: Vec<String>,
-    stream: Stream,
+    /// None while its rows are those of an earlier program: the file that this one has left stays as it is until then.
+    stream: Option<Stream>,
     /// Length of the file after the header and after each row.
     ends: Vec<u64>,
 }
@@ -61,23 +66,37 @@ impl HistoryCsv {
     /// Starts the file with its header: the columns of [`LedgerRow::columns`], then `extra`.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused.
-    pub fn create(files: &RunFiles, name: &str, dimension: usize, extra: Vec<String>) -> Result<Self, OutputError> {
-        let mut stream = files.stream(name)?;
-        stream.append(&header(dimension, &extra))?;
-        let ends = vec![stream.length()];
-        Ok(HistoryCsv { files: files.clone(), name: name.into(), dimension, extra, stream, ends })
+    /// The operating system refused.
+    pub fn create(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Result<Self, OutputError> {
+        let mut history = HistoryCsv::recalled(files, dimension, extra);
+        history.begin([])?;
+        Ok(history)
     }
 
-    /// Puts the file in the place of another name: what stood there is replaced in one piece.
+    /// Counts the rows of an earlier program; nothing is written before [`Self::begin`].
+    pub fn recalled(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Self {
+        HistoryCsv { files: files.clone(), dimension, extra, stream: None, ends: vec![0] }
+    }
+
+    /// Puts a file with these rows and their further values in the place of the one that is there, in one piece.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused.
-    pub fn rename(&mut self, name: &str) -> Result<(), OutputError> {
-        let path = self.files.place(name)?;
-        std::fs::rename(self.stream.path(), &path).map_err(|source| OutputError::Write { path, source })?;
-        self.name = name.into();
-        self.stream = self.files.extend(name)?;
+    /// The operating system refused.
+    pub fn begin<'a>(&mut self, rows: impl IntoIterator<Item = (&'a LedgerRow, Vec<f64>)>) -> Result<(), OutputError> {
+        let (header, mut ends) = (header(self.dimension, &self.extra), Vec::new());
+        let stream = self.files.filled(NAME, |file| {
+            file.write_all(&header)?;
+            ends.push(header.len() as u64);
+            let mut length = header.len() as u64;
+            for (row, further) in rows {
+                let line = record(self.dimension, row, &further, self.extra.len());
+                file.write_all(&line)?;
+                length += line.len() as u64;
+                ends.push(length);
+            }
+            Ok(())
+        })?;
+        (self.stream, self.ends) = (Some(stream), ends);
         Ok(())
     }
 
@@ -96,8 +115,10 @@ impl HistoryCsv {
     /// # Errors
     /// The operating system refused; the file then ends with the row before.
     pub fn append(&mut self, row: &LedgerRow, extra: &[f64]) -> Result<(), OutputError> {
-        self.stream.append(&record(self.dimension, row, extra, self.extra.len()))?;
-        self.ends.push(self.stream.length());
+        if let Some(stream) = &mut self.stream {
+            stream.append(&record(self.dimension, row, extra, self.extra.len()))?;
+        }
+        self.ends.push(self.stream.as_ref().map_or(0, Stream::length));
         Ok(())
     }
 
@@ -106,7 +127,7 @@ impl HistoryCsv {
     /// # Errors
     /// It was removed or replaced.
     pub fn verify(&self) -> Result<(), OutputError> {
-        self.stream.verify()
+        self.stream.as_ref().map_or(Ok(()), Stream::verify)
     }
 
     /// Drops all but the first `rows` rows, when a simulation goes back.
@@ -115,7 +136,8 @@ impl HistoryCsv {
     /// The operating system refused.
     pub fn keep(&mut self, rows: usize) -> Result<(), OutputError> {
         self.ends.truncate(rows + 1);
-        self.stream.truncate(self.ends[self.ends.len() - 1])
+        let end = self.ends[self.ends.len() - 1];
+        self.stream.as_mut().map_or(Ok(()), |stream| stream.truncate(end))
     }
 
     /// Adds columns to a file that has rows already; these get empty fields. Costs a rewrite of the file.
@@ -123,9 +145,13 @@ impl HistoryCsv {
     /// # Errors
     /// The file cannot be read back, or the operating system refused.
     pub fn add_columns(&mut self, names: &[String]) -> Result<(), OutputError> {
-        let path = self.stream.path().to_path_buf();
-        let old = std::fs::read(&path).map_err(|source| OutputError::Write { path, source })?;
         let extra: Vec<String> = self.extra.iter().chain(names).cloned().collect();
+        let Some(stream) = &self.stream else {
+            self.extra = extra;
+            return Ok(());
+        };
+        let path = stream.path().to_path_buf();
+        let old = read_file(&path).map_err(|source| OutputError::Write { path, source })?;
         let mut text = header(self.dimension, &extra);
         let mut ends = vec![text.len() as u64];
         for bounds in self.ends.windows(2) {
@@ -136,8 +162,7 @@ impl HistoryCsv {
             text.push(b'\n');
             ends.push(text.len() as u64);
         }
-        self.files.write(&self.name, &text)?;
-        self.stream = self.files.extend(&self.name)?;
+        self.stream = Some(self.files.filled(NAME, |file| file.write_all(&text))?);
         (self.extra, self.ends) = (extra, ends);
         Ok(())
     }
@@ -166,7 +191,7 @@ mod tests {
     fn every_number_reads_back_as_itself() {
         let (directory, files) = scratch("csv numbers");
         let odd = [0.1 + 0.2, 1.0 / 3.0, -0.0, 5e-324, f64::MAX, 1e-7, 123456789.125, 1e22, f64::INFINITY];
-        let mut history = HistoryCsv::create(&files, "history.csv", 3, vec!["tip.ux".into()]).unwrap();
+        let mut history = HistoryCsv::create(&files, 3, vec!["tip.ux".into()]).unwrap();
         for (step, &value) in odd.iter().enumerate() {
             let row = LedgerRow { step, kinetic: value, momentum: [value; 3], newton_iterations: 5, ..LedgerRow::default() };
             history.append(&row, &[-value]).unwrap();
@@ -185,7 +210,7 @@ mod tests {
     #[test]
     fn the_file_is_whole_after_every_row_without_being_closed() {
         let (directory, files) = scratch("csv open");
-        let mut history = HistoryCsv::create(&files, "history.csv", 2, vec![]).unwrap();
+        let mut history = HistoryCsv::create(&files, 2, vec![]).unwrap();
         for row in rows() {
             history.append(&row, &[]).unwrap();
             let text = std::fs::read_to_string(directory.join("history.csv")).unwrap();
@@ -198,7 +223,7 @@ mod tests {
     #[test]
     fn columns_can_be_added_and_rows_dropped() {
         let (directory, files) = scratch("csv columns");
-        let mut history = HistoryCsv::create(&files, "history.csv", 2, vec!["two\nlines".into()]).unwrap();
+        let mut history = HistoryCsv::create(&files, 2, vec!["two\nlines".into()]).unwrap();
         for row in &rows()[..5] {
             history.append(row, &[1.5]).unwrap();
         }

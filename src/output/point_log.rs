@@ -6,7 +6,8 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::checkpoint::{FOLDER, POINTS};
+use super::checkpoint::POINTS;
+use super::counted::FOLDER;
 use super::files::{OutputError, RunFiles, Stream};
 
 /// Bytes before a record.

@@ -9,7 +9,7 @@ use super::files::{OutputError, RunFiles};
 use super::vtu::Frame;
 
 /// The text of the list: times and paths of the frames, relative to the list.
-pub fn pvd(frames: &[(f64, String)]) -> String {
+pub fn pvd<'a>(frames: impl IntoIterator<Item = (f64, &'a str)>) -> String {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n",
     );
@@ -20,67 +20,94 @@ pub fn pvd(frames: &[(f64, String)]) -> String {
     text + "  </Collection>\n</VTKFile>\n"
 }
 
+/// A frame that is listed.
+#[derive(Debug)]
+struct Listed {
+    time: f64,
+    /// Row of the history that belongs to it.
+    row: usize,
+    /// Its path, relative to the list.
+    path: String,
+}
+
 /// A growing series: `fields.pvd` and `fields/fields_000000.vtu`, `fields/fields_000001.vtu`, ...
 #[derive(Debug)]
 pub struct FieldSeries {
     files: RunFiles,
     name: String,
     stem: String,
-    frames: Vec<(f64, String)>,
+    frames: Vec<Listed>,
+    /// Whether its frames are those of an earlier program: nothing is written then.
+    recalls: bool,
 }
 
 impl FieldSeries {
-    /// Starts an empty series under the name of its list, such as `fields.pvd` (the ending may be left out). Frames that an older run of
-    /// that name left are removed.
+    /// Starts an empty series under the name of its list, such as `fields.pvd` (the ending may be left out).
     ///
     /// # Errors
     /// A bad name, or the operating system refused.
     pub fn create(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
-        let name = if name.ends_with(".pvd") { name.to_string() } else { format!("{name}.pvd") };
-        let path = files.place(&name)?;
-        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let series = FieldSeries { files: files.clone(), name, stem, frames: Vec::new() };
-        files.write(&series.name, pvd(&[]))?;
-        let first = files.place(&series.below(&series.frame(0)))?;
-        for entry in first.parent().into_iter().flat_map(std::fs::read_dir).flatten().flatten() {
-            let file = entry.file_name();
-            let number = file.to_str().and_then(|file| file.strip_prefix(&series.stem)?.strip_prefix('_')?.strip_suffix(".vtu"));
-            if number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit())) {
-                std::fs::remove_file(entry.path()).map_err(|source| OutputError::Write { path: entry.path(), source })?;
-            }
-        }
+        let series = FieldSeries { recalls: false, ..Self::recalled(files, name)? };
+        series.list()?;
+        series.remove_further()?;
         Ok(series)
     }
 
-    /// Opens a series whose frames are there already, to be recalled one by one or written anew; its list stays as it is until then.
-    ///
-    /// # Errors
-    /// A bad name, or the operating system refused.
-    pub fn reopen(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
-        let stem = files.place(name)?.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        Ok(FieldSeries { files: files.clone(), name: name.into(), stem, frames: Vec::new() })
-    }
-
-    /// Takes the next frame, which an earlier program has written for this time, into the list; whether it is there.
+    /// A series whose frames an earlier program has written; its list and they stay as they are until [`Self::go_on`].
     ///
     /// # Errors
     /// A bad name.
-    pub fn recall(&mut self, time: f64) -> Result<bool, OutputError> {
-        while self.frames.last().is_some_and(|&(last, _)| last >= time) {
-            self.frames.pop();
-        }
-        let path = self.frame(self.frames.len());
-        let is_there = self.files.place(&self.below(&path))?.is_file();
-        self.frames.push((time, path));
-        Ok(is_there)
+    pub fn recalled(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
+        let name = if name.ends_with(".pvd") { name.to_string() } else { format!("{name}.pvd") };
+        let stem = files.place(&name)?.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(FieldSeries { files: files.clone(), name, stem, frames: Vec::new(), recalls: true })
     }
 
-    /// Writes the list.
+    /// Takes the next frame, which an earlier program has written for this time and row of the history, into the list.
+    pub fn recall(&mut self, time: f64, row: usize) {
+        self.frames.truncate(self.before(time));
+        let path = self.path(self.frames.len());
+        self.frames.push(Listed { time, row, path });
+    }
+
+    /// From here on frames are written. The first of those so far whose file is of another moment, if there is one.
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn list(&self) -> Result<(), OutputError> {
-        self.files.write(&self.name, pvd(&self.frames)).map(drop)
+    pub fn go_on(&mut self) -> Result<Option<f64>, OutputError> {
+        self.recalls = false;
+        let is_strange = |frame: &&Listed| !self.files.counts_on(&self.below(&frame.path), frame.time);
+        match self.frames.iter().find(is_strange) {
+            Some(frame) => Ok(Some(frame.time)),
+            None => self.list().and_then(|()| self.remove_further()).map(|()| None),
+        }
+    }
+
+    /// Removes the frames behind the list that an earlier program of this run has written: that of the moment at which it was interrupted,
+    /// and those after its last checkpoint.
+    fn remove_further(&self) -> Result<(), OutputError> {
+        let further = (self.frames.len()..).map(|number| self.below(&self.path(number)));
+        further.take_while(|name| self.files.has_written(name)).try_for_each(|name| self.files.remove(&name))
+    }
+
+    /// Forgets the frames behind the first `rows` rows of the history, when a simulation goes back: they are of a course that was given up.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn cut(&mut self, rows: usize) -> Result<(), OutputError> {
+        let kept = self.frames.partition_point(|frame| frame.row < rows);
+        let given_up = self.frames.split_off(kept);
+        if self.recalls || given_up.is_empty() {
+            return Ok(());
+        }
+        // A reader never finds a frame in the list whose file is gone.
+        self.list()?;
+        given_up.iter().try_for_each(|frame| self.files.remove(&self.below(&frame.path)))
+    }
+
+    /// Writes the list.
+    fn list(&self) -> Result<(), OutputError> {
+        self.files.write(&self.name, pvd(self.frames.iter().map(|frame| (frame.time, frame.path.as_str())))).map(drop)
     }
 
     /// Makes sure that all frames of the list are still at their places.
@@ -88,8 +115,8 @@ impl FieldSeries {
     /// # Errors
     /// One was removed.
     pub fn verify(&self) -> Result<(), OutputError> {
-        for (_, frame) in &self.frames {
-            let path = self.files.place(&self.below(frame))?;
+        for frame in &self.frames {
+            let path = self.files.place(&self.below(&frame.path))?;
             if !path.is_file() {
                 return Err(OutputError::Gone { path });
             }
@@ -98,7 +125,7 @@ impl FieldSeries {
     }
 
     /// Path of a frame, relative to the list.
-    fn frame(&self, number: usize) -> String {
+    fn path(&self, number: usize) -> String {
         format!("{0}/{0}_{number:06}.vtu", self.stem)
     }
 
@@ -107,25 +134,34 @@ impl FieldSeries {
         Path::new(&self.name).with_file_name(path).to_string_lossy().into_owned()
     }
 
-    /// Times of the frames.
-    pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
-        self.frames.iter().map(|frame| frame.0)
+    /// Number of the frames before a time.
+    fn before(&self, time: f64) -> usize {
+        self.frames.iter().rposition(|frame| frame.time < time).map_or(0, |last| last + 1)
     }
 
-    /// Writes a frame and returns the place of the frame. Times ascend in a series: frames at or after this time, left
-    /// from before the simulation settled or went back, are dropped from the list.
+    /// Times of the frames.
+    pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
+        self.frames.iter().map(|frame| frame.time)
+    }
+
+    /// Time of the last frame and the row of the history that belongs to it.
+    pub fn last(&self) -> Option<(f64, usize)> {
+        self.frames.last().map(|frame| (frame.time, frame.row))
+    }
+
+    /// Writes a frame with the row of the history that belongs to it, and returns the place of the frame. Times ascend in a series: frames
+    /// at this time, left from before the simulation settled, are dropped.
     ///
     /// # Errors
     /// The operating system refused; the list then names what was written before.
-    pub fn append(&mut self, frame: &Frame) -> Result<PathBuf, OutputError> {
+    pub fn append(&mut self, frame: &Frame, row: usize) -> Result<PathBuf, OutputError> {
         let time = frame.time();
-        while self.frames.last().is_some_and(|&(last, _)| last >= time) {
-            self.frames.pop();
-        }
-        let path = self.frame(self.frames.len());
-        let place = self.files.write(&self.below(&path), frame.encode())?;
-        self.frames.push((time, path));
+        let given_up = self.frames.split_off(self.before(time));
+        let path = self.path(self.frames.len());
+        let place = self.files.write_counted(&self.below(&path), Some(time), frame.encode())?;
+        self.frames.push(Listed { time, row, path });
         self.list()?;
+        given_up.iter().skip(1).try_for_each(|frame| self.files.remove(&self.below(&frame.path)))?;
         Ok(place)
     }
 }
@@ -134,12 +170,13 @@ impl FieldSeries {
 mod tests {
     use std::fs;
 
+    use super::super::inputs::Inputs;
     use super::super::samples::{ring, scratch};
     use super::*;
 
     #[test]
     fn the_list_names_frames_and_times() {
-        insta::assert_snapshot!(pvd(&[(0.0, "fields/fields_000000.vtu".into()), (0.1 + 0.2, "a&\"b\"/x.vtu".into())]), @r#"
+        insta::assert_snapshot!(pvd([(0.0, "fields/fields_000000.vtu"), (0.1 + 0.2, "a&\"b\"/x.vtu")]), @r#"
         <?xml version="1.0"?>
         <VTKFile type="Collection" version="1.0" byte_order="LittleEndian">
           <Collection>
@@ -156,33 +193,39 @@ mod tests {
         let bodies = [ring("ring", [1.0, 1.5], [2, 12])];
         let mut series = FieldSeries::create(&files, "run/fields.pvd").unwrap();
         for (number, time) in [0.0, 0.1, 0.2].into_iter().enumerate() {
-            series.append(&Frame::new(time, &bodies)).unwrap();
+            series.append(&Frame::new(time, &bodies), number).unwrap();
             let text = fs::read_to_string(directory.join("run/fields.pvd")).unwrap();
             assert_eq!(text.matches("<DataSet").count(), number + 1);
             assert!(text.contains(&format!("file=\"fields/fields_{number:06}.vtu\"")));
             assert!(directory.join(format!("run/fields/fields_{number:06}.vtu")).exists());
         }
-        // The simulation went back to 0.1.
-        series.append(&Frame::new(0.1, &bodies)).unwrap();
-        assert_eq!(series.times().collect::<Vec<_>>(), [0.0, 0.1]);
+        // The simulation went back to the row of 0.0.
+        series.cut(1).unwrap();
+        assert_eq!(series.times().collect::<Vec<_>>(), [0.0]);
+        assert_eq!(fs::read_dir(directory.join("run/fields")).unwrap().count(), 1);
+        assert_eq!(fs::read_to_string(directory.join("run/fields.pvd")).unwrap().matches("<DataSet").count(), 1);
+        // It settled where it was.
+        series.append(&Frame::new(0.1, &bodies), 1).unwrap();
+        series.append(&Frame::new(0.1, &bodies), 2).unwrap();
+        assert_eq!((series.times().collect::<Vec<_>>(), series.last()), (vec![0.0, 0.1], Some((0.1, 2))));
     }
 
     #[test]
     fn a_new_run_removes_the_frames_of_the_old_one_and_nothing_else() {
-        let (directory, files) = scratch("series again");
+        let (directory, _) = scratch("series again");
+        let begin = || RunFiles::begin(&*directory, Inputs::default()).unwrap();
         let bodies = [ring("ring", [1.0, 1.5], [2, 12])];
-        let mut series = FieldSeries::create(&files, "fields.pvd").unwrap();
+        let mut series = FieldSeries::create(&begin(), "fields.pvd").unwrap();
         for step in 0..3 {
-            series.append(&Frame::new(f64::from(step), &bodies)).unwrap();
+            series.append(&Frame::new(step as f64, &bodies), step).unwrap();
         }
-        for kept in ["notes.txt", "fields_1.vtu", "fields_final.vtu", "other_000001.vtu"] {
-            files.write(&format!("fields/{kept}"), "theirs").unwrap();
+        for kept in ["notes.txt", "fields_1.vtu", "fields_000009.vtu", "other_000001.vtu"] {
+            fs::write(directory.join("fields").join(kept), "theirs").unwrap();
         }
-        let mut series = FieldSeries::create(&files, "fields.pvd").unwrap();
-        series.append(&Frame::new(0.0, &bodies)).unwrap();
+        let mut series = FieldSeries::create(&begin(), "fields.pvd").unwrap();
+        series.append(&Frame::new(0.0, &bodies), 0).unwrap();
         let mut left: Vec<_> = fs::read_dir(directory.join("fields")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort();
-        assert!(FieldSeries::create(&files, "fields").unwrap().times().next().is_none());
-        assert_eq!(left, ["fields_000000.vtu", "fields_1.vtu", "fields_final.vtu", "notes.txt", "other_000001.vtu"]);
+        assert_eq!(left, ["fields_000000.vtu", "fields_000009.vtu", "fields_1.vtu", "notes.txt", "other_000001.vtu"]);
     }
 }

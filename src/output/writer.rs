@@ -20,7 +20,7 @@ const AHEAD: usize = 2;
 
 /// A thread that writes frames; it gives back the series and the first error.
 struct Thread {
-    frames: SyncSender<Frame>,
+    frames: SyncSender<(Frame, usize)>,
     handle: JoinHandle<(FieldSeries, Result<(), OutputError>)>,
 }
 
@@ -30,8 +30,8 @@ pub struct FieldWriter {
     series: Option<FieldSeries>,
     thread: Option<Thread>,
     grid: Option<Arc<Grid>>,
-    /// Time of the last frame that was handed over or, after an error, written.
-    last: Option<f64>,
+    /// Time of the last frame that was handed over or, after an error, written, and the row of the history that belongs to it.
+    last: Option<(f64, usize)>,
     /// Whether something was refused that has not been told.
     refused: Arc<AtomicBool>,
 }
@@ -39,22 +39,22 @@ pub struct FieldWriter {
 impl FieldWriter {
     /// Writes into a series.
     pub fn new(series: FieldSeries) -> Self {
-        FieldWriter { last: series.times().last(), series: Some(series), thread: None, grid: None, refused: Arc::default() }
+        FieldWriter { last: series.last(), series: Some(series), thread: None, grid: None, refused: Arc::default() }
     }
 
-    /// Time of the last frame.
-    pub fn last(&self) -> Option<f64> {
+    /// Time of the last frame, and the row of the history that belongs to it.
+    pub fn last(&self) -> Option<(f64, usize)> {
         self.last
     }
 
-    /// Hands over all bodies at one time, which are the same at each call.
+    /// Hands over all bodies at one time, with the row of the history that belongs to it; the bodies are the same at each call.
     ///
     /// # Errors
     /// The operating system refused this frame or an earlier one.
     ///
     /// # Panics
     /// The thread panicked.
-    pub fn append(&mut self, time: f64, bodies: &[BodyFields]) -> Result<(), OutputError> {
+    pub fn append(&mut self, time: f64, row: usize, bodies: &[BodyFields]) -> Result<(), OutputError> {
         self.check()?;
         let grid = self.grid.get_or_insert_with(|| Arc::new(Grid::new(bodies)));
         let frame = Frame::on(grid.clone(), time, bodies);
@@ -63,55 +63,33 @@ impl FieldWriter {
                 Ok(thread) => self.thread = Some(thread),
                 // Where there can be no thread, the frame is written here and now.
                 Err(series) => {
-                    let written = self.series.insert(*series).append(&frame);
-                    self.last = self.series.as_ref().and_then(|series| series.times().last());
+                    let written = self.series.insert(*series).append(&frame, row);
+                    self.last = self.series.as_ref().and_then(FieldSeries::last);
                     return written.map(drop);
                 }
             }
         }
-        self.last = Some(time);
-        match self.thread.as_ref().map(|thread| thread.frames.send(frame)) {
+        self.last = Some((time, row));
+        match self.thread.as_ref().map(|thread| thread.frames.send((frame, row))) {
             // A thread without a receiver has panicked.
             Some(Err(_)) => self.wait(),
             _ => Ok(()),
         }
     }
 
-    /// Takes a frame that an earlier program has written into the series; whether it is there.
+    /// Works on the series when all frames that were handed over are written; none where a panic has lost it.
     ///
     /// # Errors
-    /// The operating system refused an earlier frame.
+    /// The operating system refused an earlier frame, or what is done.
     ///
     /// # Panics
     /// The thread panicked.
-    pub fn recall(&mut self, time: f64) -> Result<bool, OutputError> {
+    pub fn with<T>(&mut self, work: impl FnOnce(&mut FieldSeries) -> Result<T, OutputError>) -> Result<Option<T>, OutputError> {
         self.wait()?;
-        self.last = Some(time);
-        self.series.as_mut().map_or(Ok(false), |series| series.recall(time))
-    }
-
-    /// Writes the list of the frames.
-    ///
-    /// # Errors
-    /// The operating system refused.
-    ///
-    /// # Panics
-    /// The thread panicked.
-    pub fn list(&mut self) -> Result<(), OutputError> {
-        self.wait()?;
-        self.series.as_ref().map_or(Ok(()), FieldSeries::list)
-    }
-
-    /// Makes sure that all frames are still at their places.
-    ///
-    /// # Errors
-    /// One was removed, or the operating system refused one.
-    ///
-    /// # Panics
-    /// The thread panicked.
-    pub fn verify(&mut self) -> Result<(), OutputError> {
-        self.wait()?;
-        self.series.as_ref().map_or(Ok(()), FieldSeries::verify)
+        let Some(series) = &mut self.series else { return Ok(None) };
+        let done = work(series);
+        self.last = series.last();
+        done.map(Some)
     }
 
     /// Tells what was refused so far, without waiting for the rest.
@@ -137,7 +115,7 @@ impl FieldWriter {
         drop(frames);
         let (series, outcome) = handle.join().unwrap_or_else(|panic| resume_unwind(panic));
         self.refused.store(false, Ordering::Release);
-        self.last = series.times().last();
+        self.last = series.last();
         self.series = Some(series);
         outcome
     }
@@ -155,14 +133,14 @@ impl Drop for FieldWriter {
 
 /// Starts the thread, or gives the series back where the operating system has none to give.
 fn start(series: FieldSeries, refused: Arc<AtomicBool>) -> Result<Thread, Box<FieldSeries>> {
-    let (frames, queue) = sync_channel::<Frame>(AHEAD);
+    let (frames, queue) = sync_channel::<(Frame, usize)>(AHEAD);
     // The series goes by a channel of its own: a thread that cannot be started would keep it.
     let (hand_over, receive) = sync_channel::<FieldSeries>(1);
     let work = move || {
         let Ok(mut series) = receive.recv() else { unreachable!("the series is sent before the first frame") };
         let mut outcome = Ok(());
-        for frame in queue {
-            let written = series.append(&frame).map(drop);
+        for (frame, row) in queue {
+            let written = series.append(&frame, row).map(drop);
             if written.is_err() {
                 outcome = outcome.and(written);
                 refused.store(true, Ordering::Release);
@@ -197,11 +175,11 @@ mod tests {
         let mut bodies = [ring("ring", [1.0, 1.5], [20, 60])];
         let (mut behind, mut series) = (writer(&files), FieldSeries::create(&expected_files, "fields.pvd").unwrap());
         // More than the queue holds, with a way back from 0.3 to 0.2.
-        for time in [0.0, 0.1, 0.2, 0.3, 0.2, 0.4, 0.5, 0.6] {
+        for (row, time) in [0.0, 0.1, 0.2, 0.3, 0.2, 0.4, 0.5, 0.6].into_iter().enumerate() {
             bodies[0].displacement[7] = [time, -time, 0.0];
-            behind.append(time, &bodies).unwrap();
-            series.append(&Frame::new(time, &bodies)).unwrap();
-            assert_eq!(behind.last(), Some(time));
+            behind.append(time, row, &bodies).unwrap();
+            series.append(&Frame::new(time, &bodies), row).unwrap();
+            assert_eq!(behind.last(), Some((time, row)));
         }
         behind.wait().unwrap();
         for file in (0..6).map(|number| format!("fields/fields_{number:06}.vtu")).chain(["fields.pvd".into()]) {
@@ -215,7 +193,7 @@ mod tests {
         let bodies = [ring("ring", [1.0, 1.5], [20, 60])];
         let mut behind = writer(&files);
         for step in 0..4 {
-            behind.append(f64::from(step), &bodies).unwrap();
+            behind.append(f64::from(step), 0, &bodies).unwrap();
         }
         drop(behind);
         let list = fs::read_to_string(directory.join("fields.pvd")).unwrap();
@@ -228,17 +206,17 @@ mod tests {
         let (directory, files) = scratch("writer refused");
         let bodies = [ring("ring", [1.0, 1.5], [2, 12])];
         let mut behind = writer(&files);
-        behind.append(0.0, &bodies).unwrap();
+        behind.append(0.0, 0, &bodies).unwrap();
         behind.wait().unwrap();
         // A folder stands where the frame is to be.
         fs::create_dir(directory.join("fields/fields_000001.vtu")).unwrap();
-        behind.append(0.1, &bodies).unwrap();
+        behind.append(0.1, 1, &bodies).unwrap();
         let error = behind.wait().unwrap_err();
         assert!(error.to_string().contains("fields_000001.vtu\" could not be written"), "{error}");
-        assert_eq!(behind.last(), Some(0.0), "the frame that is missing is due again");
+        assert_eq!(behind.last(), Some((0.0, 0)), "the frame that is missing is due again");
         behind.wait().unwrap();
         fs::remove_dir(directory.join("fields/fields_000001.vtu")).unwrap();
-        behind.append(0.2, &bodies).unwrap();
+        behind.append(0.2, 2, &bodies).unwrap();
         behind.wait().unwrap();
         let list = fs::read_to_string(directory.join("fields.pvd")).unwrap();
         assert_eq!(list.matches("<DataSet").count(), 2);
@@ -254,7 +232,7 @@ mod tests {
         let begun = std::time::Instant::now();
         let mut time = 0.0;
         // The queue is bounded, so a few frames are enough; the clock only ends a loop that would be wrong.
-        while behind.append(time, &bodies).is_ok() {
+        while behind.append(time, 0, &bodies).is_ok() {
             assert!(begun.elapsed().as_secs() < 60, "the refusal is not told");
             time += 1.0;
         }

@@ -13,7 +13,7 @@ use super::record::{BALANCE, Record, RecordOutcome, Yield};
 use super::transcript::Transcript;
 use super::watchdog::Watchdog;
 use crate::output::checkpoint::{self, Checkpoint, Origin};
-use crate::output::{NOT_CONSERVING, OutputError, RunFiles, read_summary};
+use crate::output::{CountedFile, NOT_CONSERVING, OutputError, RunFiles, RunLock, read_summary};
 use crate::script::{Class, Diagnostic, Ink, Mode, Report, Session, Settings, home};
 
 /// What came of the wish to compute a point.
@@ -54,10 +54,11 @@ pub fn compute(study: &StudyFolder, plan: &Plan, point: &Point, watchdog: &Watch
 }
 
 /// The checkpoint of an earlier attempt, if it would lead to the same results.
-fn go_on_from(folder: &Path) -> Option<Checkpoint> {
+fn go_on_from(folder: &Path) -> Option<(Checkpoint, Vec<CountedFile>)> {
     let checkpoint = Checkpoint::read(&checkpoint::places(folder).pop()?).ok()?;
+    let aside = checkpoint.belongs_to(folder).ok()?;
     let (changed, digits) = checkpoint.origin.differences(&Origin::now(&checkpoint.origin));
-    (changed.is_empty() && digits.is_empty()).then_some(checkpoint)
+    (changed.is_empty() && digits.is_empty()).then_some((checkpoint, aside))
 }
 
 /// Removes what an earlier attempt has left.
@@ -79,7 +80,7 @@ fn run(
     plan: &Plan,
     point: &Point,
     watchdog: &Watchdog,
-    resumed: Option<Checkpoint>,
+    resumed: Option<(Checkpoint, Vec<CountedFile>)>,
 ) -> Result<Option<Record>, Box<Diagnostic>> {
     let begun = Instant::now();
     let folder = study.point(point);
@@ -105,7 +106,13 @@ fn run(
     };
     let (report, scripts, results) = match Session::new(settings, home(script), transcript.clone()) {
         Ok(mut session) => {
-            resumed.into_iter().for_each(|checkpoint| session.resume(checkpoint));
+            if let Some((checkpoint, aside)) = resumed {
+                let lock = RunLock::take(&folder).and_then(|lock| checkpoint::bring_back(&folder, &aside).map(|()| lock));
+                let lock = lock.map_err(|error| unwritten(&error))?;
+                session
+                    .resume(&folder, checkpoint, lock)
+                    .map_err(|error| unwritten(&OutputError::Write { path: folder.clone(), source: error }))?;
+            }
             (session.run_file(script), Some(session.digest()), session.results())
         }
         Err(error) => (Report::failed(*error), None, Vec::new()),

@@ -1,12 +1,15 @@
 //! All files of a run, to compare two of them.
 
+// Each program uses its part of it.
+#![allow(dead_code)]
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// All files of a run by their paths; of a summary all but times and memory.
 fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
     fn collect(folder: &Path, run: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
-        for entry in std::fs::read_dir(folder).unwrap() {
+        for entry in std::fs::read_dir(folder).into_iter().flatten() {
             let path = entry.unwrap().path();
             let name = path.strip_prefix(run).unwrap().to_string_lossy().into_owned();
             if path.is_dir() {
@@ -28,10 +31,20 @@ fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// Fails where two runs differ, with the name of the first file that does.
-pub fn assert_same(expected: &Path, run: &Path, when: &str) {
+/// What differs between two runs: files that one of them lacks, files with another content.
+pub fn difference(expected: &Path, run: &Path) -> Option<String> {
     let (expected, found) = (files(expected), files(run));
-    assert_eq!(expected.keys().collect::<Vec<_>>(), found.keys().collect::<Vec<_>>(), "{when}");
-    let differing: Vec<&String> = expected.iter().filter(|(name, content)| found[*name] != **content).map(|(name, _)| name).collect();
-    assert!(differing.is_empty(), "{when}: {differing:?}");
+    let lacking: Vec<&String> = expected.keys().filter(|name| !found.contains_key(*name)).collect();
+    let further: Vec<&String> = found.keys().filter(|name| !expected.contains_key(*name)).collect();
+    let differing: Vec<&String> =
+        expected.iter().filter(|(name, content)| found.get(*name).is_some_and(|found| found != *content)).map(|(name, _)| name).collect();
+    let is_same = lacking.is_empty() && further.is_empty() && differing.is_empty();
+    (!is_same).then(|| format!("missing: {lacking:?}; too many: {further:?}; other content: {differing:?}"))
+}
+
+/// Fails where two runs differ, with the names of the files that do.
+pub fn assert_same(expected: &Path, run: &Path, when: &str) {
+    if let Some(difference) = difference(expected, run) {
+        panic!("{when}: {difference}");
+    }
 }

@@ -10,9 +10,13 @@ mod splitmix;
 #[path = "../common/program.rs"]
 mod program;
 
+#[path = "../common/kills/mod.rs"]
+mod kills;
+mod locked;
 mod refused;
 #[path = "../common/run_files.rs"]
 mod run_files;
+mod strangers;
 mod studies;
 
 use program::{conserva, folder, stderr};
@@ -52,6 +56,7 @@ fn signal(child: &Child, name: &str) {
 /// The newest checkpoint of a run.
 fn newest(run: &Path) -> PathBuf {
     let mut all: Vec<PathBuf> = std::fs::read_dir(run.join("checkpoints")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    all.retain(|path| path.extension().is_some_and(|ending| ending == "checkpoint"));
     all.sort();
     all.pop().unwrap()
 }
@@ -173,6 +178,22 @@ fn what_a_run_depends_on_must_be_as_it_was() {
     // A frame that was written before the checkpoint.
     std::fs::remove_file(home.join("k/fields/fields_000001.vtu")).unwrap();
     let output = run(&home, &["resume", "k"]);
-    assert!(stderr(&output).contains("the frame of the fields at t = 0.02 is gone"), "{}", stderr(&output));
+    let message = stderr(&output);
+    assert!(message.contains("the frame of the fields at t = 0.02 (fields/fields_000001.vtu) is gone"), "{message}");
     assert!(newest(&home.join("k")).exists(), "nothing is lost");
+}
+
+/// A share of what `cargo run --release --example kills` does.
+#[test]
+fn random_scripts_end_as_if_nobody_had_killed_them() {
+    let home = program::empty_folder("kills");
+    let program = Path::new(env!("CARGO_BIN_EXE_conserva"));
+    let (mut kills, mut resumed) = (0, 0);
+    for seed in 0..12 {
+        let found = kills::course::course(program, &home.join(seed.to_string()), seed);
+        assert!(found.fault.is_none(), "seed {seed}: {}", found.fault.unwrap_or_default());
+        kills += found.kills;
+        resumed += found.resumed;
+    }
+    assert!(kills >= 6 && resumed >= 3, "hardly any run was resumed: {kills} kills, {resumed} resumed");
 }

@@ -366,7 +366,7 @@ where
         Conditions {
             gap_n: vec![0.0; count],
             targets: self.system.closed_gaps(),
-            members: vec![true; count],
+            members: self.system.redundant.iter().map(|is_redundant| !is_redundant).collect(),
             compliance: self.system.compliance(start),
             end_point: true,
             shift: vec![0.0; count],

@@ -1,6 +1,6 @@
 //! The list of a series' frames, read back.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use super::error::{ReadError, bytes_of};
 use super::tags::tags;
@@ -34,6 +34,10 @@ pub fn read_frames(path: &Path) -> Result<Vec<ListedFrame>, ReadError> {
         let (Some(time), Some(name)) = (time, tag.attribute("file")) else {
             return Err(ReadError::damaged(path, format!("frame {} has no time or no file", frames.len())));
         };
+        if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+            let what = format!("names a file outside of its folder: {name:?}");
+            return Err(ReadError::new(path, what, "move the frames beside the list, and name them there"));
+        }
         frames.push(ListedFrame { time, path: folder.join(&name), name });
     }
     Ok(frames)
@@ -48,7 +52,7 @@ mod tests {
     #[test]
     fn a_list_reads_back() {
         let (directory, files) = scratch("frames");
-        files.write("fields.pvd", pvd(&[(0.0, "fields/a.vtu".into()), (0.1 + 0.2, "a&\"b\"/x.vtu".into())])).unwrap();
+        files.write("fields.pvd", pvd([(0.0, "fields/a.vtu"), (0.1 + 0.2, "a&\"b\"/x.vtu")])).unwrap();
         let frames = read_frames(&directory.join("fields.pvd")).unwrap();
         assert_eq!(
             frames.iter().map(|frame| (frame.time, frame.name.as_str())).collect::<Vec<_>>(),

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::failure::Failure;
 use super::wording::did_you_mean;
+use crate::output::Inputs;
 
 /// Folders of a run.
 #[derive(Clone, Debug)]
@@ -17,6 +18,8 @@ pub struct Sandbox {
     readable: Vec<PathBuf>,
     /// Files that were asked for.
     read: RefCell<BTreeSet<PathBuf>>,
+    /// These and all scripts.
+    inputs: Inputs,
 }
 
 impl Sandbox {
@@ -34,7 +37,7 @@ impl Sandbox {
             })
         };
         let readable = allowed.iter().map(|folder| canonical(folder)).collect::<Result<_, _>>()?;
-        Ok(Sandbox { home: canonical(home)?, readable, read: RefCell::default() })
+        Ok(Sandbox { home: canonical(home)?, readable, read: RefCell::default(), inputs: Inputs::default() })
     }
 
     /// The folder of the script.
@@ -49,7 +52,13 @@ impl Sandbox {
 
     /// Notes a file that was read for the script elsewhere.
     pub fn note(&self, file: PathBuf) {
+        self.inputs.add(&file);
         self.read.borrow_mut().insert(file);
+    }
+
+    /// All files that are read, so that no result takes their place.
+    pub fn inputs(&self) -> Inputs {
+        self.inputs.clone()
     }
 
     /// The file that a script means by a path: below its own folder first, then below the working folder and the allowed folders.
@@ -62,7 +71,7 @@ impl Sandbox {
         let found: Vec<PathBuf> = bases.filter_map(|base| base.join(given).canonicalize().ok()).filter(|file| file.is_file()).collect();
         let allowed = |file: &PathBuf| std::iter::once(&self.home).chain(&self.readable).any(|folder| file.starts_with(folder));
         if let Some(file) = found.iter().find(|file| allowed(file)) {
-            self.read.borrow_mut().insert(file.clone());
+            self.note(file.clone());
             return Ok(file.clone());
         }
         Err(match found.first() {
@@ -93,7 +102,10 @@ impl Sandbox {
     pub fn module(&self, path: &str) -> Result<PathBuf, Failure> {
         let file = self.home.join(format!("{path}.rhai"));
         match file.canonicalize() {
-            Ok(file) if file.starts_with(&self.home) => Ok(file),
+            Ok(file) if file.starts_with(&self.home) => {
+                self.inputs.add(&file);
+                Ok(file)
+            }
             Ok(_) => Err(Failure::script(format!("the script may not import \"{path}\""))
                 .cause("modules lie below the folder of the script that was started")
                 .hint("move the module into a subfolder, such as `lib`, next to the script")),

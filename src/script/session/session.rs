@@ -13,8 +13,8 @@ use super::compile::{compile, constants};
 use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
 use super::worker::hire;
-use crate::output::COMPLETED;
-use crate::output::checkpoint::{self, Checkpoint};
+use crate::output::checkpoint::Checkpoint;
+use crate::output::{COMPLETED, RunLock};
 use crate::script::api::models::change::warn_of_unseen_changes;
 use crate::script::api::parameters::{Overrides, check_overrides};
 use crate::script::api::simulations::artifacts::output_failure;
@@ -147,9 +147,13 @@ impl Session {
     }
 
     /// Takes what an earlier program has computed for what the script asks for first.
-    pub fn resume(&mut self, checkpoint: Checkpoint) {
-        self.host.slots.set(Rc::new(Journal::resumed(checkpoint)));
-        RunFolder::of(&self.host).resume();
+    ///
+    /// # Errors
+    /// The journal of the run cannot be read.
+    pub fn resume(&mut self, run: &Path, checkpoint: Checkpoint, lock: RunLock) -> std::io::Result<()> {
+        RunFolder::of(&self.host).resume(run, &checkpoint, lock);
+        self.host.slots.set(Rc::new(Journal::resumed(run, checkpoint)?));
+        Ok(())
     }
 
     /// Runs a script file to its end and writes the files of the run in place of those of an earlier run there, unless it is resumed. A
@@ -157,6 +161,10 @@ impl Session {
     pub fn run_file(&mut self, path: &Path) -> Report {
         let name = path.display().to_string();
         *self.host.main.borrow_mut() = name.clone();
+        self.host.sandbox.inputs().add(path);
+        if let Err(error) = RunFolder::of(&self.host).refuse_if_taken(&self.host) {
+            return Report::failed(explain_failure(&output_failure(&error)));
+        }
         match read_script(path).and_then(|text| self.outline(&name, &text).map(|_| text)) {
             Ok(text) => {
                 let error = self.guarded(|session| session.evaluate(&name, &text));
@@ -241,8 +249,7 @@ impl Session {
     }
 
     fn remove_checkpoints(&self) -> Option<Box<Diagnostic>> {
-        let folder = self.host.settings.output.as_ref()?;
-        let error = checkpoint::remove_all(folder).err()?;
+        let error = RunFolder::of(&self.host).remove_checkpoints(&self.host).err()?;
         Some(Box::new(explain_failure(&output_failure(&error))))
     }
 

@@ -39,7 +39,6 @@ pub struct Artifacts {
     live: Option<LiveSimulation>,
     model: Model,
     every: Option<f64>,
-    frames: usize,
     /// Whether the steps are those of an earlier program, which has written their frames.
     recalls: bool,
     spent: Duration,
@@ -53,9 +52,6 @@ pub enum Start {
     /// Those of an earlier program, which has written its files.
     Recalled,
 }
-
-/// Name of the history while steps come from the journal: the one that an earlier program has written stays until then.
-const RESUMING: &str = ".history.csv.resuming";
 
 impl Artifacts {
     /// Opens the files of a simulation, if the session writes any.
@@ -76,16 +72,20 @@ impl Artifacts {
             let Some(root) = RunFolder::of(host).files(host)? else { return Ok(None) };
             let files = name.map_or(Ok(root.clone()), |name| root.below(&file_name(name)))?;
             let recalls = start == Start::Recalled;
-            let history = if recalls { RESUMING } else { "history.csv" };
-            let mut csv = HistoryCsv::create(&files, history, model.dimension(), model_columns(model).into_iter().chain(probes).collect())?;
+            let columns = model_columns(model).into_iter().chain(probes).collect();
+            let mut csv = if recalls {
+                HistoryCsv::recalled(&files, model.dimension(), columns)
+            } else {
+                HistoryCsv::create(&files, model.dimension(), columns)?
+            };
             csv.append(row, &further_values(model, row))?;
-            let open = if recalls { FieldSeries::reopen } else { FieldSeries::create };
+            let open = if recalls { FieldSeries::recalled } else { FieldSeries::create };
             let series = FieldWriter::new(open(&files, "fields.pvd")?);
             let obstacles = obstacle_series(&files, model, open)?;
-            let contacts = optional_series(&files, "contacts.pvd", has_surfaces(model), open)?;
+            let contacts = if has_surfaces(model) { Some(open(&files, "contacts.pvd")?) } else { None };
             let (recording, every, model) = (Recording::new(model, keeping.stills), keeping.fields_every, model.clone());
-            let (live, frames, spent) = (None, 0, begun.elapsed());
-            Ok(Some(Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, frames, recalls, spent }))
+            let (live, spent) = (None, begun.elapsed());
+            Ok(Some(Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, recalls, spent }))
         };
         open().map_err(|error: OutputError| output_failure(&error))
     }
@@ -100,7 +100,7 @@ impl Artifacts {
         self.recording.expect(end.map_or(0.0, |end| (end - simulation.time()) / simulation.options().dt));
         self.show_stills();
         self.spent += begun.elapsed();
-        if self.frames == 0 { self.frame(simulation) } else { Ok(()) }
+        if self.series.last().is_none() { self.frame(simulation) } else { Ok(()) }
     }
 
     /// After an accepted step: its row, and a frame when its time has come.
@@ -127,13 +127,13 @@ impl Artifacts {
     /// A file that cannot be written.
     pub fn settled(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
         // That of the start comes with the first step, or at the end.
-        if self.frames == 0 && simulation.row().step == 0 { Ok(()) } else { self.frame_if_due(simulation) }
+        if self.series.last().is_none() && simulation.row().step == 0 { Ok(()) } else { self.frame_if_due(simulation) }
     }
 
     fn frame_if_due(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
         let time = simulation.time();
         let is_due = self.every.is_some_and(|every| {
-            let last = self.series.last().unwrap_or(f64::NEG_INFINITY);
+            let last = self.series.last().map_or(f64::NEG_INFINITY, |(time, _)| time);
             (time / every + SAME_MOMENT).floor() > (last / every + SAME_MOMENT).floor()
         });
         if !is_due {
@@ -157,11 +157,17 @@ impl Artifacts {
             after[same..].iter().try_for_each(|row| self.csv.append(row, &further_values(&self.model, row)))
         };
         rewrite().map_err(|error| output_failure(&error))?;
+        // A probe that was added has changed the last row, and no field.
+        let is_same_moment = |(a, b): &(&LedgerRow, &LedgerRow)| {
+            LedgerRow { probes: Vec::new(), ..(*a).clone() } == LedgerRow { probes: Vec::new(), ..(*b).clone() }
+        };
+        let shown = same + before[same..].iter().zip(&after[same..]).take_while(is_same_moment).count();
+        self.each_series(|series| series.cut(shown)).map_err(|error| output_failure(&error))?;
         self.live.iter_mut().for_each(|live| live.cut(same));
         after[same..].iter().enumerate().for_each(|(index, row)| self.show_row(same + index, row));
-        if !self.recalls {
-            self.recording.keep(same);
-            if after.len() > same {
+        if !self.recalls && shown < before.len().max(after.len()) {
+            self.recording.keep(shown);
+            if after.len() > shown {
                 self.recording.advanced(simulation, after.len() - 1);
             }
             self.show_stills();
@@ -190,6 +196,17 @@ impl Artifacts {
         Ok(())
     }
 
+    /// The same for a file that shows the steps so far, which a run that is resumed does not know.
+    ///
+    /// # Errors
+    /// The path leads outside, or the file cannot be written.
+    pub fn write_counted(&mut self, path: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        let begun = Instant::now();
+        self.files.write_counted(path, None, bytes)?;
+        self.spent += begun.elapsed();
+        Ok(())
+    }
+
     /// Waits until all frames are in their files; without that they may come a little later than the steps.
     ///
     /// # Errors
@@ -201,18 +218,33 @@ impl Artifacts {
         waited
     }
 
-    /// From here on steps are computed: the history takes its place, and frames are written again.
+    /// Does something with the series of the fields and those beside it.
+    fn each_series(&mut self, mut work: impl FnMut(&mut FieldSeries) -> Result<(), OutputError>) -> Result<(), OutputError> {
+        self.series.with(&mut work)?;
+        self.obstacles.iter_mut().map(|(series, _)| series).chain(&mut self.contacts).try_for_each(work)
+    }
+
+    /// From here on steps are computed: the rows so far are written as the history, and frames are written again.
     ///
     /// # Errors
-    /// A file that cannot be written.
-    pub fn go_on(&mut self, recording: Recording) -> Result<(), Failure> {
+    /// A file that cannot be written; a frame that is not that of its moment.
+    pub fn go_on(&mut self, recording: Recording, history: &[LedgerRow]) -> Result<(), Failure> {
         if !std::mem::take(&mut self.recalls) {
             return Ok(());
         }
         self.record_behind(recording);
-        let listed = self.csv.rename("history.csv").and(self.series.list());
-        let beside = self.obstacles.iter().map(|(series, _)| series).chain(&self.contacts).try_for_each(FieldSeries::list);
-        listed.and(beside).map_err(|error| output_failure(&error))
+        let model = &self.model;
+        let begun = self.csv.begin(history.iter().map(|row| (row, further_values(model, row))));
+        let mut strange = None;
+        let listed = self.each_series(|series| {
+            strange = series.go_on()?.or(strange);
+            Ok(())
+        });
+        begun.and(listed).map_err(|error| output_failure(&error))?;
+        let Some(time) = strange else { return Ok(()) };
+        Err(Failure::script(format!("the frame of the fields at t = {} is not that of the run that is resumed", brief(time)))
+            .cause("what the script does must follow from its text, its parameters and the files that it reads")
+            .hint("run the script anew with `conserva run`"))
     }
 
     /// Whether the steps so far are those of an earlier program.
@@ -226,37 +258,26 @@ impl Artifacts {
         self.recalls && self.files.place(path).is_ok_and(|place| place.is_file())
     }
 
-    /// Takes over a frame that an earlier program has written.
-    fn recall(&mut self, time: f64) -> Result<(), Failure> {
-        let mut found = self.series.recall(time).map_err(|error| output_failure(&error))?;
-        for series in self.obstacles.iter_mut().map(|(series, _)| series).chain(&mut self.contacts) {
-            found &= series.recall(time).map_err(|error| output_failure(&error))?;
-        }
-        self.frames += 1;
-        if found {
-            return Ok(());
-        }
-        Err(Failure::script(format!("the frame of the fields at t = {} is gone", brief(time)))
-            .cause("the run that is resumed had written it; other frames would not agree with it")
-            .hint("run the script anew with `conserva run`"))
-    }
-
     fn frame(&mut self, simulation: &Simulation) -> Result<(), Failure> {
+        let (time, row) = (simulation.time(), self.csv.rows() - 1);
         if self.recalls {
-            return self.recall(simulation.time());
+            let recall = |series: &mut FieldSeries| {
+                series.recall(time, row);
+                Ok(())
+            };
+            return self.each_series(recall).map_err(|error| output_failure(&error));
         }
         let begun = Instant::now();
         self.csv.verify().map_err(|error| output_failure(&error))?;
-        self.series.append(simulation.time(), &simulation.fields()).map_err(|error| output_failure(&error))?;
+        self.series.append(time, row, &simulation.fields()).map_err(|error| output_failure(&error))?;
         if let Some((series, around)) = &mut self.obstacles {
-            let frame = Frame::of_obstacles(simulation.time(), &simulation.obstacles(), around);
-            series.append(&frame).map_err(|error| output_failure(&error))?;
+            let frame = Frame::of_obstacles(time, &simulation.obstacles(), around);
+            series.append(&frame, row).map_err(|error| output_failure(&error))?;
         }
         if let Some(series) = &mut self.contacts {
-            let frame = Frame::of_contacts(simulation.time(), &simulation.contact_surfaces());
-            series.append(&frame).map_err(|error| output_failure(&error))?;
+            let frame = Frame::of_contacts(time, &simulation.contact_surfaces());
+            series.append(&frame, row).map_err(|error| output_failure(&error))?;
         }
-        self.frames += 1;
         self.spent += begun.elapsed();
         Ok(())
     }
@@ -271,10 +292,10 @@ impl Artifacts {
         }
         // A frame that was refused during the run is reported first; the last frame is written all the same.
         let refused = self.wait();
-        let frame = if self.series.last() == Some(simulation.time()) { Ok(()) } else { self.frame(simulation) };
+        let last = self.series.last().map(|(_, row)| row);
+        let frame = if last == Some(self.csv.rows() - 1) { Ok(()) } else { self.frame(simulation) };
         let waited = self.wait();
-        let beside = self.obstacles.iter().map(|(series, _)| series).chain(&self.contacts);
-        let kept = self.series.verify().and(beside.map(FieldSeries::verify).fold(Ok(()), Result::and));
+        let kept = self.each_series(|series| series.verify());
         refused.and(frame).and(waited).and(kept.map_err(|error| output_failure(&error)))
     }
 
@@ -337,20 +358,14 @@ impl Artifacts {
 /// How a series is opened.
 type Open = fn(&RunFiles, &str) -> Result<FieldSeries, OutputError>;
 
-/// A series that a model has or has not; what an older run left is removed.
-fn optional_series(files: &RunFiles, name: &str, has_any: bool, open: Open) -> Result<Option<FieldSeries>, OutputError> {
-    if !has_any && !files.place(name)?.exists() {
-        return Ok(None);
-    }
-    let series = open(files, name)?;
-    Ok(has_any.then_some(series))
-}
-
 /// The series of a model's rigid obstacles, if it has any.
 fn obstacle_series(files: &RunFiles, model: &Model, open: Open) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
     let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
+    if !has_any {
+        return Ok(None);
+    }
     let points = model.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
-    Ok(optional_series(files, "obstacles.pvd", has_any, open)?.map(|series| (series, Surroundings::of(points))))
+    Ok(Some((open(files, "obstacles.pvd")?, Surroundings::of(points))))
 }
 
 /// Whether a model has contacts with a secondary surface to look at: all but ties.

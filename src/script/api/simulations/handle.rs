@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use super::artifacts::{Artifacts, Keeping};
 use super::columns::Probe;
+use super::journal::Journal;
 use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::BodyHandle;
@@ -68,15 +69,21 @@ pub struct SimulationData {
     pub advancing: Cell<bool>,
     /// Whether the kernels know the row of the last step alone, because an earlier program has computed it.
     pub is_behind: Cell<bool>,
+    /// The journal of the run and the number of the simulation in it; none for those of a check for itself.
+    pub journal: Option<(Rc<Journal>, usize)>,
+    /// Whether a run that is resumed knows the state as it is now.
+    pub is_known: Cell<bool>,
 }
 
 /// A state before a step, with the rows that the history had.
 #[derive(Clone)]
 pub struct Past {
-    /// The state.
-    pub state: Arc<State>,
+    /// The state; none where an earlier program has computed it.
+    pub state: Option<Arc<State>>,
     /// Rows of the history.
     pub rows: usize,
+    /// Whether a run that is resumed knows the state.
+    pub is_known: bool,
 }
 
 /// The simulations of a script, in the order in which it made them; those of a check for itself are not among them.
@@ -99,6 +106,8 @@ impl Handle for SimulationHandle {
     const MAKER: &'static str = "make one with `simulate(model, #{ integrator, dt })`";
 
     fn describe(&self) -> String {
+        // What cannot be looked at is told by whoever asks for more.
+        let _ = self.looked();
         let data = &self.0;
         let Ok(simulation) = data.simulation.try_borrow() else {
             return format!("simulation \"{}\" in the middle of a step", data.name);
@@ -201,6 +210,16 @@ impl SimulationHandle {
     /// # Errors
     /// A step is running; or this is `conserva check`, which has no results.
     pub fn with<T>(&self, call: &Call, read: impl FnOnce(&Simulation) -> T) -> Result<T, Failure> {
+        self.refuse_in_check(call)?;
+        self.looked()?;
+        self.with_row(call, read)
+    }
+
+    /// The same for what is read from the row of the last step alone, which a run that is resumed always knows.
+    ///
+    /// # Errors
+    /// A step is running; or this is `conserva check`, which has no results.
+    pub fn with_row<T>(&self, call: &Call, read: impl FnOnce(&Simulation) -> T) -> Result<T, Failure> {
         self.refuse_in_check(call)?;
         match self.0.simulation.try_borrow() {
             Ok(simulation) => Ok(read(&simulation)),

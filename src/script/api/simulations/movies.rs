@@ -1,10 +1,8 @@
 //! `sim.movie`: the stills of a run as an animated PNG or GIF.
 
-use rhai::Dynamic;
-
 use super::handle::SimulationHandle;
 use super::pictures::{keys, shown};
-use super::writing::{path_parameter, write};
+use super::writing::{path_parameter, write_course};
 use crate::math::catalogue::Interval;
 use crate::output::{Field, MovieFormat, PictureOptions, Sight, Still, movie, picture, shapes, sight};
 use crate::script::api::examples::flight_example;
@@ -35,15 +33,11 @@ pub(super) fn movie_function() -> Function {
         see_also: &["picture", "report", "simulate"],
         body: body(|call| {
             let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
-            let path = call.text("path")?;
-            if handle.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {
-                return Ok(Dynamic::UNIT);
-            }
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
             let shown = shown(&options, handle.0.model.model.dimension())?;
             let seconds = options.number("seconds")?;
-            Ok(write(call, Some(&handle), &[".png", ".gif"], || drawn(call, &handle, shown, title.as_deref(), seconds))?)
+            Ok(write_course(call, &handle, &[".png", ".gif"], || drawn(call, &handle, shown, title.as_deref(), seconds))?)
         }),
     }
 }

@@ -9,6 +9,7 @@ impl SimulationHandle {
     /// Time, ledger and contacts as tables.
     pub fn table(&self) -> String {
         let data = &self.0;
+        let _ = self.looked();
         let Ok(simulation) = data.simulation.try_borrow() else { return self.describe() };
         let (row, options) = (simulation.row(), simulation.options());
         let title = format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step);

@@ -57,6 +57,7 @@ impl SimulationHandle {
     /// Follows a point from now on.
     pub fn add_probe(&self, call: &Call, probe: Probe) -> Result<(), Failure> {
         let data = &self.0;
+        self.looked()?;
         let before: usize = data.model.model.bodies[..probe.body].iter().map(|body| body.mesh.points.len()).sum();
         let node = before + probe.node;
         let row = {
@@ -93,7 +94,7 @@ pub fn functions() -> Vec<Function> {
         body: body(move |call| {
             let handle = call.receiver::<ProbeHandle>();
             // In `conserva check` there are no results to look at.
-            handle.simulation.with(call, |_| ())?;
+            handle.simulation.with_row(call, |_| ())?;
             let (Some(values), probe) = (handle.values(), handle.probe()) else { return Err(busy(call).into()) };
             let model = &handle.simulation.0.model.model;
             let vector = read(&values, model.bodies[probe.body].mesh.points[probe.node]);

@@ -52,7 +52,7 @@ fn time() -> Function {
         see_also: &["history", "run_to"],
         body: body(|call| {
             let handle = call.receiver::<SimulationHandle>();
-            let time = handle.with(call, Simulation::time)?;
+            let time = handle.with_row(call, Simulation::time)?;
             Ok(handle.0.script_time(time).into())
         }),
     }
@@ -118,6 +118,6 @@ fn property(name: &'static str, summary: &'static str, returns: &'static str, re
         returns,
         example: flight_example(&format!("print(sim.{name});")),
         see_also: &["history"],
-        body: body(move |call| Ok(call.receiver::<SimulationHandle>().with(call, read)?)),
+        body: body(move |call| Ok(call.receiver::<SimulationHandle>().with_row(call, read)?)),
     }
 }

@@ -74,7 +74,7 @@ fn reaction() -> Function {
                 return Err(failure.into());
             };
             let found = handle
-                .with(call, |simulation| (simulation.row().reactions.get(index).copied(), simulation.time(), simulation.dimension()))?;
+                .with_row(call, |simulation| (simulation.row().reactions.get(index).copied(), simulation.time(), simulation.dimension()))?;
             let (Some(reaction), time, dimension) = found else {
                 let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step"));
                 return Err(failure.hint("take a step, or bring the model to rest by `sim.settle()`").into());

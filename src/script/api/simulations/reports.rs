@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::artifacts::output_failure;
 use super::columns::{further_values, model_columns, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, busy};
-use super::writing::{path_parameter, write};
+use super::writing::{path_parameter, write_course};
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation, default_rule};
 use crate::output::{Report, ReportTable, Still, kept_rows, report, shapes};
@@ -41,16 +41,12 @@ pub(super) fn report_function() -> Function {
         see_also: &["picture", "plot", "simulate"],
         body: body(|call| {
             let handle = call.handle::<SimulationHandle>("simulation")?;
-            let path = call.text("path")?;
-            if handle.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {
-                return Ok(Dynamic::UNIT);
-            }
             let content = || {
                 handle.refuse_in_check(call)?;
                 let simulation = handle.0.simulation.try_borrow().map_err(|_| busy(call))?;
                 Ok(page(call.host, &handle.0, &simulation, None))
             };
-            Ok(write(call, Some(&handle), &[".html"], content)?)
+            Ok(write_course(call, &handle, &[".html"], content)?)
         }),
     }
 }

@@ -3,11 +3,12 @@
 //! Until a run writes its first file, the folder keeps what an earlier one left there: a script that cannot be read, or fails before it has
 //! simulated anything, destroys nothing. With the first file, the files of the earlier run go, and its checkpoints.
 
-use std::cell::{Cell, RefCell};
-use std::path::PathBuf;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::output::{OutputError, RunFiles, checkpoint};
+use crate::output::checkpoint::{self, Checkpoint};
+use crate::output::{CountedFile, OutputError, RunFiles, RunLock};
 use crate::script::api::asides::is_study;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
@@ -16,7 +17,9 @@ use crate::script::language::settings::Mode;
 #[derive(Default)]
 pub struct RunFolder {
     files: RefCell<Option<RunFiles>>,
-    is_resumed: Cell<bool>,
+    lock: RefCell<Option<RunLock>>,
+    /// Files on which the checkpoints of an earlier program count, where this one goes on with its run.
+    resumed: RefCell<Option<Vec<Vec<CountedFile>>>>,
 }
 
 impl RunFolder {
@@ -25,9 +28,10 @@ impl RunFolder {
         host.slots.get()
     }
 
-    /// Says that an earlier program has begun this run: its files stay.
-    pub fn resume(&self) {
-        self.is_resumed.set(true);
+    /// Says that an earlier program has begun this run: its files stay. The folder is locked already.
+    pub fn resume(&self, run: &Path, checkpoint: &Checkpoint, lock: RunLock) {
+        self.lock.replace(Some(lock));
+        self.resumed.replace(Some(checkpoint.promises(run)));
     }
 
     /// Whether this run has written into it.
@@ -35,28 +39,56 @@ impl RunFolder {
         self.files.borrow().is_some()
     }
 
-    /// The files of the run; none where the session writes none. The first time, those of an earlier run are removed.
+    /// Refuses a folder in which another process writes, without touching it.
     ///
     /// # Errors
-    /// The operating system refused.
+    /// A run is under way there.
+    pub fn refuse_if_taken(&self, host: &Host) -> Result<(), OutputError> {
+        let is_ours = self.lock.borrow().is_some();
+        output_folder(host).filter(|_| !is_ours).map_or(Ok(()), |folder| RunLock::refuse_if_taken(folder))
+    }
+
+    /// The files of the run; none where the session writes none. The first time, the folder is locked, and the files of an earlier run are
+    /// removed.
+    ///
+    /// # Errors
+    /// Another process writes there; the operating system refused.
     pub fn files(&self, host: &Host) -> Result<Option<RunFiles>, OutputError> {
         let Some(folder) = output_folder(host) else { return Ok(None) };
         if !self.is_begun() {
-            if !self.is_resumed.get() {
-                checkpoint::remove_all(folder)?;
+            RunFiles::create(folder)?;
+            if self.lock.borrow().is_none() {
+                self.lock.replace(Some(RunLock::take(folder)?));
             }
-            let files = if self.is_resumed.get() { RunFiles::resume(folder) } else { RunFiles::begin(folder) };
-            self.files.replace(Some(files?));
+            let inputs = host.sandbox.inputs();
+            let files = match self.resumed.take() {
+                Some(promised) => RunFiles::resume(folder, inputs, promised)?,
+                None => {
+                    checkpoint::remove_all(folder)?;
+                    RunFiles::begin(folder, inputs)?
+                }
+            };
+            self.files.replace(Some(files));
         }
         Ok(self.files.borrow().clone())
     }
 
-    /// Completes the record of the files, when all are written.
+    /// Removes the checkpoints of this run, which has come to its end.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn remove_checkpoints(&self, host: &Host) -> Result<(), OutputError> {
+        output_folder(host).filter(|_| self.is_begun()).map_or(Ok(()), |folder| checkpoint::remove_all(folder))
+    }
+
+    /// Completes the record of the files, when all are written, and leaves the folder to others.
     ///
     /// # Errors
     /// The operating system refused.
     pub fn end(&self) -> Result<(), OutputError> {
-        self.files.borrow().as_ref().map_or(Ok(()), RunFiles::complete_record)
+        let completed = self.files.borrow().as_ref().map_or(Ok(()), RunFiles::complete_record);
+        self.lock.take();
+        completed
     }
 }
 

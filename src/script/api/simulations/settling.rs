@@ -8,7 +8,7 @@ use super::handle::{SimulationHandle, busy, result_used};
 use super::journal::go_on;
 use crate::dynamics::{LedgerRow, SettleReport, StepError};
 use crate::math::catalogue::Interval;
-use crate::output::checkpoint::{Computation, Outcome};
+use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::{brief, number_text};
@@ -40,7 +40,7 @@ pub fn settle() -> Function {
             if !argument.is_given() || call.host.is_check() {
                 return handle.settle(call, None);
             }
-            let (end, now) = (argument.number()?, handle.with(call, |simulation| simulation.time())?);
+            let (end, now) = (argument.number()?, handle.with_row(call, |simulation| simulation.time())?);
             let now = handle.0.script_time(now);
             if end < now {
                 let failure = argument.fail(format!("`settle` goes forward, but {} has passed", number_text(end)));
@@ -56,21 +56,22 @@ impl SimulationHandle {
     /// Computes equilibrium, or takes it from what an earlier program has computed.
     fn settled(&self, call: &Call, time: Option<f64>) -> Result<SettleReport, Box<EvalAltResult>> {
         let data = &self.0;
-        let before = data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state();
-        let time = time.unwrap_or(before.row.time);
+        let state = || data.simulation.try_borrow().map(|simulation| simulation.shared_state()).map_err(|_| busy(call));
+        let time = time.map_or_else(|| state().map(|now| now.row.time), Ok)?;
         let computation = Computation::Settle(time);
         if let Some(Outcome::Settled(report)) = self.recalled(call, computation)? {
             return Ok(report);
         }
+        let before = state()?;
         let begun = Instant::now();
         let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
         let tally = simulation.tally();
         let settled = simulation.settle_at(time);
         data.spent.set(data.spent.get() + begun.elapsed());
         match &settled {
-            Ok(report) => self.take_down(call, computation, Outcome::Settled(report.clone()), &before),
+            Ok(report) => self.take_down(computation, Outcome::Settled(report.clone()), &before, simulation.tally()),
             Err(StepError::Interrupted { .. }) => simulation.count_from(&tally),
-            Err(_) => self.take_down(call, computation, Outcome::Failed, &before),
+            Err(_) => self.take_down(computation, Outcome::Failed, &before, simulation.tally()),
         }
         drop(simulation);
         settled.map_err(|error| self.step_failure(call, error).into())
@@ -102,9 +103,13 @@ impl SimulationHandle {
         let before = data.simulation.borrow().row().clone();
         let settled = self.settled(call, time);
         call.host.observer.ended();
+        if settled.is_err() {
+            go_on(call.host)?;
+        }
         let report = settled?;
         self.refuse_standstill(call, &before, data.simulation.borrow().row())?;
-        self.show(call.host);
+        self.looked()?;
+        self.show();
         call.host.count_effect();
         data.past.borrow_mut().clear();
         let row = data.script_row(data.simulation.borrow().row().clone());

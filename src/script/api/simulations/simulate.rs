@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::{Artifacts, Keeping, Start};
+use super::artifacts::{Artifacts, Keeping, Start, output_failure};
 use super::columns::{Probe, probe_columns};
 use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
@@ -258,7 +258,11 @@ pub fn create(
     let name = unique_name(call.host, &model.model.name);
     // The first one writes into the folder of the run itself.
     let below = Some(name.as_str()).filter(|_| !Simulations::of(call.host).0.borrow().is_empty());
-    let start = if Journal::of(call.host).is_recalling() { Start::Recalled } else { Start::Anew };
+    let journal = Journal::of(call.host);
+    journal.begin(call.host).map_err(|error| output_failure(&error))?;
+    let start = if journal.is_recalling() { Start::Recalled } else { Start::Anew };
+    let number = (!is_study(call.host)).then(|| Simulations::of(call.host).0.borrow().len());
+    let journal = number.map(|number| (journal, number));
     let columns = probe_columns(&model.model, &probes);
     let mut artifacts = Artifacts::create(call.host, below, &model.model, keeping, &history[0], columns, start)?;
     if let Some(artifacts) = &mut artifacts {
@@ -286,6 +290,8 @@ pub fn create(
         causes_seen: Cell::default(),
         advancing: Cell::new(false),
         is_behind: Cell::new(false),
+        journal,
+        is_known: Cell::new(true),
     };
     let handle = SimulationHandle(Rc::new(data));
     following::begin(call.host, &handle);

@@ -8,7 +8,8 @@ use std::time::Instant;
 
 use rhai::Dynamic;
 
-use super::handle::{Past, SimulationHandle, busy};
+use super::handle::{SimulationHandle, busy};
+use super::journal::go_on;
 use super::simulate::{Course, create, kernels};
 use crate::dynamics::{LedgerRow, State};
 use crate::math::catalogue::Interval;
@@ -57,6 +58,7 @@ fn save() -> Function {
         see_also: &["restore", "back", "branch"],
         body: body(|call| {
             let handle = call.receiver::<SimulationHandle>();
+            handle.looked()?;
             let state = match handle.0.simulation.try_borrow() {
                 Ok(simulation) => simulation.shared_state(),
                 Err(_) => return Err(busy(call).into()),
@@ -112,9 +114,10 @@ fn back() -> Function {
                 let failure = failure.cause("states are kept for the last steps since the simulation was made, settled or restored");
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
             }
-            let past = handle.0.past.borrow()[kept - count].clone();
-            let history = handle.0.history.borrow()[..past.rows].to_vec();
-            handle.go_to(call, &past.state, history)?;
+            let state = handle.past_state(call, kept - count)?;
+            let rows = handle.0.past.borrow()[kept - count].rows;
+            let history = handle.0.history.borrow()[..rows].to_vec();
+            handle.go_to(call, &state, history)?;
             Ok(Dynamic::UNIT)
         }),
     }
@@ -133,6 +136,7 @@ fn branch() -> Function {
         body: body(|call| {
             let handle = call.receiver::<SimulationHandle>();
             let begun = Instant::now();
+            handle.looked()?;
             let (state, options) = match handle.0.simulation.try_borrow() {
                 Ok(simulation) => (simulation.state(), simulation.options().clone()),
                 Err(_) => return Err(busy(call).into()),
@@ -216,12 +220,15 @@ impl SimulationHandle {
     /// Goes to a state; the history is what it was then.
     pub fn go_to(&self, call: &Call, state: &State, history: Vec<LedgerRow>) -> Result<(), Failure> {
         self.refuse_nested(call)?;
+        self.take_down_way_back(call.host)?;
         self.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(state);
         self.0.is_behind.set(false);
+        self.0.is_known.set(true);
         call.host.count_effect();
-        let known =
-            |past: &Past| past.rows < history.len() && history.get(past.rows - 1) == Some(&self.0.script_row(past.state.row.clone()));
-        self.0.past.borrow_mut().retain(known);
-        self.replace_history(history)
+        let common = self.0.history.borrow().iter().zip(&history).take_while(|(before, after)| before == after).count();
+        self.0.past.borrow_mut().retain(|past| past.rows < history.len() && past.rows <= common);
+        self.replace_history(history)?;
+        // After the last event of an earlier program.
+        go_on(call.host)
     }
 }

@@ -2,7 +2,6 @@
 //!
 //! A step is taken whole or not at all, so that a run that was stopped can be gone on with exactly.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use rhai::{Dynamic, EvalAltResult};
@@ -12,9 +11,9 @@ use super::following;
 use super::handle::{Past, SimulationHandle, busy};
 use super::journal::{Journal, go_on};
 use super::step_failures::overlap_text;
-use crate::dynamics::{LedgerRow, Overlap, OverlapKind, State, StepError};
+use crate::dynamics::{LedgerRow, Overlap, OverlapKind, StepError};
 use crate::math::catalogue::Interval;
-use crate::output::checkpoint::{Computation, Outcome};
+use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
@@ -93,14 +92,14 @@ pub fn on_step() -> Function {
 
 impl SimulationHandle {
     /// Keeps the state before a step, and forgets the oldest ones when they take too much memory.
-    fn keep_past(&self, state: Arc<State>, rows: usize) {
+    fn keep_past(&self, before: Past) {
         let mut past = self.0.past.borrow_mut();
         let size = self.0.simulation.try_borrow().map_or(0, |simulation| simulation.state_size());
         let most = (PAST_BYTES / size.max(1)).clamp(1, PAST_STATES);
         while past.len() >= most {
             past.pop_front();
         }
-        past.push_back(Past { state, rows });
+        past.push_back(before);
     }
 
     /// Bodies that overlap at the start are an error: they are hardly ever meant, and contact would hold them as they are.
@@ -149,7 +148,7 @@ impl SimulationHandle {
             taken += 1;
         }
         self.0.advancing.set(false);
-        self.show(call.host);
+        self.show();
         call.host.end_steps();
         call.host.observer.ended();
         if end.is_some() {
@@ -180,14 +179,12 @@ impl SimulationHandle {
         }
         // After the last step of an earlier program: what the script draws or restores now goes on from its recording.
         go_on(call.host)?;
-        if !data.is_behind.get() {
-            self.warn_of_large_motion(call.host);
-        }
+        self.warn_of_large_motion(call.host);
         stepped.map_err(|error| self.step_failure(call, error))?;
         // No borrow is held here, because a closure may look at everything and hand over further closures.
         let callbacks = data.callbacks.borrow().clone();
         if !callbacks.is_empty() {
-            self.show(call.host);
+            self.show();
         }
         self.checkpoint(call.host)?;
         for callback in callbacks {
@@ -199,38 +196,36 @@ impl SimulationHandle {
     /// Computes a step, or takes it from what an earlier program has computed: the rows of its pieces, and how it ended.
     fn computed(&self, call: &Call, end: Option<f64>) -> Result<Step, Box<EvalAltResult>> {
         let data = &self.0;
-        let (computation, was_behind) = (Computation::Step(end), data.is_behind.get());
-        let (before, known) = (data.simulation.try_borrow().map_err(|_| busy(call))?.shared_state(), data.history.borrow().len());
-        let (mut rows, mut stepped) = (Vec::new(), Ok(()));
+        let state = || data.simulation.try_borrow().map(|simulation| simulation.shared_state()).map_err(|_| busy(call));
+        let known = if data.is_behind.get() { None } else { Some(state()?) };
+        let mut before = Past { state: known, rows: data.history.borrow().len(), is_known: data.is_known.get() };
+        let (computation, mut rows, mut stepped) = (Computation::Step(end), Vec::new(), Ok(()));
         if let Some(Outcome::Stepped(recalled)) = self.recalled(call, computation)? {
             rows = recalled;
         } else {
+            let start = state()?;
+            before.state = Some(start.clone());
             let begun = Instant::now();
             let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
             let tally = simulation.tally();
             stepped = simulation.step(end, &mut |row| rows.push(row.clone()));
             data.spent.set(data.spent.get() + begun.elapsed());
-            self.tell_halvings(call.host, &simulation, tally.causes(), &before.row);
+            self.tell_halvings(call.host, &simulation, tally.causes(), &start.row);
             match &stepped {
                 Err(StepError::Interrupted { .. }) => {
                     // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
-                    simulation.restore(&before);
+                    simulation.restore(&start);
                     simulation.count_from(&tally);
-                    let stopped = interrupted(format!("interrupted at t = {}", brief(before.row.time)));
+                    let stopped = interrupted(format!("interrupted at t = {}", brief(start.row.time)));
                     return Err(stopped.hint("everything up to this time is kept").into());
                 }
-                Err(_) => self.take_down(call, computation, Outcome::Failed, &before),
-                Ok(()) => self.take_down(call, computation, Outcome::Stepped(rows.clone()), &before),
+                Err(_) => self.take_down(computation, Outcome::Failed, &start, simulation.tally()),
+                Ok(()) => self.take_down(computation, Outcome::Stepped(rows.clone()), &start, simulation.tally()),
             }
-            drop(simulation);
         }
         if !rows.is_empty() {
             call.host.count_effect();
-            if was_behind {
-                data.past.borrow_mut().clear();
-            } else {
-                self.keep_past(before, known);
-            }
+            self.keep_past(before);
         }
         Ok((rows, stepped))
     }

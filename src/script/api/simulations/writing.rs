@@ -6,7 +6,7 @@ use super::artifacts::output_class;
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use super::run_folder::RunFolder;
-use crate::output::{Drawing, png, svg};
+use crate::output::{Drawing, OutputError, png, svg};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -39,22 +39,7 @@ pub fn write(
     endings: &[&str],
     content: impl FnOnce() -> Result<Vec<u8>, Failure>,
 ) -> Result<Dynamic, Failure> {
-    let argument = call.argument("path");
-    let path = argument.text()?;
-    if !endings.iter().any(|ending| path.ends_with(ending)) {
-        let quoted: Vec<String> = endings.iter().map(|ending| format!("`{ending}`")).collect();
-        let failure = argument.fail(format!("{} must end with {}", argument.title(), joined(&quoted, "or")));
-        // What looks like another ending gives way.
-        let stem =
-            path.rsplit_once('.').filter(|(stem, ending)| !stem.is_empty() && !ending.contains('/')).map_or(&*path, |(stem, _)| stem);
-        let is_video = [".mp4", ".webm", ".avi", ".mov", ".mkv"].iter().any(|ending| path.ends_with(ending));
-        return Err(match endings.contains(&".gif") && is_video {
-            true => failure
-                .label("a video, for which there is no encoder")
-                .hint(format!("write \"{stem}.gif\", or \"{stem}.png\" (animated PNG), which video tools convert")),
-            false => failure.label("another ending").hint(format!("write \"{stem}{}\"", endings[0])),
-        });
-    }
+    let path = checked_path(call, endings)?;
     if call.host.is_check() {
         call.host.findings.borrow_mut().push(format!("would write {path}"));
         return Ok(Dynamic::UNIT);
@@ -63,13 +48,59 @@ pub fn write(
     Ok(Dynamic::UNIT)
 }
 
+/// The same for what shows the run so far: while steps come from the journal, the file is that which an earlier program has written.
+pub fn write_course(
+    call: &Call,
+    into: &SimulationHandle,
+    endings: &[&str],
+    content: impl FnOnce() -> Result<Vec<u8>, Failure>,
+) -> Result<Dynamic, Failure> {
+    let path = checked_path(call, endings)?;
+    if call.host.is_check() {
+        return write(call, Some(into), endings, content);
+    }
+    into.looked()?;
+    if into.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {
+        return Ok(Dynamic::UNIT);
+    }
+    let bytes = content()?;
+    let written = into.0.artifacts.borrow_mut().as_mut().map(|artifacts| artifacts.write_counted(&path, &bytes));
+    told(call, &path, written)?;
+    Ok(Dynamic::UNIT)
+}
+
+/// The path of the call, which must have one of the endings.
+fn checked_path(call: &Call, endings: &[&str]) -> Result<String, Failure> {
+    let argument = call.argument("path");
+    let path = argument.text()?;
+    if endings.iter().any(|ending| path.ends_with(ending)) {
+        return Ok(path);
+    }
+    let quoted: Vec<String> = endings.iter().map(|ending| format!("`{ending}`")).collect();
+    let failure = argument.fail(format!("{} must end with {}", argument.title(), joined(&quoted, "or")));
+    // What looks like another ending gives way.
+    let stem = path.rsplit_once('.').filter(|(stem, ending)| !stem.is_empty() && !ending.contains('/')).map_or(&*path, |(stem, _)| stem);
+    let is_video = [".mp4", ".webm", ".avi", ".mov", ".mkv"].iter().any(|ending| path.ends_with(ending));
+    Err(match endings.contains(&".gif") && is_video {
+        true => failure
+            .label("a video, for which there is no encoder")
+            .hint(format!("write \"{stem}.gif\", or \"{stem}.png\" (animated PNG), which video tools convert")),
+        false => failure.label("another ending").hint(format!("write \"{stem}{}\"", endings[0])),
+    })
+}
+
 /// Writes a file at a path that may not be the one of the call; a failure points at that one.
 pub fn write_at(call: &Call, into: Option<&SimulationHandle>, path: &str, bytes: &[u8]) -> Result<(), Failure> {
-    let argument = call.argument("path");
     let written = match into {
         Some(handle) => handle.0.artifacts.borrow_mut().as_mut().map(|artifacts| artifacts.write(path, bytes)),
         None => RunFolder::of(call.host).files(call.host).transpose().map(|files| files?.write(path, bytes).map(drop)),
     };
+    told(call, path, written)
+}
+
+/// What became of a file; `None` where the session writes none.
+fn told(call: &Call, path: &str, written: Option<Result<(), OutputError>>) -> Result<(), Failure> {
+    let argument = call.argument("path");
     match written {
         Some(written) => written.map_err(|error| argument.fail(error.to_string()).hint(error.cure()).of_class(output_class(&error)))?,
         None => call.host.observer.print(&format!("{path} is not written: this session has no output folder")),

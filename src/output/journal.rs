@@ -1,0 +1,277 @@
+//! The journal of a run: all that its simulations computed, in the order in which the script asked for it, in one file that only grows.
+//!
+//! Checkpoints say how far it belongs to them ([`Mark`]), so that each of them takes what the simulations are, not what they were. What
+//! stands behind the mark of the checkpoint from which a run is resumed is cut off.
+//!
+//! The file: entries one behind the other, each its length (4 bytes, little endian) and its content in the encoding of `postcard`.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Take};
+use std::path::Path;
+use std::sync::Arc;
+
+use crc32fast::Hasher;
+use serde::{Deserialize, Serialize};
+
+use super::counted::{FOLDER, checksum};
+use super::files::{OutputError, RunFiles, Stream};
+use super::inputs::refuse_others;
+use crate::dynamics::{LedgerRow, SettleReport, State, Tally};
+
+/// Name of the file in the folder of the checkpoints.
+pub const NAME: &str = "journal";
+/// Bytes that are collected before they are written without being asked for.
+const PIECE: usize = 1 << 20;
+/// Bytes that wait at most where they cannot be written.
+const MOST_WAITING: usize = 1 << 26;
+
+/// A call for which a simulation computed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Computation {
+    /// A nominal step, cut off at a time if it is reached.
+    Step(Option<f64>),
+    /// Equilibrium at a time.
+    Settle(f64),
+}
+
+/// How a computation ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Outcome {
+    /// The step was taken, in pieces with these rows.
+    Stepped(Vec<LedgerRow>),
+    /// Equilibrium was found.
+    Settled(SettleReport),
+    /// It failed, and the script went on; it fails again.
+    Failed,
+}
+
+/// An entry of the journal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Entry {
+    /// Whose journal it is, first of all: the script, the folder in which the program was started, the values given for parameters.
+    Run(String, String, Vec<(String, String)>),
+    /// A simulation computed.
+    Computed {
+        /// Which of the script's simulations.
+        simulation: usize,
+        /// What was asked.
+        computation: Computation,
+        /// How it ended.
+        outcome: Outcome,
+        /// What the simulation has counted then.
+        tally: Tally,
+    },
+    /// A simulation went to a state that the script had kept, or back by steps.
+    WentBack {
+        /// Which of the script's simulations.
+        simulation: usize,
+    },
+    /// The script came to a state that does not follow from the entries before it without computing.
+    State {
+        /// Which of the script's simulations.
+        simulation: usize,
+        /// The state.
+        state: Arc<State>,
+    },
+}
+
+/// How much of a journal a checkpoint counts on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mark {
+    /// Bytes.
+    pub length: u64,
+    /// Their CRC-32.
+    pub checksum: u32,
+    /// Computations and ways back among the entries.
+    pub events: u64,
+}
+
+impl Mark {
+    /// What is wrong with the journal in the folder of a run, if something is.
+    pub fn complaint(&self, run: &Path) -> Option<&'static str> {
+        match checksum(&run.join(FOLDER).join(NAME), self.length) {
+            Ok((sum, found)) if found == self.length && sum == self.checksum => None,
+            Ok((_, found)) if found < self.length => Some("its steps (`checkpoints/journal`) are cut off, or those of another run"),
+            Ok(_) => Some("its steps (`checkpoints/journal`) are damaged, or those of another run"),
+            Err(_) => Some("its steps (`checkpoints/journal`) are not there: it is of another run, or they were removed"),
+        }
+    }
+}
+
+/// Writes a journal.
+#[derive(Debug)]
+pub struct JournalWriter {
+    files: RunFiles,
+    stream: Option<Stream>,
+    sum: Hasher,
+    /// What is in the file.
+    mark: Mark,
+    /// Entries that are not in it yet, and the events among them.
+    waiting: Vec<u8>,
+    events: u64,
+}
+
+impl JournalWriter {
+    /// The journal of a run, from its beginning or from the mark of a checkpoint on.
+    pub fn new(files: &RunFiles, mark: Mark) -> Self {
+        let sum = Hasher::new_with_initial_len(mark.checksum, mark.length);
+        JournalWriter { files: files.clone(), stream: None, sum, mark, waiting: Vec::new(), events: 0 }
+    }
+
+    /// Whether there is no entry yet.
+    pub fn is_empty(&self) -> bool {
+        self.mark.length == 0 && self.waiting.is_empty()
+    }
+
+    /// Adds an entry; the bytes that it takes.
+    ///
+    /// # Errors
+    /// What was collected cannot be written, and there is too much of it to wait longer.
+    pub fn add(&mut self, entry: &Entry) -> Result<usize, OutputError> {
+        let before = self.waiting.len();
+        self.waiting.extend([0; 4]);
+        // Memory takes everything, and all of these types can be encoded.
+        self.waiting = postcard::to_extend(entry, std::mem::take(&mut self.waiting)).unwrap_or_default();
+        let size = self.waiting.len().saturating_sub(before);
+        let length = u32::try_from(size.saturating_sub(4)).unwrap_or(u32::MAX);
+        self.waiting.iter_mut().skip(before).zip(length.to_le_bytes()).for_each(|(byte, known)| *byte = known);
+        self.events += u64::from(matches!(entry, Entry::Computed { .. } | Entry::WentBack { .. }));
+        if self.waiting.len() < PIECE {
+            return Ok(size);
+        }
+        match self.flush() {
+            Err(error) if self.waiting.len() > MOST_WAITING => Err(error),
+            // The next checkpoint tells, if it is still so.
+            _ => Ok(size),
+        }
+    }
+
+    fn flush(&mut self) -> Result<(), OutputError> {
+        let name = format!("{FOLDER}/{NAME}");
+        let stream = match &mut self.stream {
+            Some(stream) => stream,
+            None if self.mark.length == 0 => self.stream.insert(self.files.stream(&name)?),
+            None => {
+                let mut stream = self.files.extend(&name)?;
+                stream.truncate(self.mark.length)?;
+                self.stream.insert(stream)
+            }
+        };
+        stream.append(&self.waiting)?;
+        self.sum.update(&self.waiting);
+        self.mark.length += self.waiting.len() as u64;
+        self.mark.checksum = self.sum.clone().finalize();
+        self.mark.events += std::mem::take(&mut self.events);
+        self.waiting.clear();
+        Ok(())
+    }
+
+    /// Brings all entries to the disk; how far the journal goes now.
+    ///
+    /// # Errors
+    /// The operating system refused; the entries wait for the next time.
+    pub fn secure(&mut self) -> Result<Mark, OutputError> {
+        if !self.waiting.is_empty() {
+            self.flush()?;
+        }
+        self.stream.as_ref().map_or(Ok(()), Stream::sync)?;
+        Ok(self.mark)
+    }
+}
+
+/// Reads a journal up to the mark of a checkpoint.
+#[derive(Debug)]
+pub struct JournalReader {
+    file: BufReader<Take<File>>,
+    next: Option<Entry>,
+}
+
+impl JournalReader {
+    /// Opens the journal in the folder of a run.
+    ///
+    /// # Errors
+    /// The operating system refused, or it is no journal.
+    pub fn open(run: &Path, mark: &Mark) -> io::Result<Self> {
+        let path = run.join(FOLDER).join(NAME);
+        refuse_others(&path)?;
+        let file = BufReader::with_capacity(PIECE, File::open(path)?.take(mark.length));
+        let mut reader = JournalReader { file, next: None };
+        reader.advance()?;
+        Ok(reader)
+    }
+
+    /// The entry that comes next.
+    pub fn peek(&self) -> Option<&Entry> {
+        self.next.as_ref()
+    }
+
+    /// Takes the next entry.
+    ///
+    /// # Errors
+    /// What comes after it is no entry.
+    pub fn take(&mut self) -> io::Result<Option<Entry>> {
+        let entry = self.next.take();
+        self.advance()?;
+        Ok(entry)
+    }
+
+    fn advance(&mut self) -> io::Result<()> {
+        let mut length = [0; 4];
+        match self.file.read_exact(&mut length) {
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
+            outcome => outcome?,
+        }
+        let mut content = Vec::new();
+        let length = u64::from(u32::from_le_bytes(length));
+        (&mut self.file).take(length).read_to_end(&mut content)?;
+        let damaged = |_| io::Error::new(io::ErrorKind::InvalidData, "it is damaged");
+        self.next = Some(postcard::from_bytes(&content).map_err(damaged)?);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::scratch;
+    use super::*;
+
+    fn computed(step: usize) -> Entry {
+        let rows = vec![LedgerRow { step, time: 0.1, ..LedgerRow::default() }];
+        Entry::Computed {
+            simulation: 0,
+            computation: Computation::Step(Some(2.0)),
+            outcome: Outcome::Stepped(rows),
+            tally: Tally::default(),
+        }
+    }
+
+    fn read(run: &Path, mark: &Mark) -> Vec<Entry> {
+        let mut reader = JournalReader::open(run, mark).unwrap();
+        std::iter::from_fn(|| reader.take().unwrap()).collect()
+    }
+
+    #[test]
+    fn entries_come_back_up_to_the_mark_and_what_is_behind_it_is_cut_off() {
+        let (directory, files) = scratch("journal");
+        let mut writer = JournalWriter::new(&files, Mark::default());
+        (0..3).for_each(|step| drop(writer.add(&computed(step)).unwrap()));
+        let mark = writer.secure().unwrap();
+        assert_eq!(mark.events, 3);
+        (3..9).for_each(|step| drop(writer.add(&computed(step)).unwrap()));
+        let further = writer.secure().unwrap();
+        assert_eq!((read(&directory, &mark), read(&directory, &further).len()), ((0..3).map(computed).collect(), 9));
+        let mut again = JournalWriter::new(&files, mark);
+        again.add(&computed(77)).unwrap();
+        let other = again.secure().unwrap();
+        assert_eq!(read(&directory, &other), [computed(0), computed(1), computed(2), computed(77)]);
+        assert_eq!([mark, other].map(|mark| mark.complaint(&directory)), [None; 2]);
+        assert!(further.complaint(&directory).unwrap().contains("cut off"));
+        let place = directory.join(FOLDER).join(NAME);
+        let mut bytes = std::fs::read(&place).unwrap();
+        bytes[9] ^= 1;
+        std::fs::write(&place, bytes).unwrap();
+        assert!(mark.complaint(&directory).unwrap().contains("damaged"));
+        std::fs::remove_file(&place).unwrap();
+        assert!(mark.complaint(&directory).unwrap().contains("not there"));
+    }
+}
