@@ -7,7 +7,8 @@ use clap::Args;
 
 use super::console::{complain, ink};
 use super::process::exit_code;
-use super::run::{CourseArguments, Watch, interrupt};
+use super::run::{CourseArguments, Watch};
+use super::signals::interrupt;
 use crate::output::checkpoint::{self, Checkpoint, Origin};
 use crate::script::{Class, Diagnostic, Mode, Session, Settings, home, processors};
 

@@ -13,8 +13,8 @@ use clap::Args;
 use super::console::{Console, complain, ink};
 use super::junit::{Tested, junit};
 use super::process::{STACK, exit_code};
-use super::run::interrupt;
 use super::script_arguments::threads;
+use super::signals::interrupt;
 use crate::script::{Class, Diagnostic, Ink, MAX_OPERATIONS, Settings, TestCase, TestOutcome, processors, script_files, tests_of};
 
 /// Arguments of `conserva test`.

@@ -1,10 +1,8 @@
 //! `conserva sweep point`: computes points of a planned study, as any engine calls it.
 
-use std::io::Write;
-
 use super::arguments::PointArguments;
 use super::opening::{enter, interrupted, opened};
-use crate::cli::console::{Console, complain};
+use crate::cli::console::{Console, complain, write_out};
 use crate::cli::process::exit_code;
 use crate::script::{Class, Diagnostic};
 use crate::studies::{Plan, PointOutcome, Watchdog, compute as compute_point, here};
@@ -24,10 +22,7 @@ pub fn compute(arguments: &PointArguments) -> Result<u8, Box<Diagnostic>> {
         Box::new(refused.cause(error.to_string()))
     })?;
     if from_input {
-        let mut say = |word: &str| {
-            // Whoever does not listen any more does not need the word.
-            let _ = writeln!(std::io::stdout(), "{word}").and_then(|()| std::io::stdout().flush());
-        };
+        let mut say = |word: &str| write_out(&format!("{word}\n"));
         here::serve(&study, &plan, &interrupt, &watchdog, &mut say)?;
         return Ok(if watchdog.is_interrupted() { exit_code(Class::Interrupted) } else { 0 });
     }

@@ -1,0 +1,7 @@
+//! What surrounds the program: signals, streams that cannot be written, files of all kinds, names, memory.
+
+#[path = "../common/program.rs"]
+mod program;
+
+mod output;
+mod signals;
