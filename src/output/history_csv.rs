@@ -8,17 +8,10 @@
 
 use std::fmt::Write as _;
 
+use super::csv_text::line;
 use super::files::{OutputError, RunFiles, Stream};
 use super::table::is_count;
 use crate::dynamics::LedgerRow;
-
-/// One line with its end, fields quoted where needed.
-fn line(fields: &[String]) -> Vec<u8> {
-    let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::new());
-    // Neither call can fail: memory takes everything, and a record of its own has no length to agree with.
-    let _ = writer.write_record(fields);
-    writer.into_inner().unwrap_or_default()
-}
 
 /// The header for a space dimension with further columns at its end.
 fn header(dimension: usize, extra: &[String]) -> Vec<u8> {

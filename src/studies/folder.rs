@@ -20,6 +20,7 @@ use std::time::Duration;
 use super::plan::{FORMAT, Plan, Point};
 use super::record::{Record, RecordOutcome};
 use super::values::refusal;
+use crate::machine::files;
 use crate::output::{OutputError, RunFiles};
 use crate::script::{Class, Diagnostic};
 
@@ -135,7 +136,7 @@ impl StudyFolder {
             let error = refusal(format!("{} cannot be read", path.display())).cause(reason);
             Box::new(error.hint("plan the study again with the same command; points that are computed stay"))
         };
-        let text = std::fs::read(&path).map_err(|error| damaged(error.to_string()))?;
+        let text = files::read(&path).map_err(|error| damaged(error.to_string()))?;
         let value: serde_json::Value = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
         match value.get("format").and_then(serde_json::Value::as_u64) {
             Some(format) if format > u64::from(FORMAT) => {

@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::super::files::reason;
+use crate::machine::files;
 
 /// A file that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -44,5 +45,5 @@ impl ReadError {
 /// # Errors
 /// The operating system refused.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
-    std::fs::read(path).map_err(|error| ReadError::io(path, &error))
+    files::read(path).map_err(|error| ReadError::io(path, &error))
 }

@@ -228,12 +228,14 @@ fn polygon() -> Function {
             let argument = options.argument("names");
             let names: Vec<String> = if argument.is_given() {
                 let names: Option<Vec<String>> = argument.array()?.into_iter().map(|name| name.into_string().ok()).collect();
-                names.filter(|names| names.len() == corners.len()).ok_or_else(|| {
-                    let failure = argument.fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()));
-                    failure
-                        .label(format!("this is {}", describe(call.engine(), &argument.value())))
-                        .hint("write `[\"floor\", \"wall\", …]`")
-                })?
+                names.filter(|names| names.len() == corners.len() && !names.iter().any(|name| name.contains(char::is_control))).ok_or_else(
+                    || {
+                        let failure = argument.fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()));
+                        failure
+                            .label(format!("this is {}", describe(call.engine(), &argument.value())))
+                            .hint("write `[\"floor\", \"wall\", …]`")
+                    },
+                )?
             } else {
                 (1..=corners.len()).map(|side| format!("side {side}")).collect()
             };

@@ -213,7 +213,7 @@ fn name_parameter() -> Parameter {
 }
 
 fn name_of(arguments: &impl Arguments) -> Result<Option<String>, Failure> {
-    if arguments.argument("name").is_given() { arguments.text("name").map(Some) } else { Ok(None) }
+    if arguments.argument("name").is_given() { arguments.name("name").map(Some) } else { Ok(None) }
 }
 
 fn plane_point(argument: &Argument) -> Result<Point, Failure> {

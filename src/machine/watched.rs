@@ -1,0 +1,58 @@
+//! Work that cannot be stopped, and need not be waited for.
+
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+/// How long an interrupt waits at most.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Stack of the thread; only what is used of it takes memory.
+const STACK: usize = 64 << 20;
+
+/// The result of work that does not look at the flag itself; nothing when the flag becomes true before it is done. The work has a thread
+/// of its own, which is left behind then. A panic of the work is one of the caller.
+pub fn watched<T: Send + 'static>(interrupt: &Arc<AtomicBool>, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+    let (sender, receiver) = mpsc::channel();
+    let thread = std::thread::Builder::new().name("watched".into()).stack_size(STACK).spawn(move || {
+        // Nobody listens any more after an interrupt.
+        let _ = sender.send(work());
+    });
+    // Where there is no thread to be had, there is hardly anything else.
+    let thread = thread.unwrap_or_else(|error| panic!("no thread could be started: {error}"));
+    loop {
+        match receiver.recv_timeout(PATIENCE) {
+            Ok(result) => return Some(result),
+            Err(RecvTimeoutError::Timeout) if interrupt.load(Ordering::Relaxed) => return None,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => resume_unwind(panic),
+                Ok(()) => return None,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    #[test]
+    fn work_is_done_left_behind_or_panics() {
+        let flag = Arc::new(AtomicBool::new(false));
+        assert_eq!(watched(&flag, || 7), Some(7));
+        let panicked = std::panic::catch_unwind(|| watched(&Arc::default(), || panic!("inside")));
+        assert_eq!(panicked.unwrap_err().downcast_ref::<&str>(), Some(&"inside"));
+        let begun = Instant::now();
+        let raise = flag.clone();
+        std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(50));
+            raise.store(true, Ordering::Relaxed);
+        });
+        assert_eq!(watched(&flag, || std::thread::sleep(Duration::from_secs(20))), None);
+        assert!(begun.elapsed() < Duration::from_secs(5));
+    }
+}
