@@ -13,6 +13,7 @@ mod junit;
 mod list;
 mod live;
 mod log;
+mod memory;
 mod new;
 mod process;
 mod repl;

@@ -23,6 +23,7 @@ use rustyline::{
 };
 
 use super::console::{Console, complain, ink};
+use super::memory::MemoryArguments;
 use super::process::exit_code;
 use super::script_arguments::threads;
 use super::signals;
@@ -45,6 +46,8 @@ pub struct Arguments {
     /// Threads of the element loop; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     threads: u16,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
 const PROMPT: &str = "conserva> ";
@@ -201,6 +204,7 @@ fn history_file() -> Option<PathBuf> {
 
 /// Runs the prompt; the exit code.
 pub fn repl(arguments: Arguments) -> u8 {
+    arguments.memory.apply();
     let waiting = Arc::new(AtomicBool::new(false));
     let (interrupt, over) = match signals::prompt(&waiting) {
         Ok(flags) => flags,

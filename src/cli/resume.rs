@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 
 use super::console::{complain, ink};
+use super::memory::MemoryArguments;
 use super::process::exit_code;
 use super::run::{CourseArguments, Watch};
 use super::signals::interrupt;
@@ -25,6 +26,8 @@ pub struct Arguments {
     anyway: bool,
     #[command(flatten)]
     course: CourseArguments,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
 fn refusal(title: impl Into<String>) -> Diagnostic {
@@ -85,6 +88,7 @@ fn compare(then: &Origin, now: &Origin, anyway: bool) -> Result<(), Box<Diagnost
 
 /// Resumes a run; the exit code.
 pub fn resume(arguments: Arguments) -> u8 {
+    arguments.memory.apply();
     attempt(&arguments).unwrap_or_else(|error| {
         complain(&error.render(ink()));
         exit_code(error.class)

@@ -83,7 +83,8 @@ fn port(text: &str) -> Result<u16, String> {
 
 /// Runs a script; the exit code.
 pub fn run(arguments: Arguments) -> u8 {
-    let ScriptArguments { script, overrides, allow_read, max_operations } = arguments.script;
+    let ScriptArguments { script, overrides, allow_read, max_operations, memory } = arguments.script;
+    memory.apply();
     let stem = script.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| "script".into());
     let out = arguments.out.unwrap_or_else(|| Path::new("out").join(stem));
     let interrupt = match interrupt() {

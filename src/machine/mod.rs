@@ -4,4 +4,4 @@ pub mod files;
 pub mod memory;
 mod watched;
 
-pub use watched::watched;
+pub use watched::{consulted, watched};

@@ -54,6 +54,9 @@ pub struct Limits {
     pub seconds: Option<f64>,
     /// Threads of the element loop.
     pub threads: u16,
+    /// Memory that the process of a point may take `[bytes]`.
+    #[serde(default)]
+    pub memory: Option<u64>,
 }
 
 /// A point.

@@ -3,5 +3,7 @@
 #[path = "../common/program.rs"]
 mod program;
 
+mod files;
+mod memory;
 mod output;
 mod signals;

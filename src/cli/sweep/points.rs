@@ -4,6 +4,7 @@ use super::arguments::PointArguments;
 use super::opening::{enter, interrupted, opened};
 use crate::cli::console::{Console, complain, write_out};
 use crate::cli::process::exit_code;
+use crate::machine::memory;
 use crate::script::{Class, Diagnostic};
 use crate::studies::{Plan, PointOutcome, Watchdog, compute as compute_point, here};
 
@@ -17,6 +18,7 @@ pub fn compute(arguments: &PointArguments) -> Result<u8, Box<Diagnostic>> {
     let from_input = arguments.index.trim() == "-";
     let indices = if from_input { Vec::new() } else { numbers(arguments, &plan)? };
     enter(&plan)?;
+    plan.limits.memory.into_iter().for_each(memory::set_limit);
     let watchdog = Watchdog::new(interrupt.clone(), || std::process::exit(1)).map_err(|error| {
         let refused = Diagnostic::error(Class::Internal, "no thread could be started");
         Box::new(refused.cause(error.to_string()))
