@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example fuzz_files -- 1800 [SEED]`. A small run makes one file of each kind; mesh files are those of the tests
 //! (`examples/fuzz_meshes.rs` damages them by the thousand). Checkpoints get the checksum of their damaged content, so that it is read,
-//! and some are resumed. What is being read is in the folder `fuzz_files_SEED` in that for temporary files. A seed makes the same files again.
+//! and some are resumed. What is being read is in the folder `fuzz_files_SEED` in that for
+//! temporary files. A seed makes the same files again.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

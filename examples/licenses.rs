@@ -10,8 +10,8 @@ use std::process::Command;
 use serde_json::Value;
 
 const FILE: &str = "THIRD-PARTY-LICENSES.md";
-const HEAD: &str = "# Licenses of the crates in Conserva\n\nMade by `cargo run --example licenses` from `cargo metadata`; do not edit. Conserva itself is \
-                    under MIT or Apache-2.0, at your choice. Where a crate gives a choice, any of its licenses may be taken.\n\n";
+const HEAD: &str = "# Licenses of the crates in Conserva\n\nMade by `cargo run --example licenses` from `cargo metadata`; do not edit. \
+    Conserva itself is under MIT or Apache-2.0, at your choice. Where a crate gives a choice, any of its licenses may be taken.\n\n";
 
 /// The texts of a crate's licenses, by the beginnings of their names.
 fn texts(folder: &Path) -> Vec<String> {

@@ -104,9 +104,11 @@ fn a_limit_of_file_sizes_is_a_file_that_cannot_be_written() {
 
 #[test]
 fn the_signal_of_a_closed_pipe_changes_nothing() {
-    let home = folder("signal-pipe", &ENDLESS.replace("sim.run_to(1e6)", "sim.run_to(0.5); print(`at ${sim.time}`)"));
+    let home = folder("signal-pipe", &ENDLESS.replace("sim.run_to(1e6)", "sim.run_to(8.0); print(`at ${sim.time}`)"));
     let mut child = conserva(&home, &["run", "main.rhai", "--quiet"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
+    // The program has begun: before that, the signal would mean its own start.
+    wait_for_rows(&home, &mut child);
     send(&child, "PIPE");
     let mut message = String::new();
     child.stderr.take().unwrap().read_to_string(&mut message).unwrap();
