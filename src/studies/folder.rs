@@ -143,7 +143,15 @@ impl StudyFolder {
                 let error = refusal(format!("{} is of a later version of the program", path.display()));
                 Err(Box::new(error.cause(format!("format {format}, not {FORMAT}")).hint("go on with the program that planned the study")))
             }
-            _ => serde_json::from_value(value).map_err(|error| damaged(error.to_string())),
+            _ => {
+                let plan: Plan = serde_json::from_value(value).map_err(|error| damaged(error.to_string()))?;
+                match plan.points.iter().find(|point| point.values.len() != plan.names.len()) {
+                    None => Ok(plan),
+                    Some(Point { id, values }) => {
+                        Err(damaged(format!("the point {id} has {} values for {} parameters", values.len(), plan.names.len())))
+                    }
+                }
+            }
         }
     }
 

@@ -3,7 +3,6 @@
 //! Tasks call `conserva sweep point`, and the folder of the study says what is done; Slurm is asked only whether anything is still to come.
 //! A task that is requeued goes on with the points that are not done.
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -70,8 +69,7 @@ pub fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> 
         let list = study.write(&format!("slurm/tasks-{number}.txt"), (lines.join("\n") + "\n").as_bytes())?;
         let script = study.write(&format!("slurm/job-{number}.sh"), batch(study, plan, job, tasks.len(), &list).as_bytes())?;
         let mut command = Command::new("sbatch");
-        // In `--output` Slurm replaces `%` and follows backslashes: it names the place below the folder alone.
-        command.arg("--parsable").arg(joined("--chdir=", study.path())).arg("--output=slurm/%A_%a.txt");
+        command.arg("--parsable").arg(format!("--output={}/slurm/%A_%a.txt", study.path().to_string_lossy().replace('%', "%%")));
         let answer = ask(command.args(&job.options).arg(&script))?;
         // `--parsable` gives the number, and the cluster's name behind a semicolon where there are several.
         let id = answer.trim().split(';').next().unwrap_or_default().to_string();
@@ -85,19 +83,14 @@ pub fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> 
     Ok(jobs)
 }
 
-/// An option with a path.
-fn joined(option: &str, path: &Path) -> OsString {
-    let mut word = OsString::from(option);
-    word.push(path);
-    word
-}
-
 /// Refuses a path that Slurm and the shell of its nodes would take for more than one line.
 fn refuse_control_characters(path: &Path) -> Result<(), Box<Diagnostic>> {
-    if !path.to_string_lossy().contains(char::is_control) {
+    // Behind a backslash, Slurm leaves `%A` as it stands.
+    if !path.to_string_lossy().contains(|sign: char| sign.is_control() || sign == '\\') {
         return Ok(());
     }
-    let error = refusal(format!("Slurm cannot be given the path {path:?}")).cause("it has a line break or another control character");
+    let error =
+        refusal(format!("Slurm cannot be given the path {path:?}")).cause("it has a backslash, a line break or another control character");
     Err(Box::new(error.hint("give the folder another name, or choose another one with `--out`")))
 }
 
