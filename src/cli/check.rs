@@ -18,7 +18,8 @@ pub struct Arguments {
 
 /// Checks a script; the exit code.
 pub fn check(arguments: Arguments) -> u8 {
-    let ScriptArguments { script, overrides, allow_read, max_operations } = arguments.script;
+    let ScriptArguments { script, overrides, allow_read, max_operations, memory } = arguments.script;
+    memory.apply();
     let console = Rc::new(Console::new(true));
     let settings = Settings { mode: Mode::Check, overrides, allow_read, max_operations, ..Settings::default() };
     let report = match Session::new(settings, home(&script), console.clone()) {

@@ -1,17 +1,19 @@
 //! Standard output and standard error of a command: what the script prints, checks, warnings, and progress.
 //!
-//! Progress goes to standard error: a bar on a terminal, plain lines now and then elsewhere. Writing never fails the run: when a reader
-//! closes its pipe, the rest is left unsaid and the results are still written.
+//! Progress goes to standard error: a bar on a terminal, plain lines now and then elsewhere. Writing never ends the run. When the
+//! reader of standard output has closed its pipe, the rest is left unsaid: nobody wants it. What cannot be written for another reason, such
+//! as a full disk, is told once, and the exit code tells that something is missing.
 
 use std::cell::{Cell, RefCell};
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::script::{Diagnostic, Ink, Observer, Progress};
+use super::process::{DOUBTFUL, exit_code};
+use crate::script::{Class, Diagnostic, Ink, Observer, Progress};
 
 /// Least time between two plain lines of progress.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
@@ -20,9 +22,17 @@ const LONGEST_SILENCE: Duration = Duration::from_secs(60);
 /// Positions of the bar.
 const BAR: u64 = 10_000;
 
+/// Writes to standard error.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_error(text: &str) -> std::io::Result<()> {
+    std::io::stderr().lock().write_all(text.as_bytes())
+}
+
 /// Writes to standard error; nothing can be done when that fails.
 pub fn complain(text: &str) {
-    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+    let _ = write_error(text);
 }
 
 /// Whether messages on standard error are colored.
@@ -31,12 +41,41 @@ pub fn ink() -> Ink {
     if wanted && std::io::stderr().is_terminal() { Ink::Colored } else { Ink::Plain }
 }
 
+/// Whether nothing more is written.
+static CLOSED: AtomicBool = AtomicBool::new(false);
+/// Whether something could not be written that was wanted.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// Writes a text.
+pub fn write_out(text: &str) {
+    if CLOSED.load(Ordering::Relaxed) {
+        return;
+    }
+    let mut out = std::io::stdout().lock();
+    judge(out.write_all(text.as_bytes()).and_then(|()| out.flush()));
+}
+
+/// Notes how writing to standard output went.
+pub fn judge(written: std::io::Result<()>) {
+    let Err(error) = written else { return };
+    CLOSED.store(true, Ordering::Relaxed);
+    if error.kind() != ErrorKind::BrokenPipe && !LOST.swap(true, Ordering::Relaxed) {
+        let message = Diagnostic::error(Class::Output, "standard output cannot be written").cause(error.to_string());
+        complain(&message.hint("what is printed is missing from here on; files are written all the same").render(ink()));
+    }
+}
+
+/// The exit code of a command, or that of missing output where it would tell of nothing worse.
+pub fn with_loss(code: u8) -> u8 {
+    let tells_of_loss = [0, exit_code(Class::Check), DOUBTFUL].contains(&code);
+    if tells_of_loss && LOST.load(Ordering::Relaxed) { exit_code(Class::Output) } else { code }
+}
+
 /// The observer of the command line.
 pub struct Console {
     quiet: bool,
     bar: RefCell<Option<ProgressBar>>,
     terminal: bool,
-    closed: Cell<bool>,
     begun: Cell<Instant>,
     last: Cell<(Instant, f64)>,
     line: RefCell<String>,
@@ -51,7 +90,6 @@ impl Console {
             quiet,
             bar: RefCell::default(),
             terminal: std::io::stderr().is_terminal(),
-            closed: Cell::new(false),
             begun: Cell::new(now),
             last: Cell::new((now, 0.0)),
             line: RefCell::default(),
@@ -71,18 +109,11 @@ impl Console {
 
     /// Writes a line to standard output, above the progress bar.
     pub fn say(&self, line: &str) {
-        if self.closed.get() {
-            return;
-        }
-        let write = || {
-            let mut out = std::io::stdout().lock();
-            writeln!(out, "{line}").and_then(|()| out.flush()).is_ok()
-        };
-        let written = match self.bar.borrow().as_ref() {
+        let write = || write_out(&format!("{line}\n"));
+        match self.bar.borrow().as_ref() {
             Some(bar) => bar.suspend(write),
             None => write(),
-        };
-        self.closed.set(!written);
+        }
     }
 
     /// Shows a message on standard error.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::columns::{aligned, short};
+use super::columns::{aligned, short, visible};
 use super::complaint::refuse;
 use super::console::Console;
 use crate::output::{Comparison, Exactness, compare};
@@ -63,7 +63,7 @@ pub fn diff(arguments: Arguments) -> u8 {
             console.say(&serde_json::to_string_pretty(&value).unwrap_or_default());
         }
         Format::Text => {
-            all.iter().flat_map(told).for_each(|line| console.say(&line));
+            all.iter().flat_map(told).for_each(|line| console.say(&visible(&line)));
             let rows: usize = all.iter().map(|found| found.rows[2]).sum();
             let frames: usize = all.iter().map(|found| found.frames_compared).sum();
             let (columns, fields) = (all[0].columns_compared, all[0].fields_compared);

@@ -113,7 +113,7 @@ mod tests {
     fn movies_tell_their_pictures_and_their_time() {
         for (format, name) in [(MovieFormat::Png, "PNG"), (MovieFormat::Gif, "GIF")] {
             let rows = |last: usize| (0..=last).map(|k| LedgerRow { time: k as f64, kinetic: k as f64, ..LedgerRow::default() });
-            let draw = |index: usize| energies("a", &rows(index + 1).collect::<Vec<_>>()).draw();
+            let draw = |index: usize| Some(energies("a", &rows(index + 1).collect::<Vec<_>>()).draw());
             let bytes = movie(4, &draw, 2.0, format).unwrap();
             let facts: std::collections::BTreeMap<_, _> = picture(&bytes).unwrap().into_iter().collect();
             assert_eq!((&facts["format"], &facts["pictures"]), (&name.into(), &4.into()));

@@ -9,11 +9,12 @@ use std::rc::Rc;
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use super::columns::{aligned, short};
+use super::columns::{aligned, short, visible};
 use super::console::{Console, complain, ink};
 use super::diff::Format;
 use super::drawn_files;
 use super::process::exit_code;
+use crate::machine::files;
 use crate::mesh;
 use crate::output::checkpoint::{Checkpoint, MAGIC};
 use crate::output::{
@@ -90,7 +91,7 @@ pub fn info(arguments: Arguments) -> u8 {
             console.say(&serde_json::to_string_pretty(&all).unwrap_or_default());
         }
         Format::Text => {
-            console.say(&format!("{}: {kind}", path.display()));
+            console.say(&visible(&format!("{}: {kind}", path.display())));
             facts.iter().for_each(|(key, value)| say(&console, key, value));
         }
     }
@@ -112,8 +113,7 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
         return Err(refused(&ReadError::new(path, "is neither a file nor a folder", "name a file or the folder of a run")));
     }
     let mut head = Vec::new();
-    let opened =
-        std::fs::File::open(path).and_then(|file| std::io::Read::read_to_end(&mut std::io::Read::take(file, HEAD as u64), &mut head));
+    let opened = files::open(path).and_then(|(file, _)| std::io::Read::read_to_end(&mut std::io::Read::take(file, HEAD as u64), &mut head));
     opened.map_err(|error| refused(&ReadError::io(path, &error)))?;
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let Some(kind) = KINDS.iter().find(|kind| (kind.fits)(&ending, &head)) else {
@@ -151,18 +151,19 @@ fn say(console: &Console, key: &str, value: &Value) {
         Value::Number(number) if number.is_f64() => short(number.as_f64().unwrap_or(f64::NAN)),
         value => value.to_string(),
     };
+    let say = |line: &str| console.say(&visible(line));
     match value {
         Value::Array(all) if all.iter().any(Value::is_array) => {
             console.say(&format!("  {key}:"));
             let rows: Vec<Vec<String>> = all.iter().filter_map(Value::as_array).map(|row| row.iter().map(word).collect()).collect();
             aligned(&rows).iter().for_each(|line| console.say(&format!("    {line}")));
         }
-        Value::Array(all) => console.say(&format!("  {key}: {}", all.iter().map(word).collect::<Vec<_>>().join(", "))),
+        Value::Array(all) => say(&format!("  {key}: {}", all.iter().map(word).collect::<Vec<_>>().join(", "))),
         Value::Object(all) => {
             let pairs: Vec<String> = all.iter().map(|(name, value)| format!("{name}={}", word(value))).collect();
-            console.say(&format!("  {key}: {}", pairs.join(" ")));
+            say(&format!("  {key}: {}", pairs.join(" ")));
         }
-        value => console.say(&format!("  {key}: {}", word(value))),
+        value => say(&format!("  {key}: {}", word(value))),
     }
 }
 
@@ -328,7 +329,7 @@ fn frame_facts(frame: &FieldsRead, title: &'static str) -> Facts {
 
 /// How often each event is told, and how the run ended.
 fn log_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
-    let text = std::fs::read_to_string(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let text = files::read_text(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     let (mut counts, mut script, mut outcome) =
         (BTreeMap::<String, usize>::new(), Value::Null, Value::from("no end: killed, or still running"));
     for (number, line) in text.lines().enumerate() {
@@ -352,12 +353,12 @@ fn log_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 }
 
 fn picture_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
-    let bytes = std::fs::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let bytes = files::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     drawn_files::picture(&bytes).ok_or_else(|| refused(&ReadError::damaged(path, "it is no whole picture")))
 }
 
 fn report_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
-    let bytes = std::fs::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let bytes = files::read(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     drawn_files::report(&String::from_utf8_lossy(&bytes)).ok_or_else(|| refused(&ReadError::damaged(path, "it is no report of a run")))
 }
 
@@ -414,7 +415,7 @@ fn mesh_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 }
 
 fn script_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
-    let text = std::fs::read_to_string(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
+    let text = files::read_text(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     let settings = Settings { mode: Mode::Check, ..Settings::default() };
     let session = Session::new(settings, home(path), Rc::new(Silent))?;
     let outline = session.outline(&path.display().to_string(), &text)?;

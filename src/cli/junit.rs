@@ -4,6 +4,7 @@
 
 use std::fmt::Write;
 
+use crate::output::escaped;
 use crate::script::{Ink, TestCase, TestOutcome};
 
 /// A test with its outcome.
@@ -71,31 +72,4 @@ fn case(xml: &mut String, file: &str, test: &Tested) {
 
 fn line(xml: &mut String, depth: usize, text: &str) {
     let _ = writeln!(xml, "{:indent$}{text}", "", indent = 2 * depth);
-}
-
-/// A text as the content of an element or attribute; what XML 1.0 cannot contain becomes the replacement character.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\n' | '\t' => out.push(letter),
-            letter if letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
-            letter => out.push(letter),
-        }
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::escaped;
-
-    #[test]
-    fn markup_and_control_characters_are_replaced() {
-        assert_eq!(escaped("a<b> & \"c\"\u{1b}[1m\n"), "a&lt;b&gt; &amp; &quot;c&quot;\u{fffd}[1m\n");
-    }
 }

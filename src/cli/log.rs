@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::console::{Console, complain, ink};
+use super::console::{Console, complain, ink, write_error};
 use crate::dynamics::LedgerRow;
 use crate::output::is_count;
 use crate::script::{Class, ContactChange, Diagnostic, Event, Ink, Observer, Progress, Report};
@@ -163,7 +163,11 @@ impl JsonLog {
             let _ = write!(line, ",{}:{value}", json!(key));
         }
         line.push_str("}\n");
-        let Some((path, file)) = &self.file else { return complain(&line) };
+        let Some((path, file)) = &self.file else {
+            // There is nobody left to tell.
+            let is_lost = write_error(&line).is_err_and(|error| error.kind() != ErrorKind::BrokenPipe);
+            return self.broken.set(is_lost);
+        };
         if let Err(error) = file.borrow_mut().write_all(line.as_bytes()) {
             self.broken.set(true);
             let warning = Diagnostic::warning(format!("the log {} ends here: it could not be written", path.display()), None);

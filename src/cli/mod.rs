@@ -13,21 +13,23 @@ mod junit;
 mod list;
 mod live;
 mod log;
+mod memory;
 mod new;
 mod process;
 mod repl;
 mod resume;
 mod run;
 mod script_arguments;
+mod signals;
 mod sweep;
 mod test;
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::script::{Class, Diagnostic};
+use console::{judge, with_loss, write_out};
 use process::{STACK, exit_code};
 
 /// Contact dynamics that conserves energy and momentum, from scripts.
@@ -76,13 +78,6 @@ enum Command {
     },
 }
 
-/// Writes to standard output; the exit code.
-fn write_out(text: &[u8]) -> u8 {
-    // A reader that has closed its pipe wants no more.
-    let _ = std::io::stdout().lock().write_all(text);
-    0
-}
-
 /// Writes the manual page of the program or of one of its commands; the exit code.
 fn manual(command: Option<&str>) -> u8 {
     let mut program = CommandLine::command();
@@ -99,12 +94,27 @@ fn manual(command: Option<&str>) -> u8 {
     let mut text = Vec::new();
     // Writing into memory does not fail.
     let _ = clap_mangen::Man::new(page).render(&mut text);
-    write_out(&text)
+    write_out(&String::from_utf8_lossy(&text));
+    0
+}
+
+/// Tells what is wrong with the arguments, or shows the help that they ask for; the exit code.
+fn told(error: &clap::Error) -> u8 {
+    let (written, code) = (error.print(), u8::try_from(error.exit_code()).unwrap_or(exit_code(Class::Script)));
+    // A message that cannot be shown on standard error has nowhere to go.
+    if error.use_stderr() {
+        return code;
+    }
+    judge(written.and_then(|()| std::io::Write::flush(&mut std::io::stdout())));
+    with_loss(code)
 }
 
 /// Runs the command of this process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = CommandLine::parse();
+    let arguments = match CommandLine::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return ExitCode::from(told(&error)),
+    };
     // A defect is reported as a message of its own, not by the default hook.
     std::panic::set_hook(Box::new(|_| {}));
     let work = move || match arguments.command {
@@ -123,12 +133,13 @@ pub fn main() -> ExitCode {
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(shell, &mut CommandLine::command(), "conserva", &mut text);
-            write_out(&text)
+            write_out(&String::from_utf8_lossy(&text));
+            0
         }
         Command::Man { command } => manual(command.as_deref()),
     };
     match std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join()) {
-        Ok(Ok(code)) => ExitCode::from(code),
+        Ok(Ok(code)) => ExitCode::from(with_loss(code)),
         Ok(Err(_)) => {
             console::complain("error: the program has a defect and had to stop\n= hint: please report it together with the script\n");
             ExitCode::from(exit_code(Class::Internal))

@@ -21,12 +21,12 @@ use rustyline::{
     Cmd, CompletionType, ConditionalEventHandler, Config, Context, Editor, Event, EventContext, EventHandler, Helper, KeyCode, KeyEvent,
     Modifiers, RepeatCount,
 };
-use signal_hook::consts::SIGINT;
-use signal_hook::flag;
 
 use super::console::{Console, complain, ink};
+use super::memory::MemoryArguments;
 use super::process::exit_code;
 use super::script_arguments::threads;
+use super::signals;
 use crate::script::{Checkpoints, Class, Ink, Interactive, MAX_OPERATIONS, Mode, Settings, Style, home, indentation, processors};
 
 /// Arguments of `conserva repl`.
@@ -46,6 +46,8 @@ pub struct Arguments {
     /// Threads of the element loop; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     threads: u16,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
 const PROMPT: &str = "conserva> ";
@@ -202,11 +204,15 @@ fn history_file() -> Option<PathBuf> {
 
 /// Runs the prompt; the exit code.
 pub fn repl(arguments: Arguments) -> u8 {
-    let interrupt = Arc::new(AtomicBool::new(false));
-    if let Err(error) = flag::register(SIGINT, interrupt.clone()) {
-        complain(&format!("error: the interrupt key cannot be watched\n= cause: {error}\n"));
-        return exit_code(Class::Internal);
-    }
+    arguments.memory.apply();
+    let waiting = Arc::new(AtomicBool::new(false));
+    let (interrupt, over) = match signals::prompt(&waiting) {
+        Ok(flags) => flags,
+        Err(error) => {
+            complain(&format!("error: the interrupt key cannot be watched\n= cause: {error}\n"));
+            return exit_code(Class::Internal);
+        }
+    };
     let stem = arguments.script.as_ref().and_then(|script| script.file_stem()).map(|stem| stem.to_string_lossy().into_owned());
     let out = arguments.out.unwrap_or_else(|| Path::new("out").join(stem.map_or_else(|| "repl".into(), |stem| format!("{stem}-repl"))));
     let console = Rc::new(Console::new(false));
@@ -233,7 +239,7 @@ pub fn repl(arguments: Arguments) -> u8 {
             return exit_code(error.class);
         }
     };
-    let mut terminal = Terminal { session, console, interrupt };
+    let mut terminal = Terminal { session, console, interrupt, waiting, over };
     if let Some(script) = &arguments.script {
         terminal.load(script);
     }
@@ -253,6 +259,10 @@ struct Terminal {
     session: Rc<RefCell<Interactive>>,
     console: Rc<Console>,
     interrupt: Arc<AtomicBool>,
+    /// Whether the prompt waits for an entry.
+    waiting: Arc<AtomicBool>,
+    /// Whether the session is to end.
+    over: Arc<AtomicBool>,
 }
 
 impl Terminal {
@@ -279,8 +289,11 @@ impl Terminal {
             let _ = editor.load_history(file);
         }
         self.console.say(&format!("conserva {}   :help for help, Ctrl-D to quit", env!("CARGO_PKG_VERSION")));
-        loop {
-            match editor.readline(PROMPT) {
+        while !self.over.load(Ordering::Relaxed) {
+            self.waiting.store(true, Ordering::Relaxed);
+            let line = editor.readline(PROMPT);
+            self.waiting.store(false, Ordering::Relaxed);
+            match line {
                 Ok(line) => {
                     if let Some(file) = &history {
                         let _ = editor.append_history(file);

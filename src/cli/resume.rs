@@ -6,8 +6,10 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 
 use super::console::{complain, ink};
+use super::memory::MemoryArguments;
 use super::process::exit_code;
-use super::run::{CourseArguments, Watch, interrupt};
+use super::run::{CourseArguments, Watch};
+use super::signals::interrupt;
 use crate::output::checkpoint::{self, Checkpoint, CheckpointError, Origin};
 use crate::output::{CountedFile, OutputError, RunLock};
 use crate::script::{Class, Diagnostic, Mode, Session, Settings, home, processors};
@@ -25,6 +27,8 @@ pub struct Arguments {
     anyway: bool,
     #[command(flatten)]
     course: CourseArguments,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
 fn refusal(title: impl Into<String>) -> Diagnostic {
@@ -99,6 +103,7 @@ fn compare(then: &Origin, now: &Origin, anyway: bool) -> Result<(), Box<Diagnost
 
 /// Resumes a run; the exit code.
 pub fn resume(arguments: Arguments) -> u8 {
+    arguments.memory.apply();
     attempt(&arguments).unwrap_or_else(|error| {
         complain(&error.render(ink()));
         exit_code(error.class)

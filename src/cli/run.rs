@@ -3,18 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use clap::Args;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 
-use super::console::{Console, complain, ink};
+use super::console::{Console, complain, ink, with_loss};
 use super::live::{LiveObserver, LivePage};
 use super::log::{self, JsonLog, LogTarget};
 use super::process::{DOUBTFUL, exit_code};
 use super::script_arguments::{ScriptArguments, threads};
+use super::signals::interrupt;
 use crate::output::{LiveReport, checkpoint};
 use crate::script::{Checkpoints, Class, Diagnostic, Mode, Observer, Report, Session, Settings, home, processors};
 
@@ -83,19 +81,10 @@ fn port(text: &str) -> Result<u16, String> {
     text.parse().map_err(|_| "write `--watch` for any port that is free, or one from 1 to 65535 such as `--watch=8000`".into())
 }
 
-/// A flag that becomes true at the first interrupt; the second one ends the process.
-pub fn interrupt() -> std::io::Result<Arc<AtomicBool>> {
-    let interrupt = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        flag::register_conditional_shutdown(signal, i32::from(exit_code(Class::Interrupted)), interrupt.clone())?;
-        flag::register(signal, interrupt.clone())?;
-    }
-    Ok(interrupt)
-}
-
 /// Runs a script; the exit code.
 pub fn run(arguments: Arguments) -> u8 {
-    let ScriptArguments { script, overrides, allow_read, max_operations } = arguments.script;
+    let ScriptArguments { script, overrides, allow_read, max_operations, memory } = arguments.script;
+    memory.apply();
     let stem = script.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| "script".into());
     let out = arguments.out.unwrap_or_else(|| Path::new("out").join(stem));
     let interrupt = match interrupt() {
@@ -193,7 +182,7 @@ impl Watch {
 
     fn tell_end(&self, report: &Report, out: &Path) -> u8 {
         let fine = if report.is_doubtful { DOUBTFUL } else { 0 };
-        let code = report.error.as_ref().map_or(fine, |error| exit_code(error.class));
+        let code = with_loss(report.error.as_ref().map_or(fine, |error| exit_code(error.class)));
         self.log.iter().for_each(|log| log.end(report, code));
         let Some(error) = &report.error else {
             let checks = match report.checks {

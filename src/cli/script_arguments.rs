@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::memory::MemoryArguments;
 use crate::script::MAX_OPERATIONS;
 
 /// What every command that runs a script takes.
@@ -20,6 +21,8 @@ pub struct ScriptArguments {
     /// Operations after which a script counts as endless (time spent in the solver does not count)
     #[arg(long, value_name = "N", default_value_t = MAX_OPERATIONS)]
     pub max_operations: u64,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
 }
 
 /// Threads at most, or points and tests that are computed at a time.

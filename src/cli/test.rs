@@ -12,10 +12,13 @@ use clap::Args;
 
 use super::console::{Console, complain, ink};
 use super::junit::{Tested, junit};
+use super::memory::MemoryArguments;
 use super::process::{STACK, exit_code};
-use super::run::interrupt;
 use super::script_arguments::threads;
-use crate::script::{Class, Diagnostic, Ink, MAX_OPERATIONS, Settings, TestCase, TestOutcome, processors, script_files, tests_of};
+use super::signals::interrupt;
+use crate::script::{
+    Class, Diagnostic, Ink, MAX_OPERATIONS, Settings, TestCase, TestOutcome, processors, script_files, tests_of, worthwhile,
+};
 
 /// Arguments of `conserva test`.
 #[derive(Args)]
@@ -40,6 +43,8 @@ pub struct Arguments {
     /// Operations after which a test counts as endless
     #[arg(long, value_name = "N", default_value_t = MAX_OPERATIONS)]
     max_operations: u64,
+    #[command(flatten)]
+    memory: MemoryArguments,
 }
 
 /// The slowest tests that are named at the end.
@@ -57,8 +62,9 @@ pub fn test(arguments: Arguments) -> u8 {
             return exit_code(Class::Internal);
         }
     };
-    let Arguments { paths, filter, list, junit: report, threads, allow_read, max_operations } = arguments;
-    let threads = threads.map_or_else(processors, usize::from);
+    let Arguments { paths, filter, list, junit: report, threads, allow_read, max_operations, memory } = arguments;
+    memory.apply();
+    let threads = threads.map_or_else(processors, |count| worthwhile(usize::from(count)));
     // What is left beside the tests that run at a time.
     let workers = (processors() / threads).max(1);
     let settings = Settings { allow_read, max_operations, interrupt: interrupt.clone(), workers, ..Settings::default() };

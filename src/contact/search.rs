@@ -44,6 +44,15 @@ const BODY_REACH: f64 = 8.0;
 const EXCESSIVE: f64 = 1.5;
 
 impl Candidates {
+    /// Whether the pairs are those of the surfaces of another list.
+    pub(crate) fn is_sound_beside(&self, own: &Self) -> bool {
+        let counts = |list: &Self| [list.secondary_at_search.len(), list.primary_at_search.len()];
+        let ranks = |list: &Self| list.ranks.as_ref().map(|ranks| ranks.each_ref().map(Vec::len));
+        let [secondary, primary] = counts(self);
+        let exist = |&[a, b]: &[u32; 2]| (a as usize) < secondary && (b as usize) < primary;
+        counts(self) == counts(own) && ranks(self) == ranks(own) && self.pairs.iter().chain(&self.excluded).all(exist)
+    }
+
     /// An empty list that will be made with `spare` `[length]` beyond the margin that is needed.
     pub fn new(spare: f64) -> Self {
         Candidates {

@@ -39,6 +39,12 @@ impl EliminationOrder {
         self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()
     }
 
+    /// Whether it is an order of as many vertices as it has, whatever file it comes from.
+    pub fn is_sound(&self) -> bool {
+        let count = self.found.vertices.len();
+        self.found.is_sound() && self.kept.is_sound() && (self.kept.vertices() == 0 || self.kept.vertices() == count)
+    }
+
     /// The structure of the factors in this order, with these blocks of a pattern.
     pub(super) fn structure(&self, pattern: &Pattern, couplings: &Couplings) -> Symbolic {
         let restricted = pattern.restricted(couplings);

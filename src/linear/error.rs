@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::machine::memory::written;
+
 /// Why a linear system could not be solved.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -25,9 +27,11 @@ pub enum LinearError {
     #[error("the factorisation was interrupted")]
     Interrupted,
     /// There is not enough memory.
-    #[error("the factorisation of {unknowns} unknowns does not fit into memory")]
+    #[error("the factorisation of {unknowns} unknowns does not fit into memory: it takes at least {}", written(*needed))]
     OutOfMemory {
         /// Number of unknowns.
         unknowns: usize,
+        /// Bytes that it takes at least.
+        needed: u64,
     },
 }

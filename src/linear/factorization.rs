@@ -21,6 +21,7 @@ use super::pattern::Pattern;
 use super::scaling::{all_finite, largest, reciprocal, reciprocal_root};
 use super::symbolic::Symbolic;
 use super::watch::Watch;
+use crate::machine::memory;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
@@ -66,6 +67,8 @@ pub struct Factorization {
     /// Ranges of values that the structure leaves out: zeros, so far.
     left_out: Vec<Range<u32>>,
     multifrontal: Multifrontal,
+    /// Bytes that were asked for at most, for all that a factorisation takes.
+    reserved: u64,
     work: Work,
     workers: Workers,
     watch: Watch,
@@ -94,6 +97,7 @@ impl Factorization {
             symbolic: Symbolic::default(),
             left_out: Vec::new(),
             multifrontal: Multifrontal::default(),
+            reserved: 0,
             work: Work::default(),
             workers: Workers::default(),
             watch: Watch::default(),
@@ -125,7 +129,7 @@ impl Factorization {
     /// # Errors
     /// [`LinearError::OutOfMemory`].
     pub fn renew(&mut self, pattern: &Pattern) -> Result<(), LinearError> {
-        let out_of_memory = LinearError::OutOfMemory { unknowns: pattern.unknowns() };
+        let out_of_memory = LinearError::OutOfMemory { unknowns: pattern.unknowns(), needed: (size_of::<f64>() * pattern.values()) as u64 };
         if u32::try_from(pattern.values()).is_err() {
             return Err(out_of_memory);
         }
@@ -206,7 +210,19 @@ impl Factorization {
         self.work.structures += 1;
         self.fallback = None;
         self.left_out = self.pattern.left_out(&self.order.kept);
-        self.multifrontal.reserve(&self.symbolic, &self.workers).map_err(|_| LinearError::OutOfMemory { unknowns: self.pattern.unknowns() })
+        let needed = self.needed();
+        let out_of_memory = LinearError::OutOfMemory { unknowns: self.pattern.unknowns(), needed };
+        // What the last structure had is used again.
+        memory::ensure(needed.saturating_sub(self.reserved)).map_err(|_| out_of_memory)?;
+        self.reserved = self.reserved.max(needed);
+        self.multifrontal.reserve(&self.symbolic, &self.workers).map_err(|_| out_of_memory)
+    }
+
+    /// Bytes of the factors, and of the updates of all threads.
+    fn needed(&self) -> u64 {
+        let Symbolic { factors, stacks, handed, tasks, .. } = &self.symbolic;
+        let threads = if tasks.is_empty() { 1 } else { self.workers.count() };
+        (size_of::<f64>() * (factors + handed + threads * (stacks[0] + stacks[1]))) as u64
     }
 
     /// The order of elimination that is in use.

@@ -23,12 +23,17 @@ pub(super) struct PartialPivoting {
     scaled: Vec<f64>,
 }
 
+/// Bytes of the matrix alone; how many its factors have is known when they are there.
+fn bytes_of(rows: &[usize]) -> u64 {
+    (size_of::<f64>() * rows.len()) as u64
+}
+
 impl PartialPivoting {
     /// Orders the columns (COLAMD) and finds the structure of the factors.
     pub(super) fn new(pattern: &Pattern) -> Result<Self, LinearError> {
         let unknowns = pattern.unknowns();
-        let out_of_memory = LinearError::OutOfMemory { unknowns };
         let (starts, rows, places) = pattern.compressed_columns();
+        let out_of_memory = LinearError::OutOfMemory { unknowns, needed: bytes_of(&rows) };
         let structure = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
         let parameters = LuSymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..Default::default() };
         let symbolic = factorize_symbolic_lu(structure, parameters).map_err(|_| out_of_memory)?;
@@ -54,7 +59,7 @@ impl PartialPivoting {
         match self.symbolic.factorize_numeric_lu(&mut self.numeric, matrix, Par::Seq, stack, Spec::<PartialPivLuParams, f64>::default()) {
             Ok(_) => Ok(()),
             Err(faer::sparse::linalg::LuError::SymbolicSingular { .. }) => Err(LinearError::Singular { vertex: None }),
-            Err(_) => Err(LinearError::OutOfMemory { unknowns }),
+            Err(_) => Err(LinearError::OutOfMemory { unknowns, needed: bytes_of(&self.rows) }),
         }
     }
 

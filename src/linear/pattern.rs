@@ -348,6 +348,14 @@ impl Couplings {
         self.starts.len().saturating_sub(1)
     }
 
+    /// Whether the neighbors of every vertex are vertices.
+    pub(super) fn is_sound(&self) -> bool {
+        let vertices = self.vertices();
+        let ends =
+            self.starts.first().is_none_or(|&first| first == 0) && self.starts.last().is_none_or(|&last| last == self.neighbors.len());
+        ends && self.starts.is_sorted() && self.neighbors.iter().all(|&neighbor| (neighbor as usize) < vertices)
+    }
+
     /// Number of couplings, each counted from both sides.
     pub(super) fn count(&self) -> usize {
         self.neighbors.len()

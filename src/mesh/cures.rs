@@ -24,6 +24,7 @@ impl MeshError {
             }
             TooFewCells { least, .. } => format!("ask for {least} or more"),
             TooManyCells { .. } => "use a coarser mesh".into(),
+            Memory { .. } => "use a coarser mesh, or allow the program more memory".into(),
             NoConversion { .. } => {
                 "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become tet4; make the mesh of those"
                     .into()

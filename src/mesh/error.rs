@@ -5,6 +5,7 @@
 use thiserror::Error;
 
 use super::file_error::{FileError, FileProblem, Place};
+use crate::machine::memory::Shortage;
 
 /// A mesh that cannot be made, changed, found or read.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -93,6 +94,14 @@ pub enum MeshError {
         cells: usize,
         /// The limit.
         limit: usize,
+    },
+    /// More cells than fit into memory.
+    #[error("the mesh would have {cells} cells: {shortage}")]
+    Memory {
+        /// Number of cells asked for.
+        cells: usize,
+        /// The bytes that they take, and those that there are.
+        shortage: Shortage,
     },
     /// Cells that cannot be made of a mesh's cells.
     #[error("cells of the kind {to} cannot be made of cells of the kind {from}")]

@@ -9,7 +9,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::division::{halves, mean};
-use super::{Boundary, CELL_LIMIT, Facet, Mesh, MeshError, SelectionError};
+use super::grid::{UNSTRUCTURED, room_for};
+use super::{Boundary, Facet, Mesh, MeshError, SelectionError};
 use crate::elements::{CellKind, CellShape};
 
 /// A place on a reference cell.
@@ -119,9 +120,7 @@ impl Refinement<'_> {
                 self.close(piece, &mut next);
             }
             pieces = next;
-            if pieces.len() > CELL_LIMIT {
-                return Err(MeshError::TooManyCells { cells: pieces.len(), limit: CELL_LIMIT });
-            }
+            room_for(pieces.len(), UNSTRUCTURED)?;
             // an edge cut by one of its cells is the other one's to follow
             if self.cut.len() == edges {
                 return Ok(pieces);
@@ -182,9 +181,7 @@ impl Mesh {
         }
         // before memory is taken
         let cells = self.cell_count() + 3 * is_chosen.iter().filter(|chosen| **chosen).count();
-        if cells > CELL_LIMIT {
-            return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });
-        }
+        room_for(cells, UNSTRUCTURED)?;
         let mut middles = HashMap::new();
         if self.kind.is_quadratic() {
             for nodes in self.cells() {

@@ -4,8 +4,9 @@
 //! the others are added.
 
 use super::filling::{Filled, PlacedEdges};
+use super::grid::{UNSTRUCTURED, room_for};
 use super::triangulation::Rim;
-use super::{CELL_LIMIT, Facet, MeshError};
+use super::{Facet, MeshError};
 use crate::elements::CellKind;
 
 type Point = [f64; 2];
@@ -121,9 +122,7 @@ impl Layered {
     pub fn complete(&self, filled: &mut Filled) -> Result<Vec<(usize, Vec<Facet>)>, MeshError> {
         let per_stack = |strip: &Strip| strip.columns[0].len() - 1;
         let cells: usize = self.strips.iter().map(|strip| 2 * per_stack(strip) * strip.columns.len()).sum();
-        if cells > CELL_LIMIT {
-            return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });
-        }
+        room_for(cells, UNSTRUCTURED)?;
         let stacks: Vec<Stacks> = self.strips.iter().map(|strip| Stacks::added(strip, &self.rest, filled)).collect();
         let facets = |source: Source| match source {
             Source::Piece(piece) => filled.along.get(&piece).cloned().unwrap_or_default(),

@@ -10,6 +10,7 @@ use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, PositionInTria
 
 use super::cell_size::CellSize;
 use super::curves::Curve;
+use super::grid::{UNSTRUCTURED, room_for};
 use super::plane::cross;
 use super::{CELL_LIMIT, MeshError};
 
@@ -176,9 +177,7 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
         CellSize::Even(even) => {
             // estimated before memory is taken
             let cells = rim.area() / (*even * *even);
-            if cells.is_nan() || cells > CELL_LIMIT as f64 {
-                return Err(MeshError::TooManyCells { cells: cells as usize, limit: CELL_LIMIT }.into());
-            }
+            counted(cells)?;
             let edge = factor * *even;
             parameters = parameters.with_max_allowed_area(LARGE * edge * edge);
         }
@@ -190,6 +189,12 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
     let inside = triangulation.inner_faces().filter(|face| !outside.contains(&face.fix()));
     let triangles: Vec<[usize; 3]> = inside.map(|face| face.vertices().map(|vertex| vertex.fix().index())).collect();
     if triangles.is_empty() { Err(MeshError::NoTriangulation.into()) } else { Ok(Triangles { vertices, triangles }) }
+}
+
+/// Refuses an estimated number of cells that there is no room for.
+fn counted(cells: f64) -> Result<(), MeshError> {
+    // What is no number is as good as endless.
+    room_for(if cells.is_nan() { usize::MAX } else { cells as usize }, UNSTRUCTURED)
 }
 
 /// The rim alone, its pieces kept.
@@ -246,9 +251,7 @@ fn fill<E: From<MeshError>>(triangulation: &mut Constrained, size: &mut CellSize
                 wanted.push((excess, [at.x, at.y], [center.x, center.y]));
             }
         }
-        if cells.is_nan() || cells > CELL_LIMIT as f64 {
-            return Err(MeshError::TooManyCells { cells: cells as usize, limit: CELL_LIMIT }.into());
-        }
+        counted(cells)?;
         wanted.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut is_finer = false;
         for (_, circle, center) in wanted {

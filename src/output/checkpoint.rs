@@ -15,10 +15,10 @@ use thiserror::Error;
 
 use super::counted::{ASIDE, CountedFile, FOLDER, KEPT, Standing};
 use super::files::{OutputError, RunFiles};
-use super::inputs::read_file;
 use super::journal::{self, Mark};
 use super::recording::Recording;
 use crate::dynamics::{State, Tally};
+use crate::machine::files::read;
 use crate::math::simd::instructions;
 
 /// First bytes of a checkpoint.
@@ -57,11 +57,11 @@ impl Origin {
     /// What a run with the same arguments would depend on now.
     pub fn now(then: &Origin) -> Origin {
         let source = |(name, _): &(String, String)| {
-            let text = read_file(Path::new(name)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+            let text = read(Path::new(name)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
             (name.clone(), text.unwrap_or_default())
         };
         let file = |(path, ..): &(PathBuf, u64, u32)| {
-            let (length, checksum) = read_file(path).map_or((0, 0), |content| Origin::digest(&content));
+            let (length, checksum) = read(path).map_or((0, 0), |content| Origin::digest(&content));
             (path.clone(), length, checksum)
         };
         Origin {
@@ -232,7 +232,7 @@ impl Checkpoint {
     /// # Errors
     /// What is wrong with it.
     pub fn read(path: &Path) -> Result<Self, CheckpointError> {
-        let bytes = read_file(path).map_err(|error| CheckpointError::Read(super::files::reason(&error)))?;
+        let bytes = read(path).map_err(|error| CheckpointError::Read(super::files::reason(&error)))?;
         Checkpoint::from_bytes(&bytes)
     }
 

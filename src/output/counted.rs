@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::inputs::refuse_others;
+use crate::machine::files;
 
 /// Checkpoints that are kept, and whose files can be had back.
 pub const KEPT: usize = 2;
@@ -105,8 +105,7 @@ impl CountedFile {
 /// # Errors
 /// The operating system refused.
 pub fn checksum(path: &Path, length: u64) -> io::Result<(u32, u64)> {
-    refuse_others(path)?;
-    let (mut file, mut sum, mut piece, mut found) = (File::open(path)?.take(length), crc32fast::Hasher::new(), vec![0; PIECE], 0);
+    let (mut file, mut sum, mut piece, mut found) = (files::open(path)?.0.take(length), crc32fast::Hasher::new(), vec![0; PIECE], 0);
     loop {
         match file.read(&mut piece)? {
             0 => return Ok((sum.finalize(), found)),

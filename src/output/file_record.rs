@@ -9,7 +9,8 @@ use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::inputs::{Inputs, read_file};
+use super::inputs::Inputs;
+use crate::machine::files;
 
 /// Name of the record.
 pub const NAME: &str = ".files";
@@ -70,7 +71,7 @@ impl FileRecord {
 
 /// The paths that the record in a folder names.
 fn read(root: &Path) -> BTreeSet<String> {
-    let bytes = read_file(&root.join(NAME)).unwrap_or_default();
+    let bytes = files::read(&root.join(NAME)).unwrap_or_default();
     String::from_utf8(bytes).unwrap_or_default().lines().map(String::from).collect()
 }
 

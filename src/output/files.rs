@@ -16,7 +16,8 @@ use thiserror::Error;
 
 use super::counted::{Counted, CountedFile};
 use super::file_record::{self, FileRecord};
-use super::inputs::{Inputs, read_file};
+use super::inputs::Inputs;
+use crate::machine::files::read;
 
 /// A result that could not be written.
 #[derive(Debug, Error)]
@@ -360,7 +361,7 @@ impl RunFiles {
         let path = self.place(name)?;
         let found = fs::symlink_metadata(&path).map_err(OutputError::write(&path))?;
         if !found.is_file() || has_further_names(&found) {
-            let content = read_file(&path).map_err(OutputError::write(&path))?;
+            let content = read(&path).map_err(OutputError::write(&path))?;
             return self.filled(name, |file| file.write_all(&content));
         }
         let file = File::options().append(true).open(&path).map_err(OutputError::write(&path))?;

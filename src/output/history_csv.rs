@@ -9,18 +9,11 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
+use super::csv_text::line;
 use super::files::{OutputError, RunFiles, Stream};
-use super::inputs::read_file;
 use super::table::is_count;
 use crate::dynamics::LedgerRow;
-
-/// One line with its end, fields quoted where needed.
-fn line(fields: &[String]) -> Vec<u8> {
-    let mut writer = csv::WriterBuilder::new().buffer_capacity(1024).from_writer(Vec::new());
-    // Neither call can fail: memory takes everything, and a record of its own has no length to agree with.
-    let _ = writer.write_record(fields);
-    writer.into_inner().unwrap_or_default()
-}
+use crate::machine::files::read;
 
 /// The header for a space dimension with further columns at its end.
 fn header(dimension: usize, extra: &[String]) -> Vec<u8> {
@@ -151,7 +144,7 @@ impl HistoryCsv {
             return Ok(());
         };
         let path = stream.path().to_path_buf();
-        let old = read_file(&path).map_err(|source| OutputError::Write { path, source })?;
+        let old = read(&path).map_err(|source| OutputError::Write { path, source })?;
         let mut text = header(self.dimension, &extra);
         let mut ends = vec![text.len() as u64];
         for bounds in self.ends.windows(2) {

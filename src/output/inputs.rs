@@ -1,7 +1,6 @@
-//! Files that are read: never anything but files, and no result of a run takes the place of what it reads.
+//! Files that are read: no result of a run takes the place of what it reads.
 
 use std::collections::BTreeSet;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,20 +21,4 @@ impl Inputs {
     pub fn contains(&self, path: &Path) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).contains(path)
     }
-}
-
-/// The content of a regular file. Anything else, such as a pipe, is refused without waiting for it.
-///
-/// # Errors
-/// The operating system refused, or it is no file.
-pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    refuse_others(path).and_then(|()| std::fs::read(path))
-}
-
-/// Refuses what is no regular file, such as a pipe, for which a program would wait.
-///
-/// # Errors
-/// The operating system refused, or it is no file.
-pub fn refuse_others(path: &Path) -> io::Result<()> {
-    if std::fs::metadata(path)?.is_file() { Ok(()) } else { Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")) }
 }

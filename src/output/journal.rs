@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 
 use super::counted::{FOLDER, checksum};
 use super::files::{OutputError, RunFiles, Stream};
-use super::inputs::refuse_others;
 use crate::dynamics::{LedgerRow, SettleReport, State, Tally};
+use crate::machine::files;
 
 /// Name of the file in the folder of the checkpoints.
 pub const NAME: &str = "journal";
@@ -193,8 +193,7 @@ impl JournalReader {
     /// The operating system refused, or it is no journal.
     pub fn open(run: &Path, mark: &Mark) -> io::Result<Self> {
         let path = run.join(FOLDER).join(NAME);
-        refuse_others(&path)?;
-        let file = BufReader::with_capacity(PIECE, File::open(path)?.take(mark.length));
+        let file = BufReader::with_capacity(PIECE, files::open(&path)?.0.take(mark.length));
         let mut reader = JournalReader { file, next: None };
         reader.advance()?;
         Ok(reader)

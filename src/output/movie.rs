@@ -92,10 +92,10 @@ impl Part {
 }
 
 /// A movie of `count` drawings of one size, which lasts so many seconds and repeats; `None` where there is no memory for a
-/// picture, or where one has another size.
-pub fn movie(count: usize, draw: &dyn Fn(usize) -> Drawing, seconds: f64, format: MovieFormat) -> Option<Vec<u8>> {
+/// picture, where one has another size, and where `draw` gives none.
+pub fn movie(count: usize, draw: &dyn Fn(usize) -> Option<Drawing>, seconds: f64, format: MovieFormat) -> Option<Vec<u8>> {
     let pixels = |index: usize| -> Option<(u32, u32, Vec<[u8; 3]>)> {
-        let picture = painted(&draw(index), 1.0)?;
+        let picture = painted(&draw(index)?, 1.0)?;
         let colors = picture.data().chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         Some((picture.width(), picture.height(), colors))
     };
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn an_animated_png_plays_what_was_drawn() {
-        let bytes = movie(4, &square, 2.0, MovieFormat::Png).unwrap();
+        let bytes = movie(4, &|index| Some(square(index)), 2.0, MovieFormat::Png).unwrap();
         let played = played(&bytes);
         assert_eq!(played.len(), 4);
         for (index, picture) in played.iter().enumerate() {
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_gif_has_all_pictures_with_their_times() {
-        let bytes = movie(4, &square, 2.0, MovieFormat::Gif).unwrap();
+        let bytes = movie(4, &|index| Some(square(index)), 2.0, MovieFormat::Gif).unwrap();
         let mut options = ::gif::DecodeOptions::new();
         options.set_color_output(::gif::ColorOutput::Indexed);
         let mut decoder = options.read_info(&*bytes).unwrap();
@@ -234,8 +234,8 @@ mod tests {
     #[test]
     fn one_picture_and_pictures_that_stay_are_movies_too() {
         for format in [MovieFormat::Png, MovieFormat::Gif] {
-            assert!(movie(1, &square, 1.0, format).is_some());
-            assert!(movie(3, &|_| square(0), 1.0, format).is_some());
+            assert!(movie(1, &|index| Some(square(index)), 1.0, format).is_some());
+            assert!(movie(3, &|_| Some(square(0)), 1.0, format).is_some());
         }
     }
 }

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::files::{OutputError, RunFiles};
+use super::markup::escaped;
 use super::vtu::Frame;
 
 /// The text of the list: times and paths of the frames, relative to the list.
@@ -14,7 +15,7 @@ pub fn pvd<'a>(frames: impl IntoIterator<Item = (f64, &'a str)>) -> String {
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n",
     );
     for (time, path) in frames {
-        let path = path.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+        let path = escaped(path);
         let _ = writeln!(text, "    <DataSet timestep=\"{time:?}\" part=\"0\" file=\"{path}\"/>");
     }
     text + "  </Collection>\n</VTKFile>\n"

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use super::csv_text::{line, meant};
 use super::files::{OutputError, RunFiles, Stream};
 use super::reading::error::{ReadError, bytes_of};
 use super::table::{Column, Table};
@@ -65,7 +66,7 @@ impl RowsCsv {
 }
 
 /// The text of a table of texts.
-pub fn rows_csv<S: AsRef<[u8]>>(header: &[S], rows: &[Vec<S>]) -> Vec<u8> {
+pub fn rows_csv<S: AsRef<str>>(header: &[S], rows: &[Vec<S>]) -> Vec<u8> {
     std::iter::once(line(header)).chain(rows.iter().map(|row| line(row))).flatten().collect()
 }
 
@@ -80,23 +81,16 @@ pub fn read_rows(path: &Path) -> Result<(Table, Vec<String>), ReadError> {
         let line = error.position().map(|position| format!("line {} ", position.line())).unwrap_or_default();
         ReadError::damaged(path, format!("{line}is no row of it"))
     };
-    let mut names: Vec<String> = reader.headers().map_err(damaged)?.iter().map(String::from).collect();
+    let mut names: Vec<String> = reader.headers().map_err(damaged)?.iter().map(|name| meant(name).into()).collect();
     names.pop();
     let (mut columns, mut last) = (vec![Vec::new(); names.len()], Vec::new());
     for record in reader.records() {
         let record = record.map_err(damaged)?;
         columns.iter_mut().zip(&record).for_each(|(column, field)| column.push(field.parse::<f64>().ok()));
-        last.push(record.get(names.len()).unwrap_or_default().to_string());
+        last.push(meant(record.get(names.len()).unwrap_or_default()).to_string());
     }
     let column = |(name, values)| Column { name, values, is_count: false };
     Ok((Table { columns: names.into_iter().zip(columns).map(column).collect() }, last))
-}
-
-fn line<S: AsRef<[u8]>>(fields: &[S]) -> Vec<u8> {
-    let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
-    // Memory takes everything, and there is one record.
-    let _ = writer.write_record(fields);
-    writer.into_inner().unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::files::{OutputError, are_same};
-use super::inputs::read_file;
+use crate::machine::files::read;
 
 /// Name of the file.
 const NAME: &str = ".lock";
@@ -133,7 +133,7 @@ fn is_at(file: &File, path: &Path) -> bool {
 
 /// Who has the lock, as far as it says.
 fn process(folder: &Path) -> String {
-    let text = read_file(&folder.join(NAME)).ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default();
+    let text = read(&folder.join(NAME)).ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default();
     text.lines()
         .next()
         .filter(|line| line.strip_prefix("process ").is_some_and(|number| number.parse::<u32>().is_ok()))

@@ -7,6 +7,8 @@
 
 use std::fmt::Write as _;
 
+use super::csv_text::line;
+
 /// Whether a column of a history holds counts, which are written without a fraction.
 pub fn is_count(column: &str) -> bool {
     ["step", "newton_iterations", "halvings", "active", "factorizations"].contains(&column)
@@ -61,25 +63,22 @@ impl Table {
 
     /// The text of a CSV file (RFC 4180 with line feeds): a header and the rows.
     pub fn to_csv(&self) -> Vec<u8> {
-        let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
-        // Neither call can fail: memory takes everything, and there is no other record.
-        let _ = writer.write_record(self.columns.iter().map(|column| &column.name));
-        let mut text = writer.into_inner().unwrap_or_default();
-        let mut line = String::new();
+        let mut text = line(&self.columns.iter().map(|column| &column.name).collect::<Vec<_>>());
+        let mut row_text = String::new();
         for row in 0..self.rows() {
-            line.clear();
+            row_text.clear();
             for (index, column) in self.columns.iter().enumerate() {
                 let comma = if index > 0 { "," } else { "" };
                 let _ = match column.values[row] {
-                    Some(value) if column.is_count => write!(line, "{comma}{value}"),
-                    Some(value) => write!(line, "{comma}{value:?}"),
+                    Some(value) if column.is_count => write!(row_text, "{comma}{value}"),
+                    Some(value) => write!(row_text, "{comma}{value:?}"),
                     // The only field of a line must be there to be seen.
-                    None if self.columns.len() == 1 => write!(line, "\"\""),
-                    None => write!(line, "{comma}"),
+                    None if self.columns.len() == 1 => write!(row_text, "\"\""),
+                    None => write!(row_text, "{comma}"),
                 };
             }
-            line.push('\n');
-            text.extend_from_slice(line.as_bytes());
+            row_text.push('\n');
+            text.extend_from_slice(row_text.as_bytes());
         }
         text
     }

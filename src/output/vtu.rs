@@ -19,6 +19,7 @@ use std::sync::{Arc, OnceLock};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
+use super::markup::comment;
 use super::obstacles::{Surroundings, Wall};
 use crate::dynamics::{BodyFields, ContactFields, ContactSurface, PlacedObstacle};
 use crate::elements::CellKind;
@@ -258,8 +259,7 @@ impl Frame {
             let _ = writeln!(text, "      </{tag_name}>");
         };
         for (index, name) in self.grid.names.iter().enumerate() {
-            // Two hyphens would end the comment.
-            let _ = writeln!(text, "  <!-- {} {index}: {} -->", self.grid.kind, name.replace("--", "\u{2013}").replace(['\n', '\r'], " "));
+            let _ = writeln!(text, "  <!-- {} {index}: {} -->", self.grid.kind, comment(name));
         }
         let _ = writeln!(text, "  <UnstructuredGrid>");
         let _ = writeln!(text, "    <FieldData>");

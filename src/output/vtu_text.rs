@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use super::markup::comment;
 use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
 
 /// Numbers on a line where an array has one for each place.
@@ -15,7 +16,7 @@ pub fn vtu_text(frame: &FieldsRead) -> String {
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",
     );
     for (index, name) in frame.parts.iter().enumerate() {
-        let _ = writeln!(text, "  <!-- {} {index}: {name} -->", frame.kind);
+        let _ = writeln!(text, "  <!-- {} {index}: {} -->", frame.kind, comment(name));
     }
     text.push_str("  <UnstructuredGrid>\n");
     if let Some(time) = frame.time {

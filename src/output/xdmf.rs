@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 
 use hdf5_pure::FileBuilder;
 
+use super::markup::escaped;
 use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
 
 /// A kind of cells: VTK's number, XDMF's number and name, nodes.
@@ -96,7 +97,7 @@ fn dataset_of(array: &ArrayRead) -> String {
 /// Cells that have no name in XDMF.
 pub fn grid(frame: &FieldsRead, time: f64, file: &str) -> Result<String, String> {
     let Topology { name, numbers, width } = topology(frame)?;
-    let file = file.replace('&', "&amp;").replace('<', "&lt;");
+    let file = escaped(file);
     let item = |kind: &str, shape: &[u64], dataset: &str| {
         let shape: Vec<String> = shape.iter().map(u64::to_string).collect();
         let shape = shape.join(" ");

@@ -17,7 +17,7 @@ pub use language::limits::{MAX_ARRAY, MAX_CALL_LEVELS, MAX_MAP, MAX_OPERATIONS, 
 pub use language::observer::{ContactChange, Event, Observer, Progress, Silent};
 pub use language::parameter::{Absent, Kind, Parameter};
 pub use language::registry::Registry;
-pub use language::settings::{Checkpoints, Mode, Settings, processors};
+pub use language::settings::{Checkpoints, Mode, Settings, processors, worthwhile};
 pub use language::sources::Place;
 pub use session::completion::Candidate;
 pub use session::interactive::{Answer, Interactive, Style, Variable, indentation};

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use super::samples::Sampling;
 use super::values::{Values, Varied, refusal};
+use crate::machine::files;
+use crate::output::csv_text;
 use crate::script::Diagnostic;
 
 /// How listed values of several parameters are combined.
@@ -38,8 +40,10 @@ impl Rows {
             let error = refusal(format!("the points in {} cannot be read", path.display())).cause(cause);
             Box::new(error.hint("a file of points is CSV: a first line with names of parameters, and a line with values for each point"))
         };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|error| refused(error.to_string()))?;
-        let names: Vec<String> = reader.headers().map_err(|error| refused(error.to_string()))?.iter().map(String::from).collect();
+        let bytes = files::read(path).map_err(|error| refused(error.to_string()))?;
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&bytes[..]);
+        let names: Vec<String> =
+            reader.headers().map_err(|error| refused(error.to_string()))?.iter().map(|name| csv_text(name).into()).collect();
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| refused(error.to_string()))?;
@@ -47,7 +51,7 @@ impl Rows {
             if record.iter().any(str::is_empty) {
                 return Err(refused(format!("line {line}: a value is missing")));
             }
-            rows.push(record.iter().map(String::from).collect());
+            rows.push(record.iter().map(|value| csv_text(value).into()).collect());
         }
         match (names.iter().any(String::is_empty), rows.is_empty()) {
             (true, _) => Err(refused("line 1: a name is missing".into())),

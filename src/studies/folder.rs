@@ -20,6 +20,7 @@ use std::time::Duration;
 use super::plan::{FORMAT, Plan, Point};
 use super::record::{Record, RecordOutcome};
 use super::values::refusal;
+use crate::machine::files;
 use crate::output::{OutputError, RunFiles};
 use crate::script::{Class, Diagnostic};
 
@@ -135,14 +136,22 @@ impl StudyFolder {
             let error = refusal(format!("{} cannot be read", path.display())).cause(reason);
             Box::new(error.hint("plan the study again with the same command; points that are computed stay"))
         };
-        let text = std::fs::read(&path).map_err(|error| damaged(error.to_string()))?;
+        let text = files::read(&path).map_err(|error| damaged(error.to_string()))?;
         let value: serde_json::Value = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
         match value.get("format").and_then(serde_json::Value::as_u64) {
             Some(format) if format > u64::from(FORMAT) => {
                 let error = refusal(format!("{} is of a later version of the program", path.display()));
                 Err(Box::new(error.cause(format!("format {format}, not {FORMAT}")).hint("go on with the program that planned the study")))
             }
-            _ => serde_json::from_value(value).map_err(|error| damaged(error.to_string())),
+            _ => {
+                let plan: Plan = serde_json::from_value(value).map_err(|error| damaged(error.to_string()))?;
+                match plan.points.iter().find(|point| point.values.len() != plan.names.len()) {
+                    None => Ok(plan),
+                    Some(Point { id, values }) => {
+                        Err(damaged(format!("the point {id} has {} values for {} parameters", values.len(), plan.names.len())))
+                    }
+                }
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use super::draw::StudyPicture;
 use super::folder::{PointState, StudyFolder};
 use super::plan::Plan;
 use super::table::StudyColumn;
-use crate::output::svg;
+use crate::output::{escaped, svg};
 
 /// Rows of the table that the page shows; `table.csv` has all.
 const ROWS: usize = 2000;
@@ -103,11 +103,6 @@ fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
         text += &format!("<tr>{cells}</tr>\n");
     }
     text + "</tbody></table></div>\n"
-}
-
-/// A text as HTML has it.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// A part of an address.

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::design::Rows;
 use super::identifier::{digest, identifier};
 use super::values::refusal;
+use crate::machine::files;
+use crate::output::csv_field;
 use crate::script::Diagnostic;
 
 /// Version of the file.
@@ -35,7 +37,7 @@ impl Scenario {
     /// # Errors
     /// It cannot be read.
     pub fn digest_now(folder: &Path, script: &Path) -> Result<String, Box<Diagnostic>> {
-        match std::fs::read(folder.join(script)) {
+        match files::read(&folder.join(script)) {
             Ok(text) => Ok(digest([&text[..]])),
             Err(error) => {
                 let refused = refusal(format!("the script {} cannot be read", script.display())).cause(error.to_string());
@@ -52,6 +54,9 @@ pub struct Limits {
     pub seconds: Option<f64>,
     /// Threads of the element loop.
     pub threads: u16,
+    /// Memory that the process of a point may take `[bytes]`.
+    #[serde(default)]
+    pub memory: Option<u64>,
 }
 
 /// A point.
@@ -115,19 +120,13 @@ impl Plan {
     /// `points.csv`: the number, the name and the parameters of each.
     pub fn to_csv(&self) -> Vec<u8> {
         let head = ["index", "id"].into_iter().chain(self.names.iter().map(String::as_str));
-        let mut lines = vec![head.map(field).collect::<Vec<_>>().join(",")];
+        let mut lines = vec![head.map(csv_field).collect::<Vec<_>>().join(",")];
         for (index, point) in self.points.iter().enumerate() {
-            let fields = [index.to_string(), field(&point.id)].into_iter().chain(point.values.iter().map(|value| field(value)));
+            let fields = [index.to_string(), csv_field(&point.id)].into_iter().chain(point.values.iter().map(|value| csv_field(value)));
             lines.push(fields.collect::<Vec<_>>().join(","));
         }
         (lines.join("\n") + "\n").into_bytes()
     }
-}
-
-/// A field of a CSV file (RFC 4180).
-pub(super) fn field(text: &str) -> String {
-    let needs_quotes = text.contains([',', '"', '\n', '\r']) || text.trim() != text;
-    if needs_quotes { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
 }
 
 /// A word as a shell takes it.

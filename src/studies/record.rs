@@ -5,6 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::machine::files;
+
 /// How a point ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RecordOutcome {
@@ -99,7 +101,7 @@ impl Record {
 
     /// Reads the record of a point; none where there is none, or what a power failure has left of one.
     pub fn read(path: &Path, id: &str) -> Option<Record> {
-        let record: Record = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+        let record: Record = serde_json::from_slice(&files::read(path).ok()?).ok()?;
         Some(record).filter(|record| record.id == id && record.balance.len() == BALANCE.len())
     }
 

@@ -57,6 +57,9 @@ fn array_size() -> Result<usize, Box<Diagnostic>> {
 /// # Errors
 /// Slurm refuses, or is not there; files that cannot be written.
 pub fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> Result<Vec<String>, Box<Diagnostic>> {
+    for path in [study.path(), &job.program] {
+        refuse_control_characters(path)?;
+    }
     let size = array_size()?;
     let tasks: Vec<&[usize]> = points.chunks(job.per_task.max(1)).collect();
     let mut jobs = Vec::new();
@@ -65,7 +68,9 @@ pub fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> 
         let lines: Vec<String> = tasks.iter().map(|points| ranges(points)).collect();
         let list = study.write(&format!("slurm/tasks-{number}.txt"), (lines.join("\n") + "\n").as_bytes())?;
         let script = study.write(&format!("slurm/job-{number}.sh"), batch(study, plan, job, tasks.len(), &list).as_bytes())?;
-        let answer = ask(Command::new("sbatch").arg("--parsable").args(&job.options).arg(&script))?;
+        let mut command = Command::new("sbatch");
+        command.arg("--parsable").arg(format!("--output={}/slurm/%A_%a.txt", study.path().to_string_lossy().replace('%', "%%")));
+        let answer = ask(command.args(&job.options).arg(&script))?;
         // `--parsable` gives the number, and the cluster's name behind a semicolon where there are several.
         let id = answer.trim().split(';').next().unwrap_or_default().to_string();
         if id.is_empty() || !id.bytes().all(|byte| byte.is_ascii_digit()) {
@@ -78,25 +83,33 @@ pub fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> 
     Ok(jobs)
 }
 
+/// Refuses a path that Slurm and the shell of its nodes would take for more than one line.
+fn refuse_control_characters(path: &Path) -> Result<(), Box<Diagnostic>> {
+    // Behind a backslash, Slurm leaves `%A` as it stands.
+    if !path.to_string_lossy().contains(|sign: char| sign.is_control() || sign == '\\') {
+        return Ok(());
+    }
+    let error =
+        refusal(format!("Slurm cannot be given the path {path:?}")).cause("it has a backslash, a line break or another control character");
+    Err(Box::new(error.hint("give the folder another name, or choose another one with `--out`")))
+}
+
 /// The batch script of an array.
 fn batch(study: &StudyFolder, plan: &Plan, job: &Job, tasks: usize, list: &Path) -> String {
     let throttle = job.at_once.map(|count| format!("%{count}")).unwrap_or_default();
-    let folder = study.path().display();
     let name = plan.scenario.script.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name: String = name.chars().map(|sign| if sign.is_ascii_alphanumeric() { sign } else { '-' }).collect();
     let words = |path: &Path| quoted(&path.to_string_lossy());
     format!(
         "#!/bin/sh\n\
-         # Computes points of the study in {folder}; a line of {list} for each task.\n\
+         # Computes points of a study; each task has a line of the list.\n\
          #SBATCH --job-name=conserva-{name}\n\
          #SBATCH --array=0-{last}{throttle}\n\
          #SBATCH --cpus-per-task={threads}\n\
          #SBATCH --requeue\n\
          #SBATCH --open-mode=append\n\
-         #SBATCH --output=\"{folder}/slurm/%A_%a.txt\"\n\
          points=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" {list_word})\n\
          exec {program} sweep point {folder_word} --index \"$points\"\n",
-        list = list.display(),
         last = tasks - 1,
         threads = plan.limits.threads.max(1),
         list_word = words(list),
@@ -151,6 +164,25 @@ pub fn tasks_left(jobs: &[String]) -> Result<usize, Box<Diagnostic>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn whatever_a_folder_is_called_it_is_one_word_of_the_batch_script() {
+        let root = std::env::temp_dir().join(format!("conserva-slurm-{}", std::process::id()));
+        for name in ["plain", "it's \"two\" words", "50%A \\ $(touch hit)", "#SBATCH --wrap=x"] {
+            let study = StudyFolder::create(&root.join(name)).unwrap();
+            let job = Job { per_task: 1, program: study.path().join("conserva"), ..Job::default() };
+            let script = batch(&study, &Plan::default(), &job, 3, &study.path().join("slurm/tasks-0.txt"));
+            let lines: Vec<&str> = script.lines().collect();
+            let (directives, commands) = lines.split_at(lines.len() - 2);
+            assert!(directives.iter().all(|line| line.starts_with('#') && !line.contains(name)), "{script}");
+            let word = quoted(&study.path().join("slurm/tasks-0.txt").to_string_lossy());
+            assert!(commands[0].starts_with("points=$(sed -n ") && commands[0].ends_with(&format!(" {word})")), "{script}");
+            assert!(commands[1].starts_with("exec ") && commands[1].ends_with(" --index \"$points\""), "{script}");
+        }
+        let error = refuse_control_characters(Path::new("out/a\ntouch hit\n")).unwrap_err();
+        assert!(error.title.contains("\"out/a\\ntouch hit\\n\""), "{}", error.title);
+        std::fs::remove_dir_all(root).unwrap();
+    }
 
     #[test]
     fn numbers_in_a_row_are_written_as_ranges() {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::values::{Values, Varied, refusal};
+use crate::machine::files;
 use crate::script::Diagnostic;
 
 /// What the file says; each key but the script has its option of the command.
@@ -38,7 +39,7 @@ pub struct StudyFile {
 /// A file that cannot be read, does not parse, or has keys that mean nothing.
 pub fn read_study_file(path: &Path) -> Result<StudyFile, Box<Diagnostic>> {
     let refused = |cause: String| Box::new(refusal(format!("the study file {} cannot be read", path.display())).cause(cause).hint(EXAMPLE));
-    let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
+    let text = files::read_text(path).map_err(|error| refused(error.to_string()))?;
     let mut file: StudyFile = toml::from_str(&text).map_err(|error| {
         let line = error.span().map(|span| format!("line {}: ", text[..span.start.min(text.len())].matches('\n').count() + 1));
         refused(format!("{}{}", line.unwrap_or_default(), error.message()))

@@ -3,9 +3,9 @@
 use serde_json::Value;
 
 use super::folder::{PointState, StudyFolder};
-use super::plan::{Plan, field};
+use super::plan::Plan;
 use super::record::{BALANCE, Record};
-use crate::output::{Column, TableField, TextColumn, parquet_of};
+use crate::output::{Column, TableField, TextColumn, csv_field, parquet_of};
 
 /// A column.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl StudyColumn {
                 Some(value) => format!("{value:?}"),
                 None => String::new(),
             },
-            StudyColumn::Texts(column) => column.values[row].as_deref().map_or_else(String::new, field),
+            StudyColumn::Texts(column) => column.values[row].as_deref().map_or_else(String::new, csv_field),
         }
     }
 
@@ -135,7 +135,7 @@ impl StudyTable {
 
     /// `table.csv`.
     pub fn to_csv(&self) -> Vec<u8> {
-        let mut text = self.columns.iter().map(|column| field(column.name())).collect::<Vec<_>>().join(",") + "\n";
+        let mut text = self.columns.iter().map(|column| csv_field(column.name())).collect::<Vec<_>>().join(",") + "\n";
         for row in 0..self.rows() {
             let cells: Vec<String> = self.columns.iter().map(|column| column.cell(row)).collect();
             text += &(cells.join(",") + "\n");

@@ -16,7 +16,7 @@ use source::{Source, repository, sources};
 
 /// Modules by floor, the lowest first.
 const FLOORS: &[&[&str]] = &[
-    &["math"],
+    &["machine", "math"],
     &["elements", "linear", "materials"],
     &["mesh"],
     &["integrators"],

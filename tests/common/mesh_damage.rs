@@ -127,6 +127,7 @@ fn replace_word(content: &mut Vec<u8>, place: usize, random: &mut SplitMix) {
 }
 
 /// Whether a content was read; what is read must be sound, what is refused must say what to do.
+#[allow(dead_code)] // not by every program
 pub fn judged(content: &[u8]) -> bool {
     match read_mesh_bytes(content) {
         Ok(mesh) => {

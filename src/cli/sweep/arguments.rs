@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use crate::cli::memory::MemoryArguments;
 use crate::cli::script_arguments::{assignment, threads};
 use crate::script::MAX_OPERATIONS;
 use crate::studies::{Sampling, Varied};
@@ -94,6 +95,8 @@ pub struct DesignArguments {
     /// Give a point up after this time (30s, 10min, 2h): it is then a failed one
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub point_time: Option<f64>,
+    #[command(flatten)]
+    pub memory: MemoryArguments,
     /// Threads of a point's element loop; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub threads: u16,

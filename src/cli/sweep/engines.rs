@@ -56,7 +56,7 @@ pub fn compute(
     computed.map(|()| progress.told())
 }
 
-/// Submits what is not done, and follows until no task is left.
+/// Follows the tasks that are with Slurm, then submits what is not done, and follows that until no task is left.
 fn by_slurm(
     planned: &Planned,
     open: Vec<usize>,
@@ -65,17 +65,41 @@ fn by_slurm(
     console: &Console,
 ) -> Result<Vec<usize>, Box<Diagnostic>> {
     let (study, plan) = (&planned.study, &planned.plan);
-    let mut jobs = slurm::submitted(study);
-    if slurm::tasks_left(&jobs)? > 0 {
-        console.note("tasks of this study are with Slurm already: these are followed, and none are submitted");
-    } else {
-        jobs = slurm::submit(study, plan, &open, job)?;
-        console.note(&format!("submitted to Slurm: job {}", jobs.join(", ")));
-    }
     let progress = StudyProgress::new(open.len(), console.is_quiet());
-    let mut left = open;
+    let (mut left, mut is_submitted) = (open, false);
+    while !left.is_empty() && !is_submitted {
+        let mut jobs = slurm::submitted(study);
+        if slurm::tasks_left(&jobs)? > 0 {
+            console.note("tasks of this study are with Slurm already: these are followed, and what they leave is submitted");
+        } else {
+            jobs = slurm::submit(study, plan, &left, job)?;
+            is_submitted = true;
+            console.note(&format!("submitted to Slurm: job {}", jobs.join(", ")));
+        }
+        let is_over = follow(planned, &mut left, &jobs, interrupt, &progress)?;
+        if !is_over {
+            progress.finish();
+            let (all, shown) = (jobs.join(" "), planned.shown.display());
+            console.note("the tasks go on without this program");
+            console.note(&format!("follow them with `conserva sweep {shown} --engine slurm`, or end them with `scancel {all}`"));
+            return Ok(progress.told());
+        }
+    }
+    progress.finish();
+    Ok(progress.told())
+}
+
+/// Follows jobs, and takes the points that are done from those that are left; whether no task is left, or the interrupt key was pressed.
+fn follow(
+    planned: &Planned,
+    left: &mut Vec<usize>,
+    jobs: &[String],
+    interrupt: &AtomicBool,
+    progress: &StudyProgress,
+) -> Result<bool, Box<Diagnostic>> {
+    let (study, plan) = (&planned.study, &planned.plan);
     loop {
-        let is_over = slurm::tasks_left(&jobs)? == 0;
+        let is_over = slurm::tasks_left(jobs)? == 0;
         left.retain(|&index| match study.state(&plan.points[index]) {
             PointState::Done(record) => {
                 progress.done(plan, index, &record);
@@ -84,19 +108,13 @@ fn by_slurm(
             _ => true,
         });
         if is_over || left.is_empty() {
-            break;
+            return Ok(true);
         }
         for _ in 0..PERIOD.as_millis() / BLINK.as_millis() {
             std::thread::sleep(BLINK);
             if interrupt.load(Ordering::Relaxed) {
-                progress.finish();
-                let (all, shown) = (jobs.join(" "), planned.shown.display());
-                console.note("the tasks go on without this program");
-                console.note(&format!("follow them with `conserva sweep {shown} --engine slurm`, or end them with `scancel {all}`"));
-                return Ok(progress.told());
+                return Ok(false);
             }
         }
     }
-    progress.finish();
-    Ok(progress.told())
 }

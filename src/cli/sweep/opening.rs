@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::cli::run::interrupt;
+use crate::cli::signals::interrupt;
 use crate::script::{Class, Diagnostic};
 use crate::studies::{Plan, StudyFolder};
 

@@ -70,6 +70,7 @@ fn taken_up(arguments: &DesignArguments, what: &Path) -> Result<Planned, Box<Dia
     if let Some(seconds) = arguments.point_time {
         plan.limits.seconds = Some(seconds);
     }
+    plan.limits.memory = arguments.memory.memory.or(plan.limits.memory);
     let lock = study.lock()?;
     study.write_plan(&plan)?;
     drop(lock);
@@ -115,7 +116,7 @@ fn planned_anew(arguments: &DesignArguments, file: Option<&StudyFile>, script: &
         allow_read: arguments.allow_read.clone(),
         max_operations: arguments.max_operations,
     };
-    Plan::new(scenario, Limits { seconds: limit, threads: arguments.threads }, rows)
+    Plan::new(scenario, Limits { seconds: limit, threads: arguments.threads, memory: arguments.memory.memory }, rows)
 }
 
 /// Refuses a script that does not parse, and names that it has no parameter for, before a thousand points do.

@@ -1,11 +1,10 @@
 //! `conserva sweep point`: computes points of a planned study, as any engine calls it.
 
-use std::io::Write;
-
 use super::arguments::PointArguments;
 use super::opening::{enter, interrupted, opened};
-use crate::cli::console::{Console, complain};
+use crate::cli::console::{Console, complain, write_out};
 use crate::cli::process::exit_code;
+use crate::machine::memory;
 use crate::script::{Class, Diagnostic};
 use crate::studies::{Plan, PointOutcome, Watchdog, compute as compute_point, here};
 
@@ -19,15 +18,13 @@ pub fn compute(arguments: &PointArguments) -> Result<u8, Box<Diagnostic>> {
     let from_input = arguments.index.trim() == "-";
     let indices = if from_input { Vec::new() } else { numbers(arguments, &plan)? };
     enter(&plan)?;
+    plan.limits.memory.into_iter().for_each(memory::set_limit);
     let watchdog = Watchdog::new(interrupt.clone(), || std::process::exit(1)).map_err(|error| {
         let refused = Diagnostic::error(Class::Internal, "no thread could be started");
         Box::new(refused.cause(error.to_string()))
     })?;
     if from_input {
-        let mut say = |word: &str| {
-            // Whoever does not listen any more does not need the word.
-            let _ = writeln!(std::io::stdout(), "{word}").and_then(|()| std::io::stdout().flush());
-        };
+        let mut say = |word: &str| write_out(&format!("{word}\n"));
         here::serve(&study, &plan, &interrupt, &watchdog, &mut say)?;
         return Ok(if watchdog.is_interrupted() { exit_code(Class::Interrupted) } else { 0 });
     }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::bodies::FormulationError;
+use crate::machine::memory::written;
 
 /// A model that cannot be simulated.
 #[derive(Debug, Error)]
@@ -248,12 +249,14 @@ pub enum StepError {
         time: f64,
     },
     /// There is not enough memory; a smaller step needs no less.
-    #[error("the memory is used up at t = {time}: the factorization of {unknowns} unknowns does not fit")]
+    #[error("the memory is used up at t = {time}: the factorization of {unknowns} unknowns takes at least {}", written(*needed))]
     OutOfMemory {
         /// Time of the last accepted step.
         time: f64,
         /// Number of unknowns.
         unknowns: usize,
+        /// Bytes that it takes at least.
+        needed: u64,
     },
 }
 

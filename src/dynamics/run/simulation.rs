@@ -166,10 +166,9 @@ impl Simulation {
         self.steps.count_from(tally);
     }
 
-    /// Whether a state is of this model: it has as many nodes and multipliers.
+    /// Whether a state is of this model, and what it refers to exists: one that comes from a file may hold anything.
     pub fn fits(&self, state: &State) -> bool {
-        let own = self.steps.state();
-        (own.positions.len(), own.lambda.len()) == (state.positions.len(), state.lambda.len())
+        state.has_shape_of(self.steps.state())
     }
 
     /// Nodal fields of every body.

@@ -54,6 +54,18 @@ impl State {
         Pose { q: &self.positions, u: &self.displacements }
     }
 
+    /// Whether it has as many of everything as another state of the same model, and refers to nothing else.
+    pub(super) fn has_shape_of(&self, own: &State) -> bool {
+        let lengths = |state: &State| {
+            let nodal = [state.positions.len(), state.displacements.len(), state.velocities.len()];
+            let rows = [state.lambda.len(), state.felt.len(), state.reserve.len(), state.active.len()];
+            (nodal, rows, state.memory.iter().map(Vec::len).collect::<Vec<_>>())
+        };
+        let remembers = self.remembered.is_empty() || self.remembered.len() == self.positions.len();
+        // A halving more doubles the pieces of a step, whose number is a whole one.
+        lengths(self) == lengths(own) && remembers && self.level < usize::BITS as usize - 1 && self.search.is_sound_beside(&own.search)
+    }
+
     /// Bytes that it takes, but for what it shares with others.
     pub fn size(&self) -> usize {
         let rows = 3 * self.lambda.len();

@@ -58,7 +58,9 @@ impl Failure {
     pub fn or_end(self, time: f64) -> Self {
         match self {
             Failure::Linear(LinearError::Interrupted) => Failure::Fatal(StepError::Interrupted { time }),
-            Failure::Linear(LinearError::OutOfMemory { unknowns }) => Failure::Fatal(StepError::OutOfMemory { time, unknowns }),
+            Failure::Linear(LinearError::OutOfMemory { unknowns, needed }) => {
+                Failure::Fatal(StepError::OutOfMemory { time, unknowns, needed })
+            }
             failure => failure,
         }
     }
@@ -79,9 +81,9 @@ mod tests {
 
     #[test]
     fn a_lack_of_memory_ends_the_run_and_does_not_speak_of_supports() {
-        let failure = Failure::Linear(LinearError::OutOfMemory { unknowns: 900_000 }).or_end(0.5);
+        let failure = Failure::Linear(LinearError::OutOfMemory { unknowns: 900_000, needed: 4_100_000_000 }).or_end(0.5);
         let Failure::Fatal(error) = failure else { panic!("smaller steps need no less memory") };
-        assert_eq!(error.to_string(), "the memory is used up at t = 0.5: the factorization of 900000 unknowns does not fit");
+        assert_eq!(error.to_string(), "the memory is used up at t = 0.5: the factorization of 900000 unknowns takes at least 4.1 GB");
         assert!(error.cure().contains("coarser mesh") && !error.cure().contains("fix"), "{}", error.cure());
     }
 }

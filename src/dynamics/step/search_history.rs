@@ -18,3 +18,15 @@ pub struct SearchHistory {
     /// What the order has cost.
     pub account: Account,
 }
+
+impl SearchHistory {
+    /// Whether it refers to what there is in the model of another one alone.
+    pub fn is_sound_beside(&self, own: &Self) -> bool {
+        let are_pairs_sound = |(found, own): (&Option<Candidates>, &Option<Candidates>)| match (found, own) {
+            (Some(found), Some(own)) => found.is_sound_beside(own),
+            (found, _) => found.is_none(),
+        };
+        let pairs = self.candidates.len() == own.candidates.len() && self.candidates.iter().zip(own.candidates.iter()).all(are_pairs_sound);
+        pairs && self.order.as_ref().is_none_or(EliminationOrder::is_sound)
+    }
+}

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::assembly::assemble;
 use super::text::format_of;
 use super::{abaqus, gmsh};
+use crate::machine::files;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::{Mesh, MeshError};
 
@@ -14,7 +15,7 @@ use crate::mesh::{Mesh, MeshError};
 /// A file that cannot be read, and all that [`read_mesh_bytes`] refuses.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, MeshError> {
     let path = path.as_ref();
-    match std::fs::read(path) {
+    match files::read(path) {
         Ok(content) => read_mesh_bytes(&content),
         Err(error) => {
             let problem = FileProblem::Unreadable { path: path.into(), reason: error.to_string() };

@@ -4,6 +4,7 @@
 
 use std::fmt::Write as _;
 
+use super::super::markup::escaped;
 use super::shapes::{Anchor, Drawing, Ink, Item, Line, Point};
 
 /// Units of the drawing per pixel.
@@ -96,10 +97,4 @@ fn line_into(path: &mut String, points: &[Point], close: &str) {
         path.push_str("0 0");
     }
     path.push_str(close);
-}
-
-/// Text inside an element.
-fn escaped(text: &str) -> String {
-    let text: String = text.chars().filter(|letter| !letter.is_control()).collect();
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

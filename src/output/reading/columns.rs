@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use super::super::csv_text::meant;
 use super::error::{ReadError, bytes_of};
 
 /// A column of texts.
@@ -26,22 +27,14 @@ pub fn read_columns(path: &Path) -> Result<Vec<ReadColumn>, ReadError> {
 
 fn columns_of(path: &Path, bytes: &[u8]) -> Result<Vec<ReadColumn>, ReadError> {
     let text = std::str::from_utf8(bytes).map_err(|_| wrong(path, "is not text (UTF-8)".into()))?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.split('#').next().unwrap_or("")));
-    let lines: Vec<(usize, &str)> = lines.filter(|(_, line)| !line.trim().is_empty()).collect();
-    let Some((_, first)) = lines.first() else {
+    let mut rows = rows_of(text.strip_prefix('\u{feff}').unwrap_or(text))
+        .map_err(|line| wrong(path, format!("has a quote in line {line} that is not closed")))?;
+    let Some((_, first)) = rows.first() else {
         return Err(ReadError::new(path, "has no lines", "write a header and a line of numbers for each point"));
     };
-    let separator = [';', '\t', ','].into_iter().find(|separator| first.contains(*separator));
-    let mut rows = Vec::new();
-    for (number, line) in &lines {
-        let fields = fields_of(line, separator);
-        let fields = fields.ok_or_else(|| wrong(path, format!("has a quote in line {number} that is not closed")))?;
-        rows.push((*number, fields));
-    }
     let is_number = |field: &String| field.is_empty() || field.parse::<f64>().is_ok();
-    let count = rows[0].1.len();
-    let names: Vec<String> = if rows[0].1.iter().all(is_number) {
+    let count = first.len();
+    let names: Vec<String> = if first.iter().all(is_number) {
         match count {
             2 => vec!["x".into(), "y".into()],
             count => (1..=count).map(|number| format!("c{number}")).collect(),
@@ -65,19 +58,71 @@ fn counted(fields: usize) -> String {
     if fields == 1 { "1 field".into() } else { format!("{fields} fields") }
 }
 
-/// The fields of a line; `None` for a quote that is not closed.
-fn fields_of(line: &str, separator: Option<char>) -> Option<Vec<String>> {
-    let Some(separator) = separator else { return Some(line.split_whitespace().map(|field| decimal(field, true)).collect()) };
-    let (mut fields, mut field, mut is_quoted) = (Vec::new(), String::new(), false);
-    for letter in line.chars() {
+/// What parts the fields of a text: the first of these outside of quotes and remarks in its first line; none where blanks do.
+fn separator_of(text: &str) -> Option<char> {
+    let bare = |line: &str| line.split('"').step_by(2).collect::<String>().split('#').next().unwrap_or("").to_string();
+    let first = text.lines().map(bare).find(|line| !line.trim().is_empty())?;
+    [';', '\t', ','].into_iter().find(|separator| first.contains(*separator))
+}
+
+/// A field that is being read.
+#[derive(Default)]
+struct Field {
+    text: String,
+    is_quoted: bool,
+}
+
+/// Lines with their numbers, and their fields; without empty lines. Fails with the line of a quote that is not closed.
+fn rows_of(text: &str) -> Result<Vec<(usize, Vec<String>)>, usize> {
+    let separator = separator_of(text);
+    let (mut rows, mut fields, mut field) = (Vec::new(), Vec::new(), Field::default());
+    let (mut line, mut begun, mut opened) = (1, 1, None);
+    let mut letters = text.chars().chain((!text.ends_with('\n')).then_some('\n')).peekable();
+    while let Some(letter) = letters.next() {
         match letter {
-            '"' => is_quoted = !is_quoted,
-            letter if letter == separator && !is_quoted => fields.push(std::mem::take(&mut field)),
-            letter => field.push(letter),
+            '"' if opened.is_some() && letters.next_if_eq(&'"').is_some() => field.text.push('"'),
+            '"' => {
+                opened = if opened.is_some() { None } else { Some(line) };
+                if !std::mem::replace(&mut field.is_quoted, true) {
+                    // What stands before the quote are blanks.
+                    field.text.truncate(field.text.trim_end().len());
+                }
+            }
+            letter if opened.is_some() => {
+                line += usize::from(letter == '\n');
+                field.text.push(letter);
+            }
+            '#' => while letters.next_if(|letter| *letter != '\n').is_some() {},
+            '\n' => {
+                let is_empty = fields.is_empty() && !field.is_quoted && field.text.trim().is_empty();
+                if separator.is_some() || field.is_quoted || !field.text.is_empty() {
+                    fields.push(finished(std::mem::take(&mut field), separator));
+                }
+                let row = std::mem::take(&mut fields);
+                if !is_empty {
+                    rows.push((begun, row));
+                }
+                line += 1;
+                begun = line;
+            }
+            letter if Some(letter) == separator => fields.push(finished(std::mem::take(&mut field), separator)),
+            letter if separator.is_none() && letter.is_whitespace() => {
+                if field.is_quoted || !field.text.is_empty() {
+                    fields.push(finished(std::mem::take(&mut field), separator));
+                }
+            }
+            // Blanks behind a quote.
+            letter if field.is_quoted && letter.is_whitespace() => {}
+            letter => field.text.push(letter),
         }
     }
-    fields.push(field);
-    (!is_quoted).then(|| fields.iter().map(|field| decimal(field.trim(), separator != ',')).collect())
+    opened.map_or(Ok(rows), Err)
+}
+
+/// The text that a field is: in quotes as it stands there, with a decimal point where it is a number.
+fn finished(field: Field, separator: Option<char>) -> String {
+    let text = if field.is_quoted { field.text.as_str() } else { field.text.trim() };
+    decimal(meant(text), separator != Some(','))
 }
 
 /// A field, with a decimal point where it is a number with a decimal comma.
@@ -112,6 +157,19 @@ mod tests {
         assert_eq!(read("0 1\n0,5  2,25\n").unwrap(), [column("x", &["0", "0.5"]), column("y", &["1", "2.25"])]);
         assert_eq!(read("1,2,3\n").unwrap(), [column("c1", &["1"]), column("c2", &["2"]), column("c3", &["3"])]);
         assert_eq!(read("name,\"a, b\"\nx,1\n").unwrap(), [column("name", &["x"]), column("a, b", &["1"])]);
+    }
+
+    #[test]
+    fn what_is_written_as_a_table_comes_back() {
+        let texts = ["plain", "two words", "a,b", "a \"quote\"", "=1+2", "-x", "# 1", "line\nbreak", " blank ", "", "'=", "a;b\tc"];
+        let header = ["id", "name"];
+        let rows: Vec<Vec<&str>> = texts.iter().enumerate().map(|(k, text)| vec![["r", "s"][k % 2], text]).collect();
+        let written = crate::output::rows_csv(&header, &rows);
+        let read = columns_of(Path::new("x"), &written).unwrap();
+        assert_eq!((read[1].name.as_str(), &read[1].fields[..]), ("name", &texts.map(String::from)[..]));
+        let rows: Vec<Vec<&str>> = texts.iter().map(|text| vec![*text]).collect();
+        let read = columns_of(Path::new("x"), &crate::output::rows_csv(&["=name"], &rows)).unwrap();
+        assert_eq!((read[0].name.as_str(), &read[0].fields[..]), ("=name", &texts.map(String::from)[..]));
     }
 
     #[test]

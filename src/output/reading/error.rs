@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::super::files::reason;
-use super::super::inputs::read_file;
+use crate::machine::files;
 
 /// A file that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -45,5 +45,5 @@ impl ReadError {
 /// # Errors
 /// The operating system refused.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
-    read_file(path).map_err(|error| ReadError::io(path, &error))
+    files::read(path).map_err(|error| ReadError::io(path, &error))
 }

@@ -1,6 +1,5 @@
 //! A Parquet file's columns, read back: enough to describe a file and to compare it with the table that it came from.
 
-use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::super::table::{Column, Table};
 use super::error::ReadError;
+use crate::machine::files;
 
 /// Reads a table of numbers.
 ///
@@ -21,7 +21,7 @@ pub fn read_parquet(path: &Path) -> Result<Table, ReadError> {
 }
 
 fn read_columns(path: &Path) -> Result<Table, ReadError> {
-    let file = File::open(path).map_err(|error| ReadError::io(path, &error))?;
+    let (file, _) = files::open(path).map_err(|error| ReadError::io(path, &error))?;
     let refused = |error: parquet::errors::ParquetError| ReadError {
         cause: Some(error.to_string()),
         ..ReadError::damaged(path, "it is no Parquet file that this program knows")

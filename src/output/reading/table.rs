@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use super::super::csv_text::meant;
 use super::super::table::{Column, Table, is_count};
 use super::error::{ReadError, bytes_of};
 
@@ -61,6 +62,7 @@ pub fn table_of(path: &Path, bytes: &[u8]) -> Result<TableRead, ReadError> {
         }
     }
     let column = |(name, values): (&str, Vec<Option<f64>>)| {
+        let name = meant(name);
         let is_count = is_count(name) && values.iter().flatten().all(|value| value.fract() == 0.0);
         Column { name: name.into(), values, is_count }
     };

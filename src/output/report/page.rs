@@ -10,6 +10,7 @@ use super::geometry::Surface;
 use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, PlacedObstacle};
 use crate::output::colormap::viridis;
+use crate::output::markup::escaped;
 use crate::output::obstacles::{Surroundings, Wall};
 use crate::output::picture::Field;
 use crate::output::recording::{Skin, Still};
@@ -181,9 +182,4 @@ fn fill(name: &str, data: &Value, blobs: &[(String, String)]) -> Vec<u8> {
     }
     page.push_str(rest);
     page.into_bytes()
-}
-
-/// A text as HTML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

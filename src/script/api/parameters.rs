@@ -194,7 +194,7 @@ pub fn functions() -> Vec<Function> {
         example: "let dt = param(\"dt\", 0.005);".into(),
         see_also: &[],
         body: body(|call| {
-            let (name, default) = (call.text("name")?, call.argument("default"));
+            let (name, default) = (call.name("name")?, call.argument("default"));
             let value = default.value();
             if as_number(&value).is_none() && !value.is_bool() && !value.is_string() {
                 return Err(default

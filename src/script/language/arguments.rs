@@ -46,6 +46,11 @@ pub trait Arguments {
         self.argument(name).text()
     }
 
+    /// A name, on one line.
+    fn name(&self, name: &str) -> Result<String, Failure> {
+        self.argument(name).name()
+    }
+
     /// An object.
     fn handle<T: Handle>(&self, name: &str) -> Result<T, Failure> {
         self.argument(name).handle()
@@ -279,6 +284,20 @@ impl Argument<'_> {
             Kind::Choice(words) if !words.contains(&text.as_str()) => Err(self.unknown_choice(&text, words)),
             _ => Ok(text),
         }
+    }
+
+    /// The value as a name, which stands in files, folders and messages: on one line.
+    ///
+    /// # Errors
+    /// Something else; a control character.
+    pub fn name(&self) -> Result<String, Failure> {
+        let name = self.text()?;
+        if name.contains(char::is_control) {
+            let failure = self.fail(format!("{} must be a name on one line", self.title()));
+            let failure = failure.label("it has a line break or another control character");
+            return Err(failure.hint("write letters, digits, signs and blanks"));
+        }
+        Ok(name)
     }
 
     /// The failure of a word that is not one of the choices.

@@ -20,6 +20,7 @@ use super::scan::{self, Target};
 use super::settings::{Mode, Settings};
 use super::slots::Slots;
 use super::sources::{Place, Sources, offset};
+use crate::machine::{consulted, watched};
 
 /// What script functions share with their session.
 pub struct Host {
@@ -137,6 +138,26 @@ impl Host {
     /// The user asked to stop.
     pub fn go_on(&self) -> Result<(), Failure> {
         if self.is_interrupted() { Err(interrupted("interrupted")) } else { Ok(()) }
+    }
+
+    /// The result of work that cannot look at the interrupt itself; it is left behind when the user asks to stop.
+    ///
+    /// # Errors
+    /// The user asked to stop.
+    pub fn watched<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Failure> {
+        watched(&self.settings.interrupt, work).ok_or_else(|| interrupted("interrupted"))
+    }
+
+    /// The same of work that asks questions, which are answered here.
+    ///
+    /// # Errors
+    /// The user asked to stop.
+    pub fn consulted<T: Send + 'static, Q: Send + 'static, A: Send + 'static>(
+        &self,
+        work: impl FnOnce(&dyn Fn(Q) -> Option<A>) -> T + Send + 'static,
+        answer: impl FnMut(Q) -> A,
+    ) -> Result<T, Failure> {
+        consulted(&self.settings.interrupt, work, answer).ok_or_else(|| interrupted("interrupted"))
     }
 
     /// The place that a position and a target mean. An empty source is the main one.

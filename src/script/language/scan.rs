@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use rhai::{Engine, Token};
 
-use super::sources::offset;
+use super::sources::Offsets;
 
 /// A token and the bytes it covers.
 #[derive(Clone, Debug)]
@@ -43,13 +43,14 @@ pub fn lexemes(engine: &Engine, text: &str) -> Vec<Lexeme> {
     let (tokens, control) = engine.lex(&texts);
     let mut found: Vec<Lexeme> = Vec::new();
     let mut braces: Vec<usize> = Vec::new();
+    let mut offsets = Offsets::new(text);
     for (token, position) in tokens {
         if matches!(token, Token::EOF | Token::LexError(_)) {
             break;
         }
         // The empty piece of text at the end of an interpolated string has no position: it stands behind the bracket before it.
         let behind = found.last().map_or(0, |last| last.range.start + 1);
-        let start = offset(text, position).unwrap_or(behind);
+        let start = offsets.of(position).unwrap_or(behind);
         match token {
             Token::InterpolatedString(_) => braces.push(0),
             Token::LeftBrace | Token::MapStart => braces.iter_mut().for_each(|depth| *depth += 1),
@@ -151,7 +152,7 @@ pub fn truncating_divisions(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)>
         let binds_left = index > 0
             && matches!(lexemes[index - 1].token, Token::Multiply | Token::Divide | Token::Modulo | Token::PowerOf | Token::Period);
         let binds_right = lexemes.get(index + 3).is_some_and(|next| matches!(next.token, Token::PowerOf | Token::Period));
-        if !binds_left && !binds_right && *b != 0 && a % b != 0 {
+        if !binds_left && !binds_right && a.checked_rem(*b).is_some_and(|rest| rest != 0) {
             found.push((window[0].range.start..window[2].range.end, *a, *b));
         }
     }
@@ -332,6 +333,8 @@ mod tests {
         let divisions = |text: &str| truncating_divisions(&lexemes(&Engine::new_raw(), text)).len();
         assert_eq!(divisions("let a = 1/2;"), 1);
         assert_eq!(divisions("f(-1 / 3)"), 1);
+        // The quotient is no number of 64 bits.
+        assert_eq!(divisions("-9223372036854775808 / -1; 1/0"), 0);
         assert_eq!(divisions("4/2 + 1.0/2 + 2*1/2 + x/2 + 1/2**3"), 0);
     }
 }

@@ -79,6 +79,11 @@ impl Default for Settings {
     }
 }
 
+/// Threads that are worth their stacks and their engines where so many were asked for: more than a few for each processor gain nothing.
+pub fn worthwhile(threads: usize) -> usize {
+    threads.min((4 * processors()).max(16))
+}
+
 /// Processors of this machine that the program may use.
 pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)

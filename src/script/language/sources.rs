@@ -102,20 +102,39 @@ impl std::fmt::Display for Place {
 
 /// Byte offset of a position; the end of the last line with text when the position lies past the end.
 pub fn offset(text: &str, position: Position) -> Option<usize> {
-    let line = position.line()?;
-    let column = position.position().unwrap_or(1);
-    let mut start = 0;
-    for _ in 1..line {
-        match text[start..].find('\n') {
-            Some(newline) => start += newline + 1,
-            None => return Some(text.trim_end().len()),
-        }
+    Offsets::new(text).of(position)
+}
+
+/// Byte offsets of positions in a text. Of many in their order, each is found from the one before it.
+pub struct Offsets<'a> {
+    text: &'a str,
+    line: usize,
+    column: usize,
+    byte: usize,
+}
+
+impl<'a> Offsets<'a> {
+    /// From the beginning of a text on.
+    pub fn new(text: &'a str) -> Self {
+        Offsets { text, line: 1, column: 1, byte: 0 }
     }
-    let rest = &text[start..];
-    let end = rest.find('\n').unwrap_or(rest.len());
-    let inside = rest[..end].char_indices().nth(column - 1).map_or(end, |(byte, _)| byte);
-    let found = start + inside;
-    Some(if text[found..].trim_start().is_empty() { text.trim_end().len() } else { found })
+
+    /// The offset of a position, as [`offset`] tells it.
+    pub fn of(&mut self, position: Position) -> Option<usize> {
+        let text = self.text;
+        let (line, column) = (position.line()?, position.position().unwrap_or(1));
+        if (line, column) < (self.line, self.column) {
+            *self = Offsets::new(text);
+        }
+        while self.line < line {
+            let Some(newline) = text[self.byte..].find('\n') else { return Some(text.trim_end().len()) };
+            (self.line, self.column, self.byte) = (self.line + 1, 1, self.byte + newline + 1);
+        }
+        for letter in text[self.byte..].chars().take(column - self.column).take_while(|letter| *letter != '\n') {
+            (self.column, self.byte) = (self.column + 1, self.byte + letter.len_utf8());
+        }
+        Some(if text[self.byte..].trim_start().is_empty() { text.trim_end().len() } else { self.byte })
+    }
 }
 
 #[cfg(test)]
@@ -129,6 +148,11 @@ mod tests {
         assert_eq!(&text[offset(text, Position::new(2, 7)).unwrap()..][..1], "x");
         assert_eq!(offset(text, Position::new(4, 1)), Some(text.trim_end().len()));
         assert_eq!(offset(text, Position::NONE), None);
+        let mut offsets = Offsets::new(text);
+        for (line, column) in [(1, 5), (1, 5), (1, 6), (2, 90), (2, 3), (1, 1), (3, 1), (9, 9)] {
+            let position = Position::new(line, column);
+            assert_eq!(offsets.of(position), offset(text, position), "{position}");
+        }
         let place = Place { source: "a.rhai".into(), text: text.into(), range: 19..20 };
         assert_eq!(place.to_string(), "a.rhai:2:7");
     }

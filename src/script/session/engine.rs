@@ -2,14 +2,17 @@
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 
+use std::cell::Cell;
 use std::rc::Rc;
 use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
 
 use rhai::packages::{Package, StandardPackage};
 use rhai::{Dynamic, Engine, FuncRegistration, Module, NativeCallContext, OptimizationLevel, RhaiFunc, Shared};
 
 use super::help;
 use super::modules::{KEEP_CONTEXT, Modules};
+use crate::machine::memory::{self, written};
 use crate::script::api;
 use crate::script::api::contacts::methods::ContactMethodHandle;
 use crate::script::api::contacts::obstacles::ObstacleHandle;
@@ -95,11 +98,33 @@ fn limit(engine: &mut Engine, host: &Host) {
     engine.set_max_modules(1000);
 }
 
+/// Operations after which the clock is looked at: each may make an array of [`MAX_ARRAY`] entries.
+const LOOK: u64 = 8;
+/// Time after which it is looked how much memory is left.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
+
+/// What a script fails with that holds more than there is, in all of its arrays, strings, meshes and simulations together.
+fn out_of_memory() -> Failure {
+    let failure = Failure::script("there is no memory left for the script");
+    let failure = match memory::limit() {
+        Some(limit) => failure.cause(format!("arrays, strings, meshes and simulations may take {} together", written(limit))),
+        None => failure.cause("arrays, strings, meshes and simulations have taken all that this machine can give"),
+    };
+    failure.hint("keep less at a time, or allow more with `--memory`")
+}
+
 /// What the engine asks and tells the session: whether to stop, what is printed, where modules are.
 fn connect(engine: &mut Engine, host: &Rc<Host>) {
     let interrupt = host.settings.interrupt.clone();
     let progress = Rc::downgrade(host);
-    engine.on_progress(move |_| {
+    let looked = Cell::new(Instant::now());
+    engine.on_progress(move |operations| {
+        if operations % LOOK == 0 && looked.get().elapsed() > BETWEEN_LOOKS {
+            looked.set(Instant::now());
+            if memory::left() == Some(0) {
+                return Some(Dynamic::from(out_of_memory()));
+            }
+        }
         let is_over = || progress.upgrade().is_some_and(|host| host.is_stopped() && !host.is_stepping());
         (interrupt.load(Ordering::Relaxed) || is_over()).then(|| Dynamic::from(Failure::new(Class::Interrupted, "interrupted")))
     });

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use rhai::{Engine, FnAccess, Token};
 
 use super::compile::constants;
+use crate::machine::files;
 use crate::script::language::sandbox::Sandbox;
 use crate::script::language::scan;
 
@@ -86,7 +87,7 @@ impl Imports {
 /// Signatures of the functions of a module's file.
 fn module_functions(engine: &Engine, sandbox: &Sandbox, path: &str) -> Vec<String> {
     let path = path.strip_suffix(".rhai").unwrap_or(path);
-    let text = sandbox.module(path).ok().and_then(|file| std::fs::read_to_string(file).ok());
+    let text = sandbox.module(path).ok().and_then(|file| files::read_text(&file).ok());
     let Some(Ok(tree)) = text.map(|text| engine.compile_with_scope(&constants(), text)) else { return Vec::new() };
     let named = tree.iter_functions().filter(|function| !function.name.starts_with("anon$") && function.access == FnAccess::Public);
     named.map(|function| format!("{}({})", function.name, function.params.join(", "))).collect()

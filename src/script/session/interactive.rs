@@ -22,6 +22,7 @@ use super::pages::PAGES;
 use super::record::{ANSWER, Record, lexemes, positions};
 use super::session::{Report, Session};
 use super::shown::{kind_of, shown};
+use crate::machine::files;
 use crate::script::language::crew::{Program, Unit};
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
@@ -136,11 +137,7 @@ impl Interactive {
     /// A file that cannot be read; what is wrong with it.
     pub fn load(&mut self, path: &Path) -> Result<Answer, Box<Diagnostic>> {
         let name = path.display().to_string();
-        let text = match std::fs::read(path).map(String::from_utf8) {
-            Ok(Ok(text)) => text,
-            Ok(Err(_)) => return Err(unreadable(&name, "it is not text (UTF-8)")),
-            Err(error) => return Err(unreadable(&name, &reason(&error))),
-        };
+        let text = files::read_text(path).map_err(|error| unreadable(&name, &reason(&error)))?;
         self.enter(&name, &text)
     }
 

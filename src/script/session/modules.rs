@@ -11,6 +11,7 @@ use std::rc::Rc;
 use rhai::{Engine, EvalAltResult, GlobalRuntimeState, Module, ModuleResolver, Position, Scope, Shared};
 
 use super::compile::constants;
+use crate::machine::files;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 use crate::script::language::lint::lint;
@@ -49,7 +50,7 @@ impl Modules {
             let failure = Failure::script(format!("the module \"{path}\" imports itself, directly or through another"));
             return Err(failure.hint("move what both need into a third module").raise(position));
         }
-        let text = std::fs::read_to_string(&file).map_err(|error| {
+        let text = files::read_text(&file).map_err(|error| {
             Failure::script(format!("the module \"{path}\" cannot be read")).cause(reason(&error)).hint("check the file").raise(position)
         })?;
         let source = format!("{path}.rhai");

@@ -13,6 +13,7 @@ use super::compile::{compile, constants};
 use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
 use super::worker::hire;
+use crate::machine::files;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{COMPLETED, RunLock};
 use crate::script::api::models::change::warn_of_unseen_changes;
@@ -81,13 +82,9 @@ pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
         let hint = format!("read it in a script: `let mesh = read_mesh(\"{name}\");`; `conserva info {name}` describes it");
         return Err(Box::new(error.hint(hint)));
     }
-    let text = match std::fs::read(path) {
-        Ok(bytes) => String::from_utf8(bytes).map_err(|_| "it is not text (UTF-8)".to_string()),
-        Err(error) => Err(reason(&error)),
-    };
-    text.map_err(|cause| {
-        let error = Diagnostic::error(Class::Script, format!("the script {} cannot be read", path.display()));
-        Box::new(error.cause(cause).hint("check the path of the script"))
+    files::read_text(path).map_err(|error| {
+        let refused = Diagnostic::error(Class::Script, format!("the script {} cannot be read", path.display())).cause(reason(&error));
+        Box::new(refused.hint("check the path of the script; one that comes through a pipe must be kept in a file first"))
     })
 }
 
@@ -134,7 +131,7 @@ impl Session {
     /// Sixteen digits that other texts of the scripts, or of the files that they have read so far, do not share.
     pub fn digest(&self) -> String {
         let texts = self.host.sources.all().into_iter().map(|(_, text)| Sha256::digest(text.as_bytes()));
-        let files = self.host.sandbox.files_read().into_iter().filter_map(|path| std::fs::read(path).ok()).map(Sha256::digest);
+        let files = self.host.sandbox.files_read().into_iter().filter_map(|path| files::read(&path).ok()).map(Sha256::digest);
         // Where files stand differs between machines; what is in them does not.
         let mut all: Vec<_> = texts.chain(files).collect();
         all.sort();

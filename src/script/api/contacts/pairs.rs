@@ -70,7 +70,7 @@ fn add_contact() -> Function {
         see_also: &["mortar", "rigid_plane", "add_self_contact", "tie"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, options) = (call.text("name")?, call.options("options")?);
+            let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
             let method = method_of(&options)?;
@@ -113,7 +113,7 @@ fn add_self_contact() -> Function {
         see_also: &["add_contact"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, options) = (call.text("name")?, call.options("options")?);
+            let (name, options) = (call.name("name")?, call.options("options")?);
             let surface = boundary_of(&options.argument("surface"), &model)?;
             let (method, (update, enforcement)) = (method_of(&options)?, rules_of(&options)?);
             add(call, &model, Interaction { method, update, enforcement, ..Interaction::new(&name, surface, Partner::Itself) })?;
@@ -149,7 +149,7 @@ fn tie() -> Function {
         see_also: &["add_contact"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, options) = (call.text("name")?, call.options("options")?);
+            let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = boundary_of(&options.argument("secondary"), &model)?;
             let to = boundary_of(&options.argument("primary"), &model)?;
             let reach = options.optional_number("reach")?;

@@ -3,6 +3,7 @@
 use rhai::{Array, Dynamic, Map};
 
 use super::energies::refused;
+use crate::machine::files;
 use crate::materials::{CATALOGUE, EnergyError, EnergyText, Fit, FitError, HYPERELASTIC, Measured, Piece, StoredEnergy, fit};
 use crate::output::{Curve, CurveStyle, Plot, PlotAxis};
 use crate::script::api::simulations::writing::{path_parameter, write_drawing};
@@ -10,6 +11,7 @@ use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::failure::{Details, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::sandbox::reason;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
@@ -224,7 +226,7 @@ fn read(call: &Call, argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
         hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
     };
     let file = call.host.sandbox.readable(&path).map_err(again)?;
-    let text = std::fs::read_to_string(&file).map_err(|error| argument.fail(format!("\"{path}\" cannot be read: {}", error.kind())))?;
+    let text = files::read_text(&file).map_err(|error| argument.fail(format!("\"{path}\" cannot be read: {}", reason(&error))))?;
     let (mut points, mut is_strain) = (Vec::new(), false);
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or("").trim();

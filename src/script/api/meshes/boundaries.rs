@@ -82,7 +82,7 @@ pub fn truth(argument: &Argument, value: &Dynamic) -> Result<bool, Box<EvalAltRe
 /// # Errors
 /// The name is taken, or the closure fails or does not give a truth value.
 pub fn with_boundary_where(call: &Call, mesh: &Mesh) -> Result<Mesh, Box<EvalAltResult>> {
-    let (name, condition) = (call.text("name")?, call.callback("condition")?);
+    let (name, condition) = (call.name("name")?, call.callback("condition")?);
     let dimension = mesh.dimension();
     let found = mesh.clone().boundary_where(&name, |point| {
         let value = condition.call(point[..dimension].iter().map(|&coordinate| Dynamic::from(coordinate)))?;

@@ -2,7 +2,7 @@
 
 use rhai::Dynamic;
 
-use super::handle::{MeshHandle, mesh_value, vector_or_zero};
+use super::handle::{MeshHandle, made, vector_or_zero};
 use super::kinds::{PLANE, SOLID, element, kind_of};
 use super::layers;
 use crate::math::catalogue::Interval;
@@ -50,8 +50,7 @@ fn rectangle() -> Function {
             let origin = vector_or_zero(&options, "origin", 2)?;
             let grading = ratios(&options, 2)?;
             let (size, origin) = ([size[0], size[1]], [origin[0], origin[1]]);
-            let made = mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]]);
-            mesh_value(call, made.and_then(|mesh| mesh.with_cells(kind)))
+            made(call, move || mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]])?.with_cells(kind))
         }),
     }
 }
@@ -82,10 +81,7 @@ fn block() -> Function {
             let (size, cells) = (options.argument("size").numbers_of(3)?, options.argument("cells").counts(3)?);
             let origin = vector_or_zero(&options, "origin", 3)?;
             let (size, grading) = ([size[0], size[1], size[2]], ratios(&options, 3)?);
-            mesh_value(
-                call,
-                mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading).and_then(|mesh| mesh.with_cells(kind)),
-            )
+            made(call, move || mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading)?.with_cells(kind))
         }),
     }
 }
@@ -121,8 +117,10 @@ fn ring() -> Function {
             radii_in_order(&options, inner, outer)?;
             let cells = options.argument("cells").counts(2)?;
             let (center, start) = (vector_or_zero(&options, "center", 2)?, options.number("start_angle")?);
-            let made = mesh::graded_ring(inner, outer, pair(&cells), [center[0], center[1]], start, options.number("grading")?);
-            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::About([center[0], center[1]]))))
+            let (center, grading) = ([center[0], center[1]], options.number("grading")?);
+            made(call, move || {
+                mesh::graded_ring(inner, outer, pair(&cells), center, start, grading)?.with_round_cells(kind, Round::About(center))
+            })
         }),
     }
 }
@@ -158,9 +156,11 @@ fn arc() -> Function {
             radii_in_order(&options, inner, outer)?;
             let cells = options.argument("cells").counts(2)?;
             let (angles, grading) = ([options.number("start_angle")?, options.number("end_angle")?], ratios(&options, 2)?);
-            let center = vector_or_zero(&options, "center", 2)?;
-            let made = mesh::arc([inner, outer], angles, pair(&cells), [center[0], center[1]], [grading[0], grading[1]]);
-            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::About([center[0], center[1]]))))
+            let [x, y, _] = vector_or_zero(&options, "center", 2)?;
+            made(call, move || {
+                let arc = mesh::arc([inner, outer], angles, pair(&cells), [x, y], [grading[0], grading[1]])?;
+                arc.with_round_cells(kind, Round::About([x, y]))
+            })
         }),
     }
 }
@@ -188,9 +188,8 @@ fn disk() -> Function {
             let options = call.options("options")?;
             let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
-            let center = vector_or_zero(&options, "center", 2)?;
-            let made = mesh::disk(radius, pair(&cells), [center[0], center[1]]);
-            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::On([center[0], center[1]], radius))))
+            let [x, y, _] = vector_or_zero(&options, "center", 2)?;
+            made(call, move || mesh::disk(radius, pair(&cells), [x, y])?.with_round_cells(kind, Round::On([x, y], radius)))
         }),
     }
 }
@@ -228,19 +227,22 @@ fn polygon() -> Function {
             let argument = options.argument("names");
             let names: Vec<String> = if argument.is_given() {
                 let names: Option<Vec<String>> = argument.array()?.into_iter().map(|name| name.into_string().ok()).collect();
-                names.filter(|names| names.len() == corners.len()).ok_or_else(|| {
-                    let failure = argument.fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()));
-                    failure
-                        .label(format!("this is {}", describe(call.engine(), &argument.value())))
-                        .hint("write `[\"floor\", \"wall\", …]`")
-                })?
+                names.filter(|names| names.len() == corners.len() && !names.iter().any(|name| name.contains(char::is_control))).ok_or_else(
+                    || {
+                        let failure = argument.fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()));
+                        failure
+                            .label(format!("this is {}", describe(call.engine(), &argument.value())))
+                            .hint("write `[\"floor\", \"wall\", …]`")
+                    },
+                )?
             } else {
                 (1..=corners.len()).map(|side| format!("side {side}")).collect()
             };
             let holes = options.argument("holes");
             let holes = if holes.is_given() { holes.lists_of_points()? } else { Vec::new() };
             let layers = layers::layers_of(&options)?;
-            let made = mesh::layered_polygon(kind, &corners, &holes, options.number("size")?, &names, layers.as_ref());
+            let size = options.number("size")?;
+            let made = call.host.watched(move || mesh::layered_polygon(kind, &corners, &holes, size, &names, layers.as_ref()))?;
             made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| layers::failure(&options, &error).into())
         }),
     }
@@ -277,8 +279,8 @@ fn half_disk() -> Function {
             let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
             let (center, finest) = (vector_or_zero(&options, "center", 2)?, options.optional_number("finest")?);
-            let made = mesh::half_disk(radius, pair(&cells), [center[0], center[1]], finest);
-            mesh_value(call, made.and_then(|mesh| mesh.with_round_cells(kind, Round::On([center[0], center[1]], radius))))
+            let center = [center[0], center[1]];
+            made(call, move || mesh::half_disk(radius, pair(&cells), center, finest)?.with_round_cells(kind, Round::On(center, radius)))
         }),
     }
 }

@@ -91,6 +91,11 @@ pub fn mesh_value(call: &Call, made: Result<Mesh, MeshError>) -> Result<Dynamic,
     made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| mesh_failure(call, &error).into())
 }
 
+/// A mesh that may take long to make; it is left behind when the user asks to stop.
+pub fn made(call: &Call, make: impl FnOnce() -> Result<Mesh, MeshError> + Send + 'static) -> Result<Dynamic, Box<EvalAltResult>> {
+    mesh_value(call, call.host.watched(make)?)
+}
+
 /// Components of a vector option, or zeros.
 pub fn vector_or_zero(options: &impl Arguments, name: &str, dimension: usize) -> Result<[f64; 3], Failure> {
     let argument = options.argument(name);

@@ -1,6 +1,6 @@
 //! The kinds of cells that a mesh can be made of, by their names.
 
-use super::handle::{MeshHandle, mesh_value};
+use super::handle::{MeshHandle, made};
 use crate::elements::CellKind;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
@@ -46,7 +46,8 @@ pub fn with_elements() -> Function {
         see_also: &["refine", "rectangle", "extrude"],
         body: body(|call| {
             let kind = kind_named(&call.text("element")?);
-            mesh_value(call, call.receiver::<MeshHandle>().mesh().with_cells(kind))
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            made(call, move || mesh.with_cells(kind))
         }),
     }
 }

@@ -55,7 +55,9 @@ fn refined(call: &Call, argument: &Argument, mesh: &Mesh) -> Result<Mesh, Box<Ev
             return Err(argument.wrong_type().into());
         }
         let boundary = boundary_named(argument, mesh)?;
-        return mesh.refined_along(&boundary).map_err(|error| mesh_failure(call, &error).into());
+        let coarse = mesh.clone();
+        let refined = call.host.watched(move || coarse.refined_along(&boundary))?;
+        return refined.map_err(|error| mesh_failure(call, &error).into());
     };
     argument.check_parameters(&function, "|x, y|")?;
     let closure = Callback::new(call, function.clone());

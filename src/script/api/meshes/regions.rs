@@ -120,7 +120,19 @@ fn region() -> Function {
             let argument = options.argument("holes");
             let holes = if argument.is_given() { argument.array()? } else { Array::new() };
             let holes: Vec<Vec<Side>> = holes.iter().map(|hole| closed_loop(&argument, hole)).collect::<Result<_, Failure>>()?;
-            let made = with_size(&options, |size| mesh::layered_region(&outline, &holes, size, kind, layers.as_ref()))?;
+            let even = as_number(&options.argument("size").value()).filter(|size| size.is_finite() && *size > 0.0);
+            let made = match even {
+                Some(size) => {
+                    let make = move || {
+                        let size = CellSize::<MeshError>::Even(size);
+                        mesh::layered_region(&outline, &holes, size, kind, layers.as_ref())
+                    };
+                    let made = call.host.watched(make)?;
+                    made.map_err(|error| layers::failure(&options, &error))?
+                }
+                // A closure belongs to this thread, and is asked often enough.
+                None => with_size(&options, |size| mesh::layered_region(&outline, &holes, size, kind, layers.as_ref()))?,
+            };
             Ok(Dynamic::from(MeshHandle::new(made)))
         }),
     }
@@ -213,7 +225,7 @@ fn name_parameter() -> Parameter {
 }
 
 fn name_of(arguments: &impl Arguments) -> Result<Option<String>, Failure> {
-    if arguments.argument("name").is_given() { arguments.text("name").map(Some) } else { Ok(None) }
+    if arguments.argument("name").is_given() { arguments.name("name").map(Some) } else { Ok(None) }
 }
 
 fn plane_point(argument: &Argument) -> Result<Point, Failure> {

@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic, EvalAltResult};
 
-use super::handle::{MeshHandle, mesh_failure, mesh_value, vector_or_zero};
+use super::handle::{MeshHandle, made, mesh_value, vector_or_zero};
 use crate::math::catalogue::Interval;
 use crate::mesh::SelectionError;
 use crate::script::language::arguments::Arguments;
@@ -183,11 +183,8 @@ fn refine() -> Function {
         example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).refine();".into(),
         see_also: &["refine_where", "quality"],
         body: body(|call| {
-            let mut mesh = (*call.receiver::<MeshHandle>().mesh()).clone();
-            for _ in 0..call.integer("times")? {
-                mesh = mesh.refine().map_err(|error| mesh_failure(call, &error))?;
-            }
-            Ok(Dynamic::from(MeshHandle::new(mesh)))
+            let (mesh, times) = (call.receiver::<MeshHandle>().mesh(), call.integer("times")?);
+            made(call, move || (0..times).try_fold((*mesh).clone(), |mesh, _| mesh.refine()))
         }),
     }
 }
@@ -216,7 +213,8 @@ fn extrude() -> Function {
             let mesh = call.receiver::<MeshHandle>().mesh();
             let options = call.options("options")?;
             let layers = options.integer("layers")? as usize;
-            mesh_value(call, mesh.extruded(options.number("height")?, layers, options.number("grading")?))
+            let (height, grading) = (options.number("height")?, options.number("grading")?);
+            made(call, move || mesh.extruded(height, layers, grading))
         }),
     }
 }

@@ -39,7 +39,7 @@ pub fn model() -> Function {
         example: "let bearing = model(\"bearing\");".into(),
         see_also: &["add_body", "simulate"],
         body: body(|call| {
-            let data = ModelData { model: Model { name: call.text("name")?, ..Model::default() }, ..ModelData::default() };
+            let data = ModelData { model: Model { name: call.name("name")?, ..Model::default() }, ..ModelData::default() };
             Ok(Dynamic::from(ModelHandle(Rc::new(RefCell::new(data)))))
         }),
     }
@@ -68,7 +68,7 @@ pub fn add_body() -> Function {
         see_also: &["model", "fix", "add_contact"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, mut mesh) = (call.text("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
+            let (name, mut mesh) = (call.name("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             let MaterialHandle(material) = call.handle("material")?;
             let formulation = formulation_of(&call.options("formulation")?, mesh.kind, &material)?;
             let mut points = mesh.points.clone();

@@ -49,7 +49,7 @@ pub fn add_spring() -> Function {
         see_also: &["force", "fix", "tie"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, options) = (call.text("name")?, call.options("options")?);
+            let (name, options) = (call.name("name")?, call.options("options")?);
             let ends = [end_of(&options, &model, "from", "from_point")?, end_of(&options, &model, "to", "to_point")?];
             let (stiffness, rest_length) = (options.number("stiffness")?, options.optional_number("rest_length")?);
             change(call, &model, |data| {

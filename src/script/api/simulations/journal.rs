@@ -19,10 +19,11 @@ use super::artifacts::output_failure;
 use super::handle::{Past, SimulationHandle, Simulations};
 use super::run_folder::{RunFolder, output_folder};
 use crate::dynamics::{State, Tally, TimeFunction};
+use crate::machine::files::read;
 use crate::math::simd::instructions;
 use crate::output::checkpoint::{Checkpoint, Course, Origin};
 use crate::output::journal::{Computation, Entry, JournalReader, JournalWriter, Mark, Outcome};
-use crate::output::{OutputError, RunFiles, read_file};
+use crate::output::{OutputError, RunFiles};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -77,7 +78,7 @@ struct Pages {
 /// Notes the files that the script has read since it was asked last.
 fn note_files(host: &Host, files: &mut BTreeMap<PathBuf, (u64, u32)>) {
     for path in host.sandbox.files_read() {
-        files.entry(path.clone()).or_insert_with(|| read_file(&path).map_or((0, 0), |bytes| Origin::digest(&bytes)));
+        files.entry(path.clone()).or_insert_with(|| read(&path).map_or((0, 0), |bytes| Origin::digest(&bytes)));
     }
 }
 

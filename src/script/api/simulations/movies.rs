@@ -4,7 +4,7 @@ use super::handle::SimulationHandle;
 use super::pictures::{keys, shown};
 use super::writing::{path_parameter, write_course};
 use crate::math::catalogue::Interval;
-use crate::output::{Field, MovieFormat, PictureOptions, Sight, Still, movie, picture, shapes, sight};
+use crate::output::{Drawing, Field, MovieFormat, PictureOptions, Sight, Still, movie, picture, shapes, sight};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::brief;
@@ -70,6 +70,7 @@ fn drawn(call: &Call, handle: &SimulationHandle, mut shown: PictureOptions, titl
         let title = title.map_or_else(|| format!("{} at t = {}", handle.0.name, brief(still.time)), String::from);
         picture(&bodies, &obstacles, &PictureOptions { title, ..shown.clone() })
     };
-    let bytes = movie(stills.len(), &draw, seconds, format);
+    let count = stills.len();
+    let bytes = call.host.consulted(move |ask: &dyn Fn(usize) -> Option<Drawing>| movie(count, ask, seconds, format), draw)?;
     bytes.ok_or_else(|| call.fail("there is no memory for pictures of this size").hint("choose a smaller `width`"))
 }

@@ -128,7 +128,7 @@ fn probe() -> Function {
         see_also: &["history", "contact"],
         body: body(|call| {
             let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
-            let (name, index) = (argument.text()?, handle.body_index(call)?);
+            let (name, index) = (argument.name()?, handle.body_index(call)?);
             let model = &handle.0.model.model;
             let taken = handle.0.probes.borrow().iter().any(|probe| probe.name == name) || model.contact_names().contains(&name.as_str());
             if taken {

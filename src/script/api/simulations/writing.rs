@@ -24,10 +24,8 @@ pub fn write_drawing(
     let is_png = call.text("path")?.ends_with(".png");
     let content = || {
         let drawing = draw()?;
-        if !is_png {
-            return Ok(svg(&drawing).into_bytes());
-        }
-        png(&drawing).ok_or_else(|| call.fail("there is no memory for a picture of this size").hint("choose a smaller `width`"))
+        let bytes = call.host.watched(move || if is_png { png(&drawing) } else { Some(svg(&drawing).into_bytes()) })?;
+        bytes.ok_or_else(|| call.fail("there is no memory for a picture of this size").hint("choose a smaller `width`"))
     };
     write(call, into, &[".svg", ".png"], content)
 }

@@ -75,7 +75,8 @@ fn options() -> Vec<Parameter> {
 fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let options = call.options("options")?;
     let (names, search) = search(&options)?;
-    let first = search.first_points();
+    let begun = search.clone();
+    let first = call.host.watched(move || begun.first_points())?;
     let callback = call.callback("run")?;
     let threads = threads(call, &options)?.min(first.len());
     not_in_check(call, format!("would search for the least value over {}", listed(&names, "and")))?;
@@ -89,20 +90,23 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         return Err(evaluations.failure().into());
     }
     let observer = call.host.observer.clone();
-    let end = search.minimize(|point| {
-        if evaluations.value(point).is_none() {
+    let searched = search.clone();
+    // Between two points the method itself takes seconds where there are hundreds of variables.
+    let method = move |ask: &dyn Fn(Vec<f64>) -> Option<Option<f64>>| searched.minimize(|point| ask(point.to_vec()).flatten());
+    let end = call.host.consulted(method, |point| {
+        if evaluations.value(&point).is_none() {
             let least = evaluations.best().map_or(f64::NAN, |row| row.value);
             observer.began(&format!("minimize: evaluation {}, least value {}", evaluations.rows.len() + 1, brief(least)));
-            failed = evaluations.compute(&mut crew, &[point.to_vec()]).err();
+            failed = evaluations.compute(&mut crew, std::slice::from_ref(&point)).err();
         }
-        if failed.is_some() { None } else { evaluations.value(point) }
+        if failed.is_some() { None } else { evaluations.value(&point) }
     });
     observer.ended();
     if let Some(failure) = failed {
         return Err(failure.into());
     }
     drop(crew);
-    let end = end.ok_or_else(|| call.fail("these numbers make no search").hint("choose a `tolerance` below `step`"))?;
+    let end = end?.ok_or_else(|| call.fail("these numbers make no search").hint("choose a `tolerance` below `step`"))?;
     evaluations.warn(end, &search);
     Ok(evaluations.found(end, &search).into())
 }

@@ -54,9 +54,9 @@ pub fn result() -> Function {
         example: "let peak = max([0.2, 0.7, 0.4]);\nresult(\"peak pressure\", peak);".into(),
         see_also: &["param"],
         body: body(|call| {
-            let (name, value) = (call.text("name")?, call.argument("value"));
-            if name.trim().is_empty() || name.chars().any(char::is_control) {
-                let failure = call.argument("name").fail("`name` of `result` must be a word or a few on one line");
+            let (name, value) = (call.name("name")?, call.argument("value"));
+            if name.trim().is_empty() {
+                let failure = call.argument("name").fail("`name` of `result` must be a word or a few");
                 return Err(failure.hint("write `result(\"peak pressure\", p)`, for example").into());
             }
             let Some(plain) = plain(&value.value()) else { return Err(refused(call, &value.value()).into()) };

@@ -16,6 +16,7 @@ use crate::script::language::message::Message;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::plain::Plain;
 use crate::script::language::scan::Target;
+use crate::script::language::settings::worthwhile;
 use crate::script::language::values::describe;
 use crate::script::language::wording::listed;
 
@@ -77,7 +78,7 @@ pub fn threads_parameter() -> Parameter {
 /// How many threads options ask for.
 pub fn threads(call: &Call, options: &Options) -> Result<usize, Failure> {
     let argument = options.argument("threads");
-    if argument.is_given() { Ok(argument.integer()? as usize) } else { Ok(call.host.settings.workers) }
+    if argument.is_given() { Ok(worthwhile(argument.integer()? as usize)) } else { Ok(call.host.settings.workers) }
 }
 
 /// The closure that options give under a name.

@@ -1,0 +1,54 @@
+//! `--memory`: how much of it a command may take.
+
+use clap::Args;
+
+use crate::machine::memory;
+
+/// The option, of every command that runs scripts.
+#[derive(Args)]
+pub struct MemoryArguments {
+    /// Memory that the program may take (8GB, 500MB); what would need more is refused [default: what the machine has left]
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub memory: Option<u64>,
+}
+
+impl MemoryArguments {
+    /// Makes it the limit of this process.
+    pub fn apply(&self) {
+        self.memory.into_iter().for_each(memory::set_limit);
+    }
+}
+
+/// Bytes, from a number with its unit.
+///
+/// # Errors
+/// How it is written.
+fn size(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic()).trim_end();
+    let unit = match text[digits.len()..].trim() {
+        "MB" | "M" => 1e6,
+        "GB" | "G" => 1e9,
+        "TB" | "T" => 1e12,
+        "MiB" => f64::from(1 << 20),
+        "GiB" => f64::from(1 << 30),
+        _ => f64::NAN,
+    };
+    let bytes = digits.parse::<f64>().ok().map(|count| count * unit).filter(|bytes| (LEAST..1e18).contains(bytes));
+    bytes.map(|bytes| bytes as u64).ok_or_else(|| "write a size with its unit, 50MB at least: 500MB, 8GB, 1.5GiB".into())
+}
+
+/// What the program takes before it has done anything, and a little more.
+const LEAST: f64 = 5e7;
+
+#[cfg(test)]
+mod tests {
+    use super::size;
+
+    #[test]
+    fn sizes_have_units() {
+        let sizes = ["8GB", "500 MB", "1.5GiB", "2T"].map(|text| size(text).unwrap());
+        assert_eq!(sizes, [8_000_000_000, 500_000_000, 1_610_612_736, 2_000_000_000_000]);
+        assert!(["8", "GB", "-1GB", "1kB", "49MB", "1e30GB", "NaNGB"].iter().all(|text| size(text).is_err()));
+    }
+}

@@ -1,0 +1,74 @@
+//! Signals: those that end a run do so with its checkpoint, summary and report. `docs/files.md` has the table.
+
+use std::io::Result;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+#[cfg(unix)]
+use signal_hook::consts::{SIGHUP, SIGUSR1, SIGXCPU, SIGXFSZ};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use super::process::exit_code;
+use crate::script::Class;
+
+/// A flag that becomes true at the first signal that ends a run.
+///
+/// Only a second interrupt key ends the process at once: the other signals come more than once by themselves, such as that of `timeout`,
+/// of a shell whose terminal closes, or of a limit of processor time, every second.
+///
+/// # Errors
+/// A signal that cannot be watched.
+pub fn interrupt() -> Result<Arc<AtomicBool>> {
+    let interrupt = Arc::new(AtomicBool::new(false));
+    flag::register_conditional_shutdown(SIGINT, i32::from(exit_code(Class::Interrupted)), interrupt.clone())?;
+    for signal in [SIGINT, SIGTERM] {
+        flag::register(signal, interrupt.clone())?;
+    }
+    #[cfg(unix)]
+    {
+        for signal in [SIGXCPU, SIGUSR1] {
+            flag::register(signal, interrupt.clone())?;
+        }
+        watch_hangup(&interrupt)?;
+        // A file that grows above its limit is one that cannot be written.
+        flag::register(SIGXFSZ, Arc::default())?;
+    }
+    Ok(interrupt)
+}
+
+/// The flag of a prompt, which the interrupt key raises again and again, and one that the end of its terminal raises beside it, or a
+/// request to end. While the prompt waits (`waiting`), such a request ends the process as it always does.
+///
+/// # Errors
+/// A signal that cannot be watched.
+pub fn prompt(waiting: &Arc<AtomicBool>) -> Result<(Arc<AtomicBool>, Arc<AtomicBool>)> {
+    let (interrupt, over) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+    flag::register_conditional_default(SIGTERM, waiting.clone())?;
+    for signal in [SIGINT, SIGTERM] {
+        flag::register(signal, interrupt.clone())?;
+    }
+    flag::register(SIGTERM, over.clone())?;
+    #[cfg(unix)]
+    for flag in [&interrupt, &over] {
+        watch_hangup(flag)?;
+    }
+    Ok((interrupt, over))
+}
+
+/// Raises a flag when the terminal closes, unless the process was started to outlive it (`nohup`).
+#[cfg(unix)]
+fn watch_hangup(flag: &Arc<AtomicBool>) -> Result<()> {
+    if !ignores_hangup() {
+        flag::register(SIGHUP, flag.clone())?;
+    }
+    Ok(())
+}
+
+/// Whether this process was started with `SIGHUP` ignored, as far as the system tells (Linux).
+#[cfg(unix)]
+fn ignores_hangup() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (SIGHUP - 1) & 1 == 1)
+}

@@ -1,0 +1,130 @@
+//! Memory that is left for this process, and the refusal of what would not fit into it.
+//!
+//! The bytes of a mesh, a simulation or a factorisation are estimated before they are asked for, because an operating system promises
+//! more than it has and ends the process when it cannot keep that. What is left is what the machine has available and, in a container or
+//! under a limit of address space, what these leave; and what a limit of the process's own leaves ([`set_limit`]). Linux tells; where
+//! the system does not, nothing is refused.
+
+use std::fmt::{Display, Formatter};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The limit of the process's own.
+static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
+
+/// What is left to the machine itself.
+const RESERVE: u64 = 128 << 20;
+
+/// Fewer bytes than this are not worth a look at what is left.
+const SMALL: u64 = 4 << 20;
+
+/// Bytes that would not fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shortage {
+    /// How many are needed, as estimated.
+    pub needed: u64,
+    /// How many are left.
+    pub left: u64,
+}
+
+impl Display for Shortage {
+    fn fmt(&self, out: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(out, "it takes about {} of memory, and {} are left", written(self.needed), written(self.left))
+    }
+}
+
+impl std::error::Error for Shortage {}
+
+/// Bytes in the largest unit of which there is one: `4.1 GB`, `512 MB`.
+pub fn written(bytes: u64) -> String {
+    let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    let value = bytes as f64;
+    match units.into_iter().find(|(unit, _)| value >= *unit) {
+        Some((unit, name)) if value < 10.0 * unit => format!("{:.1} {name}", value / unit),
+        Some((unit, name)) => format!("{:.0} {name}", value / unit),
+        None => format!("{bytes} bytes"),
+    }
+}
+
+/// Lets this process take so many bytes at most, in all.
+pub fn set_limit(bytes: u64) {
+    LIMIT.store(bytes, Ordering::Relaxed);
+}
+
+/// The limit of the process's own, if one was set.
+pub fn limit() -> Option<u64> {
+    Some(LIMIT.load(Ordering::Relaxed)).filter(|&limit| limit < u64::MAX)
+}
+
+/// Refuses what needs more bytes than are left.
+///
+/// # Errors
+/// How many there are.
+pub fn ensure(bytes: u64) -> Result<(), Shortage> {
+    if bytes < SMALL {
+        return Ok(());
+    }
+    match left() {
+        Some(left) if bytes > left => Err(Shortage { needed: bytes, left }),
+        _ => Ok(()),
+    }
+}
+
+/// Bytes that are left, as far as the system tells.
+pub fn left() -> Option<u64> {
+    let own = limit().and_then(|limit| Some(limit.saturating_sub(used()?)));
+    let machine = [available(), address_space()].into_iter().flatten().min().map(|bytes| bytes.saturating_sub(RESERVE));
+    [own, machine, container()].into_iter().flatten().min()
+}
+
+/// Bytes of memory that this process has taken.
+fn used() -> Option<u64> {
+    kilobytes("/proc/self/status", "VmRSS:")
+}
+
+/// Bytes that the machine can give without taking them from others.
+fn available() -> Option<u64> {
+    kilobytes("/proc/meminfo", "MemAvailable:")
+}
+
+/// What a limit of address space (`ulimit -v`) leaves.
+fn address_space() -> Option<u64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let most = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?.split_whitespace().next()?.parse::<u64>().ok()?;
+    Some(most.saturating_sub(kilobytes("/proc/self/status", "VmSize:")?))
+}
+
+/// What the control group of this process (version 2) leaves, and those around it.
+fn container() -> Option<u64> {
+    let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;
+    let read = |folder: &std::path::Path, name: &str| std::fs::read_to_string(folder.join(name)).ok()?.trim().parse::<u64>().ok();
+    let own = std::path::Path::new("/sys/fs/cgroup").join(path.trim_start_matches('/'));
+    let left = own.ancestors().take_while(|folder| folder.starts_with("/sys/fs/cgroup")).filter_map(|folder| {
+        let (most, current) = (read(folder, "memory.max")?, read(folder, "memory.current")?);
+        Some(most.saturating_sub(current).saturating_sub(RESERVE.min(most / 8)))
+    });
+    left.min()
+}
+
+/// A number of kB behind a word in a file of the system, in bytes.
+fn kilobytes(file: &str, word: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let number = text.lines().find_map(|line| line.strip_prefix(word))?.split_whitespace().next()?.parse::<u64>().ok()?;
+    Some(1024 * number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_is_told_and_what_does_not_fit_is_refused() {
+        assert_eq!([999, 1000, 4_100_000_000, 512_000_000].map(written), ["999 bytes", "1.0 kB", "4.1 GB", "512 MB"]);
+        assert_eq!(ensure(1000), Ok(()));
+        if let Some(left) = left() {
+            assert!(left > SMALL, "{left}");
+            let shortage = ensure(1 << 60).unwrap_err();
+            assert!(shortage.to_string().starts_with("it takes about 1152922 TB of memory, and "), "{shortage}");
+        }
+    }
+}
