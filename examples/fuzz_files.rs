@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 mod mesh_damage;
 
 use conserva::mesh::read_mesh;
+use conserva::output::RunLock;
 use conserva::output::checkpoint::{self, Checkpoint, MAGIC};
 use conserva::output::{Exactness, RunFolder};
 use conserva::output::{compare, read_columns, read_fields, read_frames, read_parquet, read_rows, read_summary, read_table};
@@ -90,7 +91,11 @@ fn run(folder: &Path, out: &str, until: Option<f64>, from: Option<Checkpoint>) -
 
 fn resumed(settings: Settings, folder: &Path, from: Option<Checkpoint>) -> Option<Class> {
     let mut session = Session::new(settings, folder, Rc::new(Silent)).ok()?;
-    from.into_iter().for_each(|checkpoint| session.resume(checkpoint));
+    if let Some(checkpoint) = from {
+        let run = folder.join("cut");
+        let lock = RunLock::take(&run).ok()?;
+        session.resume(&run, checkpoint, lock).ok()?;
+    }
     session.run_file(&folder.join("main.rhai")).error.map(|error| error.class)
 }
 

@@ -82,7 +82,9 @@ impl<'a> Patches<'a> {
                 nodes.sort_unstable();
                 match facets.remove(&nodes) {
                     Some(neighbor) => patches.add_sample(&[neighbor, index]),
-                    None => drop(facets.insert(nodes, index)),
+                    None => {
+                        facets.insert(nodes, index);
+                    }
                 }
             }
         }

@@ -6,7 +6,7 @@
 //! is moved beside the checkpoints, under a name that its content gives, and a run that is resumed takes it from there.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};

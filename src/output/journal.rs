@@ -253,10 +253,14 @@ mod tests {
     fn entries_come_back_up_to_the_mark_and_what_is_behind_it_is_cut_off() {
         let (directory, files) = scratch("journal");
         let mut writer = JournalWriter::new(&files, Mark::default());
-        (0..3).for_each(|step| drop(writer.add(&computed(step)).unwrap()));
+        for step in 0..3 {
+            writer.add(&computed(step)).unwrap();
+        }
         let mark = writer.secure().unwrap();
         assert_eq!(mark.events, 3);
-        (3..9).for_each(|step| drop(writer.add(&computed(step)).unwrap()));
+        for step in 3..9 {
+            writer.add(&computed(step)).unwrap();
+        }
         let further = writer.secure().unwrap();
         assert_eq!((read(&directory, &mark), read(&directory, &further).len()), ((0..3).map(computed).collect(), 9));
         let mut again = JournalWriter::new(&files, mark);

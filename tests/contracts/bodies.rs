@@ -124,8 +124,8 @@ where
 /// Every formulation that goes with a mesh and a material, with its name.
 fn formulations(mesh: &Mesh, material: &Material) -> Vec<(Formulation, String)> {
     let planes = [Plane::Strain, Plane::Stress, Plane::Axisymmetric];
-    let all =
-        planes.into_iter().flat_map(|plane| [Dilatation::Pointwise, Dilatation::Mean].map(|dilatation| Formulation { plane, dilatation }));
+    let dilatations = [Dilatation::Pointwise, Dilatation::Mean, Dilatation::Linear];
+    let all = planes.into_iter().flat_map(|plane| dilatations.map(|dilatation| Formulation { plane, dilatation }));
     all.filter(|formulation| formulation.check(mesh, material).is_ok())
         .map(|one| (one, format!("{:?} {:?}", one.plane, one.dilatation)))
         .collect()

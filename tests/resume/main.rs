@@ -192,6 +192,7 @@ fn random_scripts_end_as_if_nobody_had_killed_them() {
     for seed in 0..12 {
         let found = kills::course::course(program, &home.join(seed.to_string()), seed);
         assert!(found.fault.is_none(), "seed {seed}: {}", found.fault.unwrap_or_default());
+        assert!(found.code.is_some(), "seed {seed}: the undisturbed run ends by itself");
         kills += found.kills;
         resumed += found.resumed;
     }
