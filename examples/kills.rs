@@ -75,7 +75,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
     let [faults, kills, resumed, failed] = sums.into_inner()?;
     println!(
-        "{count} scripts, {kills} kills, {resumed} programs that went on: {faults} with a fault ({failed} scripts end with an error or doubt)"
+        "{count} scripts, {kills} kills, {resumed} programs that went on: {faults} with a fault \
+         ({failed} scripts end with an error or doubt)"
     );
     if faults > 0 { Err("not all ended as if nobody had disturbed them".into()) } else { Ok(()) }
 }

@@ -16,11 +16,10 @@ use std::ops::Range;
 
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
-use super::element_loop::{ElementLoop, Inverted, Step};
+use super::element_loop::{ElementLoop, Inverted, PointStress, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
 use super::special::{Answer, SpecialPoints};
-use super::stresses::PointStress;
 use super::workspace::Workspace;
 use crate::elements::ReferenceCell;
 use crate::integrators::Derivative;

@@ -2,7 +2,6 @@
 //!
 //! A [`Step`] says how the strain energy is differentiated; how that is done stands in `cells.rs`.
 
-use super::stresses::PointStress;
 use crate::integrators::Derivative;
 use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
@@ -30,6 +29,27 @@ pub struct Step<'a> {
     pub u_0: &'a [f64],
     /// Displacements at the end.
     pub u_1: &'a [f64],
+}
+
+/// Stress and strain at a quadrature point.
+#[derive(Clone, Copy, Debug)]
+pub struct PointStress<'a> {
+    /// Number of the cell in its mesh.
+    pub cell: usize,
+    /// The cell's nodes in the model.
+    pub nodes: &'a [u32],
+    /// Values of the cell's shape functions at the point.
+    pub shapes: &'a [f64],
+    /// Factors of the point's values in those that are extrapolated to the nodes of the cell.
+    pub extrapolation: &'a [f64],
+    /// Undeformed volume that belongs to the point.
+    pub volume: f64,
+    /// Undeformed volume of the cell.
+    pub cell_volume: f64,
+    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`.
+    pub stress: [f64; 6],
+    /// Green-Lagrange strain, likewise.
+    pub strain: [f64; 6],
 }
 
 /// The cells of a body in `D` dimensions. Displacements and forces are flat, node after node, of the whole model.

@@ -20,10 +20,10 @@ mod surface_loads;
 mod thickness;
 mod workspace;
 
-pub use element_loop::{ElementLoop, Inverted, Step};
+pub use element_loop::{ElementLoop, Inverted, PointStress, Step};
 pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{Elements, Space};
 pub use recovery::Recovery;
-pub use stresses::{PointStress, StressError, Stresses};
+pub use stresses::{StressError, Stresses};
 pub use surface_loads::{nodal_areas, pressure_shares, round_pressure, torque_forces};
 pub use thickness::{PlaneGradients, Resistance, Thickness, ThicknessStep};

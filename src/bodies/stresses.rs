@@ -4,29 +4,8 @@
 
 use std::ops::Range;
 
-use super::element_loop::ElementLoop;
+use super::element_loop::{ElementLoop, PointStress};
 use super::recovery::Recovery;
-
-/// Stress and strain at a quadrature point.
-#[derive(Clone, Copy, Debug)]
-pub struct PointStress<'a> {
-    /// Number of the cell in its mesh.
-    pub cell: usize,
-    /// The cell's nodes in the model.
-    pub nodes: &'a [u32],
-    /// Values of the cell's shape functions at the point.
-    pub shapes: &'a [f64],
-    /// Factors of the point's values in those that are extrapolated to the nodes of the cell.
-    pub extrapolation: &'a [f64],
-    /// Undeformed volume that belongs to the point.
-    pub volume: f64,
-    /// Undeformed volume of the cell.
-    pub cell_volume: f64,
-    /// Cauchy stress `[stress]`.
-    pub stress: [f64; 6],
-    /// Green-Lagrange strain.
-    pub strain: [f64; 6],
-}
 
 /// Stress and strain at each of some places.
 #[derive(Clone, Debug)]

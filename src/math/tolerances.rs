@@ -305,9 +305,9 @@ pub const DEPENDENT: f64 = 1e-9;
 /// Entry of a constraint, relative to its largest, that elimination drops.
 pub const NEGLIGIBLE_ENTRY: f64 = 1e-14;
 
-/// Sum of the squared factors by which values of cells become one of a node, up to which a patch of cells tells a slope: no noise of the
-/// cells is larger at the node than in one of them.
-pub const RECOVERY_AMPLIFICATION: f64 = 1.0;
+/// Sum of the squared factors by which values of cells become one of a node, up to which a patch of cells tells a slope: a little more
+/// than the 9/4 of two by two cells at a corner.
+pub const RECOVERY_AMPLIFICATION: f64 = 2.5;
 
 /// Stress at rest of an energy, relative to the terms that cancel in it, that is the round-off of its constants.
 pub const RESIDUAL_STRESS: f64 = 1e-14;

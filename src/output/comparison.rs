@@ -1,6 +1,7 @@
 //! What differs between two runs: parameters, outcome, columns of the history, fields of all frames.
 //!
-//! Rows and frames belong together that have the same time, so that runs of different steps can be compared where they meet. A number differs when
+//! Rows and frames belong together that have the same time, so that runs of different steps can be compared where they meet. A number
+//! differs when
 //! it is off by more than the tolerance times a scale: the largest value of its kind in both runs. Of one kind are all energies, the
 //! components of one force, of one momentum, and so on, since a component that ought to be zero has nothing but round-off to be compared
 //! with. Wall-clock times and memory are never looked at.

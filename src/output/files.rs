@@ -50,7 +50,11 @@ pub enum OutputError {
         path: PathBuf,
     },
     /// Another process writes there.
-    #[error("a run is under way here{}: \"{}\"", if process.is_empty() { String::new() } else { format!(" ({process})") }, directory.display())]
+    #[error(
+        "a run is under way here{}: \"{}\"",
+        if process.is_empty() { String::new() } else { format!(" ({process})") },
+        directory.display()
+    )]
     UnderWay {
         /// The output directory.
         directory: PathBuf,
@@ -147,7 +151,8 @@ impl RunFiles {
         files.recorded(inputs, Vec::new())
     }
 
-    /// Opens the output directory for a run that goes on with what an earlier program has written, and counts on files of it: those that its
+    /// Opens the output directory for a run that goes on with what an earlier program has written, and counts on files of it: those that
+    /// its
     /// checkpoints name, the one last from which it goes on.
     ///
     /// # Errors

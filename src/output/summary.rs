@@ -393,6 +393,7 @@ mod tests {
           },
           "peak_memory_bytes": null,
           "energy_drift": 1e-13,
+          "energy_unexplained": null,
           "momentum_drift": null,
           "angular_momentum_drift": null,
           "worst_energy_defect": null,

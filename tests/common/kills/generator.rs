@@ -96,12 +96,14 @@ impl Writer {
                 let around = 8 + 4 * self.random.below(4);
                 let _ = writeln!(
                     made,
-                    "let {body} = {model}.add_body(\"ring\", ring(#{{ inner_radius: 0.6, outer_radius: 1.0, cells: [1, {around}], center: [0.0, 1.05] }}), {material});"
+                    "let {body} = {model}.add_body(\"ring\", ring(#{{ inner_radius: 0.6, outer_radius: 1.0, cells: [1, {around}], \
+                     center: [0.0, 1.05] }}), {material});"
                 );
                 let update = *self.random.pick(&["gap", "velocity", "persistency"]);
                 let _ = writeln!(
                     made,
-                    "{model}.gravity([0.5, -10.0]);\n{model}.add_contact(\"ground\", #{{ secondary: {body}.boundary(\"outer\"), primary: rigid_plane(#{{ point: [0.0, 0.0], normal: [0.0, 1.0] }}), update: \"{update}\" }});"
+                    "{model}.gravity([0.5, -10.0]);\n{model}.add_contact(\"ground\", #{{ secondary: {body}.boundary(\"outer\"), \
+                     primary: rigid_plane(#{{ point: [0.0, 0.0], normal: [0.0, 1.0] }}), update: \"{update}\" }});"
                 );
                 (Some("ground"), false)
             }
@@ -109,16 +111,19 @@ impl Writer {
                 let method = *self.random.pick(&["mortar", "node_to_segment", "dual_mortar"]);
                 let _ = writeln!(
                     made,
-                    "let {body} = {model}.add_body(\"top\", rectangle(#{{ size: [0.8, 0.5], cells: [4, 2], origin: [-0.4, 0.02] }}), {material});"
+                    "let {body} = {model}.add_body(\"top\", rectangle(#{{ size: [0.8, 0.5], cells: [4, 2], origin: [-0.4, 0.02] }}), \
+                     {material});"
                 );
                 let _ = writeln!(
                     made,
-                    "let low{model} = {model}.add_body(\"low\", rectangle(#{{ size: [2.0, 0.5], cells: [6, 2], origin: [-1.0, -0.5] }}), soft);"
+                    "let low{model} = {model}.add_body(\"low\", rectangle(#{{ size: [2.0, 0.5], cells: [6, 2], origin: [-1.0, -0.5] }}), \
+                     soft);"
                 );
                 let _ = writeln!(made, "{model}.fix(low{model}.boundary(\"bottom\"));\n{model}.gravity([0.0, -5.0]);");
                 let _ = writeln!(
                     made,
-                    "{model}.add_contact(\"pair\", #{{ secondary: {body}.boundary(\"bottom\"), primary: low{model}.boundary(\"top\"), method: {method}() }});"
+                    "{model}.add_contact(\"pair\", #{{ secondary: {body}.boundary(\"bottom\"), primary: low{model}.boundary(\"top\"), \
+                     method: {method}() }});"
                 );
                 (Some("pair"), false)
             }
@@ -217,7 +222,8 @@ impl Writer {
                 let (rounds, at, back) = (3 + self.random.below(6), self.random.below(6), 1 + self.random.below(3));
                 let state = self.fresh("v");
                 self.line(&format!(
-                    "let {state} = {name}.save();\nfor k in 0..{rounds} {{ {name}.step(3); if k == {at} {{ {name}.back({back}); }} if k == 4 {{ {name}.restore({state}); }} }}"
+                    "let {state} = {name}.save();\nfor k in 0..{rounds} {{ {name}.step(3); if k == {at} {{ {name}.back({back}); }} \
+                     if k == 4 {{ {name}.restore({state}); }} }}"
                 ));
                 self.simulations[index].states.push(state);
             }
@@ -287,11 +293,13 @@ impl Writer {
         let variable = self.fresh("rows");
         let line = if self.chance(60) {
             format!(
-                "let {variable} = sweep(#{{ vary: #{{ w: [1.0, 2.0, 3.0] }}, run: |p| {{ {inner} print(`point ${{p.w}}`); if p.w == 2.0 {{ sim.back(2); }} #{{ e: sim.energy.total }} }} }});\nprint(format_table({variable}));"
+                "let {variable} = sweep(#{{ vary: #{{ w: [1.0, 2.0, 3.0] }}, run: |p| {{ {inner} print(`point ${{p.w}}`); \
+                 if p.w == 2.0 {{ sim.back(2); }} #{{ e: sim.energy.total }} }} }});\nprint(format_table({variable}));"
             )
         } else {
             format!(
-                "let {variable} = minimize(|p| {{ {inner} (sim.energy.strain - 0.001) ** 2.0 }}, #{{ bounds: #{{ w: [0.5, 2.0] }}, name: \"w\" }});\nprint({variable}.best);"
+                "let {variable} = minimize(|p| {{ {inner} (sim.energy.strain - 0.001) ** 2.0 }}, \
+                 #{{ bounds: #{{ w: [0.5, 2.0] }}, name: \"w\" }});\nprint({variable}.best);"
             )
         };
         self.line(&line);

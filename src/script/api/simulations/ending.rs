@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::artifacts::output_failure;
 use super::following;
 use super::handle::{SimulationHandle, Simulations};
-use super::journal::go_on;
+use super::recalling::go_on;
 use super::reports::{Ending, json, write_at_end};
 use super::run_folder::{RunFolder, output_folder};
 use crate::dynamics::{EnergyAccount, PhaseTimes};

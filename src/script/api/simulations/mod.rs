@@ -20,6 +20,7 @@ pub mod plots;
 pub mod probes;
 pub mod properties;
 pub mod reactions;
+pub mod recalling;
 pub mod reports;
 pub mod results;
 pub mod run_folder;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 
 use super::handle::{SimulationHandle, busy, result_used};
-use super::journal::go_on;
+use super::recalling::go_on;
 use crate::dynamics::{LedgerRow, SettleReport, StepError};
 use crate::math::catalogue::Interval;
 use crate::output::journal::{Computation, Outcome};

@@ -9,7 +9,7 @@ use std::time::Instant;
 use rhai::Dynamic;
 
 use super::handle::{SimulationHandle, busy};
-use super::journal::go_on;
+use super::recalling::go_on;
 use super::simulate::{Course, create, kernels};
 use crate::dynamics::{LedgerRow, State};
 use crate::math::catalogue::Interval;

@@ -15,8 +15,7 @@ pub fn read_csv() -> Function {
         form: Form::Function,
         topic: Topic::Studies,
         summary: "the columns of a table in a file: a map of arrays by the names in its first line (`x` and `y`, or `c1`, `c2`, …, where \
-                  it has numbers already). Units in brackets, such as `force [N]`, are no part of a name: the entry `units` has them by \
-                  the names. Fields are parted by commas, semicolons, tabs or blanks, `#` begins a remark; an empty field of numbers is \
+                  it has numbers already). A name with a unit, such as `force [N]`, is there without it, too: `table.force`. Fields are parted by commas, semicolons, tabs or blanks, `#` begins a remark; an empty field of numbers is \
                   NaN",
         parameters: vec![Parameter::new(
             "path",
@@ -48,30 +47,26 @@ fn read(call: &Call) -> Result<Map, Failure> {
         let failure = argument.fail(format!("\"{path}\" {what}"));
         cause.into_iter().fold(failure, |failure, cause| failure.cause(cause)).hint(cure)
     })?;
-    let (mut table, mut units) = (Map::new(), Map::new());
-    for column in columns {
-        let (name, unit) = name_and_unit(&column.name);
-        if table.contains_key(name) {
-            let failure = argument.fail(format!("\"{path}\" has two columns `{name}`"));
+    let mut table = Map::new();
+    for column in &columns {
+        if table.contains_key(column.name.as_str()) {
+            let failure = argument.fail(format!("\"{path}\" has two columns `{}`", column.name));
             return Err(failure.hint("give every column a name of its own in the first line"));
         }
-        table.insert(name.into(), values(&column.fields).into());
-        unit.into_iter().for_each(|unit| drop(units.insert(name.into(), unit.into())));
+        table.insert(column.name.as_str().into(), values(&column.fields).into());
     }
-    if !units.is_empty() {
-        if table.contains_key("units") {
-            let failure = argument.fail(format!("\"{path}\" has a column `units`, and other columns with units in brackets"));
-            return Err(failure.hint("give the column another name: `units` is the entry with the units of all columns"));
+    for column in &columns {
+        if let Some(name) = without_unit(&column.name).filter(|name| !table.contains_key(*name)) {
+            table.insert(name.into(), values(&column.fields).into());
         }
-        table.insert("units".into(), units.into());
     }
     Ok(table)
 }
 
-/// `force` and `N` of `force [N]`.
-fn name_and_unit(header: &str) -> (&str, Option<&str>) {
-    let parts = header.strip_suffix(']').and_then(|header| header.split_once('['));
-    parts.filter(|(name, _)| !name.trim().is_empty()).map_or((header, None), |(name, unit)| (name.trim_end(), Some(unit.trim())))
+/// `force` of `force [N]`.
+fn without_unit(header: &str) -> Option<&str> {
+    let name = header.strip_suffix(']').and_then(|header| header.split_once('['))?.0.trim_end();
+    (!name.is_empty()).then_some(name)
 }
 
 /// Numbers, or strings where one is none.

@@ -1,0 +1,278 @@
+//! Computations that are taken from the journal, and checkpoints of all simulations: where the [journal](Journal) meets the simulations.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::artifacts::output_failure;
+use super::handle::{Past, SimulationHandle, Simulations};
+use super::journal::{Journal, is_kept, of_another_model, something_else, unreadable};
+use super::run_folder::RunFolder;
+use crate::dynamics::{State, Tally, TimeFunction};
+use crate::output::checkpoint::Course;
+use crate::output::journal::{Computation, Entry, Outcome};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::Call;
+use crate::script::language::host::Host;
+
+/// The function for which states before the last steps are kept in checkpoints.
+const GOES_BACK: &str = "back";
+
+impl Journal {
+    /// Before something long that is kept elsewhere ([`PointLog`](crate::output::PointLog)): a checkpoint to resume from.
+    ///
+    /// # Errors
+    /// An interrupt, or a result that cannot be written.
+    pub fn secure(&self, host: &Host) -> Result<(), Failure> {
+        if self.is_recalling() {
+            return Ok(());
+        }
+        go_on(host)?;
+        self.write(host)
+    }
+
+    /// The next computation, which must be this one.
+    fn next(&self, host: &Host, simulation: usize, computation: Computation) -> Result<(Outcome, Tally), Failure> {
+        match self.next_event(host)? {
+            Some(Entry::Computed { simulation: known, computation: asked, outcome, tally })
+                if (known, asked) == (simulation, computation) =>
+            {
+                self.0.borrow_mut().repeats = outcome == Outcome::Failed;
+                Ok((outcome, tally))
+            }
+            _ => Err(something_else()),
+        }
+    }
+
+    /// The next computation or way back; the simulations whose states come before it stand at these.
+    fn next_event(&self, host: &Host) -> Result<Option<Entry>, Failure> {
+        while let Some((other, state)) = self.next_state(None)? {
+            let handle = Simulations::of(host).0.borrow().get(other).cloned().ok_or_else(something_else)?;
+            handle.stand_at(&state)?;
+        }
+        let mut pages = self.0.borrow_mut();
+        pages.left = pages.left.saturating_sub(1);
+        pages.earlier.as_mut().map_or(Ok(None), |reader| reader.take().map_err(|error| unreadable(&error)))
+    }
+
+    /// Writes a checkpoint of all simulations as they stand. One that cannot be written is told once, and the run goes on.
+    ///
+    /// # Errors
+    /// A result that cannot be written.
+    pub fn write(&self, host: &Host) -> Result<(), Failure> {
+        let begun = Instant::now();
+        let Some(files) = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))? else { return Ok(()) };
+        let Some(courses) = courses(host)? else { return Ok(()) };
+        let mut pages = self.0.borrow_mut();
+        let written = pages.write(host, &files, courses);
+        pages.new = 0;
+        pages.last = Some((Instant::now(), begun.elapsed()));
+        let told = written.err().filter(|_| !std::mem::replace(&mut pages.is_told, true));
+        drop(pages);
+        told.iter().for_each(|error| {
+            let warning = Diagnostic::warning("the run cannot be resumed from here: a checkpoint could not be written", None);
+            // Not in the files of the run: what it computes is as it would be.
+            host.observer.warn(&warning.cause(error.to_string()).hint(format!("the run goes on; {}", error.cure())));
+        });
+        Ok(())
+    }
+
+    /// Writes a last checkpoint of a run that was interrupted, if there is something new in it.
+    ///
+    /// # Errors
+    /// A result that cannot be written.
+    pub fn close(&self, host: &Host) -> Result<(), Failure> {
+        let is_new = !self.is_recalling() && self.0.borrow().new > 0;
+        if is_new && is_kept(host) { self.write(host) } else { Ok(()) }
+    }
+}
+
+/// What is known of the simulations now; `None` in the middle of a step.
+fn courses(host: &Host) -> Result<Option<Vec<Course>>, Failure> {
+    let goes_back = host.sources.all().iter().any(|(_, text)| text.contains(GOES_BACK));
+    let mut courses = Vec::new();
+    for handle in Simulations::of(host).0.borrow().iter() {
+        let Ok(simulation) = handle.0.simulation.try_borrow() else { return Ok(None) };
+        // Frames that the checkpoint counts on are on the disk before it.
+        handle.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), |artifacts| artifacts.wait())?;
+        let (row, past) = (simulation.row(), handle.0.past.borrow());
+        courses.push(Course {
+            name: handle.0.name.clone(),
+            unknowns: simulation.unknowns(),
+            reached: (row.step, row.time),
+            tally: simulation.tally(),
+            state: Some(simulation.shared_state()),
+            past: if goes_back { known_states(&past) } else { Vec::new() },
+            recording: handle.0.artifacts.borrow().as_ref().map(|artifacts| artifacts.recording().clone()),
+        });
+    }
+    Ok(Some(courses))
+}
+
+/// The states before the last steps, the newest last, as far as they are known without a gap.
+fn known_states(past: &VecDeque<Past>) -> Vec<Arc<State>> {
+    let mut known: Vec<Arc<State>> = past.iter().rev().map_while(|past| past.state.clone()).collect();
+    known.reverse();
+    known
+}
+
+impl SimulationHandle {
+    fn stand_at(&self, state: &State) -> Result<(), Failure> {
+        let Ok(mut simulation) = self.0.simulation.try_borrow_mut() else { return Ok(()) };
+        if !simulation.fits(state) {
+            return Err(of_another_model());
+        }
+        simulation.restore(state);
+        self.0.is_behind.set(false);
+        self.0.is_known.set(true);
+        Ok(())
+    }
+
+    /// How a computation ended that an earlier program has made; the kernels then know its row. `None` when it is to be made.
+    ///
+    /// # Errors
+    /// The script asks for another one than in the run that is resumed.
+    pub fn recalled(&self, call: &Call, computation: Computation) -> Result<Option<Outcome>, Failure> {
+        if !Journal::of(call.host).is_recalling() {
+            go_on(call.host)?;
+            return Ok(None);
+        }
+        let Some((journal, number)) = self.0.journal.clone() else { return Ok(None) };
+        let (outcome, tally) = journal.next(call.host, number, computation)?;
+        if outcome == Outcome::Failed {
+            // It is made again, from the state that came before it.
+            return Ok(None);
+        }
+        self.0.is_behind.set(true);
+        self.0.is_known.set(false);
+        let Ok(mut simulation) = self.0.simulation.try_borrow_mut() else { return Ok(Some(outcome)) };
+        simulation.count_from(&tally);
+        if let Outcome::Stepped(rows) = &outcome {
+            rows.last().into_iter().for_each(|row| simulation.recall(row));
+            // Loads note whether they acted, when they are asked.
+            let asked = || rows.iter().flat_map(|row| [row.time - 0.5 * row.dt, row.time]);
+            self.0.model.loads.iter().for_each(|load| asked().for_each(|time| drop(load.amplitude.value(time))));
+        }
+        Ok(Some(outcome))
+    }
+
+    /// Takes down a computation; one that failed begins at a state that is kept.
+    pub fn take_down(&self, computation: Computation, outcome: Outcome, before: &Arc<State>, tally: Tally) {
+        let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return };
+        let has_failed = outcome == Outcome::Failed;
+        if has_failed && !self.0.is_known.get() {
+            journal.keep(simulation, before.clone());
+        }
+        journal.add(&Entry::Computed { simulation, computation, outcome, tally });
+        self.0.is_known.set(has_failed);
+    }
+
+    /// Takes down that the simulation has gone to a state that the script had kept, or takes it from what an earlier program has done.
+    ///
+    /// # Errors
+    /// The script asks for something else than in the run that is resumed; a file that cannot be written.
+    pub fn take_down_way_back(&self, host: &Host) -> Result<(), Failure> {
+        let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return Ok(()) };
+        let event = Entry::WentBack { simulation };
+        if !journal.is_recalling() {
+            go_on(host)?;
+            journal.add(&event);
+        } else if journal.next_event(host)? != Some(event) {
+            return Err(something_else());
+        }
+        Ok(())
+    }
+
+    /// Before the script learns more of the state than the row of its step: a run that is resumed must know it, too.
+    ///
+    /// # Errors
+    /// The script asks for something else than in the run that is resumed.
+    pub fn looked(&self) -> Result<(), Failure> {
+        let data = &self.0;
+        let Some((journal, number)) = data.journal.as_ref().filter(|_| !data.is_known.get()) else { return Ok(()) };
+        if data.is_behind.get() {
+            let (_, state) = journal.next_state(Some(*number))?.ok_or_else(something_else)?;
+            return self.stand_at(&state);
+        }
+        // In the middle of a step there is nothing to look at.
+        if let Ok(simulation) = data.simulation.try_borrow() {
+            journal.keep(*number, simulation.shared_state());
+            data.is_known.set(true);
+        }
+        Ok(())
+    }
+
+    /// The state before one of the last steps, to which the script goes back.
+    ///
+    /// # Errors
+    /// It was not kept.
+    pub fn past_state(&self, call: &Call, index: usize) -> Result<Arc<State>, Failure> {
+        let past = self.0.past.borrow()[index].clone();
+        match (past.state, self.0.journal.as_ref().filter(|_| !past.is_known)) {
+            (Some(state), None) => Ok(state),
+            (Some(state), Some((journal, number))) => {
+                journal.keep(*number, state.clone());
+                Ok(state)
+            }
+            (None, journal) => {
+                let known = journal.map_or(Ok(None), |(journal, number)| journal.next_state(Some(*number)))?;
+                let missing = || call.fail("the state to go back to is not in the checkpoint from which the run was resumed");
+                let cure = "keep a state with `sim.save()` and go back to it with `sim.restore(state)`, or run the script anew";
+                known.map(|(_, state)| state).ok_or_else(|| missing().hint(cure))
+            }
+        }
+    }
+
+    /// Prepares the state for the script, which may look at it from now on.
+    pub fn show(&self) {
+        if let Ok(mut simulation) = self.0.simulation.try_borrow_mut()
+            && !self.0.is_behind.get()
+        {
+            simulation.look();
+        }
+    }
+
+    /// Writes a checkpoint where it is time for one.
+    ///
+    /// # Errors
+    /// A result that cannot be written.
+    pub fn checkpoint(&self, host: &Host) -> Result<(), Failure> {
+        let journal = Journal::of(host);
+        if journal.is_due(host) { journal.write(host) } else { Ok(()) }
+    }
+}
+
+/// From here on everything is computed, unless it was before: the simulations are what they were where the journal ends, count on from what
+/// they had counted, and their files grow again. It comes after all that an earlier program had computed has gone into the files.
+///
+/// # Errors
+/// A file that cannot be written; a state of another model.
+pub fn go_on(host: &Host) -> Result<(), Failure> {
+    let journal = Journal::of(host);
+    if journal.is_recalling() {
+        return Ok(());
+    }
+    let courses = std::mem::take(&mut journal.0.borrow_mut().courses);
+    for (handle, course) in Simulations::of(host).0.borrow().iter().zip(courses) {
+        let data = &handle.0;
+        if let Ok(mut simulation) = data.simulation.try_borrow_mut() {
+            if let Some(state) = course.state.filter(|_| data.is_behind.get()) {
+                if !simulation.fits(&state) {
+                    return Err(of_another_model());
+                }
+                simulation.restore(&state);
+                data.is_behind.set(false);
+            }
+            simulation.count_from(&course.tally);
+        }
+        for (past, state) in data.past.borrow_mut().iter_mut().rev().zip(course.past.into_iter().rev()) {
+            past.state.get_or_insert(state);
+        }
+        handle.warn_of_large_motion(host);
+        if let (Some(artifacts), Some(recording)) = (data.artifacts.borrow_mut().as_mut(), course.recording) {
+            artifacts.go_on(recording, &data.history.borrow())?;
+        }
+    }
+    Ok(())
+}
