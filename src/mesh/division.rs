@@ -154,7 +154,7 @@ impl Mesh {
     /// Old nodes keep their numbers. The children of a cell follow each other, first those at its corners in their order.
     ///
     /// # Errors
-    /// More cells than [`CELL_LIMIT`].
+    /// More cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn refine(&self) -> Result<Mesh, MeshError> {
         let template = Template::new(self.kind, self.kind, &halves(self.kind));
         self.divided(self.kind, &[template], |_| 0)
@@ -164,7 +164,7 @@ impl Mesh {
     /// diagonal), `tri3` as `tri6`, `hex8` as `tet4` (six each). New nodes stand on straight edges. Old nodes keep their numbers.
     ///
     /// # Errors
-    /// Kinds that do not follow from one another, more cells than [`CELL_LIMIT`].
+    /// Kinds that do not follow from one another, more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn with_cells(&self, kind: CellKind) -> Result<Mesh, MeshError> {
         let is_same_shape = self.kind.shape() == kind.shape();
         if self.kind == kind {

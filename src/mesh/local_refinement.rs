@@ -174,7 +174,7 @@ impl Mesh {
     /// `is_chosen` has an entry for each cell.
     ///
     /// # Errors
-    /// Cells that are no triangles, more of them than [`CELL_LIMIT`].
+    /// Cells that are no triangles, more of them than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn refined_cells(&self, is_chosen: &[bool]) -> Result<Mesh, MeshError> {
         if self.kind.shape() != CellShape::Triangle {
             return Err(MeshError::NotLocally { kind: self.kind.name() });

@@ -1,6 +1,6 @@
 //! Checkpoints: from where a run goes on to the same bytes.
 //!
-//! Who resumes runs the script again from its start and takes what the [journal](super::journal) has in place of computing it. A checkpoint
+//! Who resumes runs the script again from its start and takes what the [journal] has in place of computing it. A checkpoint
 //! is a moment of the journal: how far it goes, what the simulations are then, and which files on the disk belong to it. Its size does not
 //! depend on how many steps were taken.
 //!

@@ -15,8 +15,8 @@ pub fn read_csv() -> Function {
         form: Form::Function,
         topic: Topic::Studies,
         summary: "the columns of a table in a file: a map of arrays by the names in its first line (`x` and `y`, or `c1`, `c2`, …, where \
-                  it has numbers already). A name with a unit, such as `force [N]`, is there without it, too: `table.force`. Fields are parted by commas, semicolons, tabs or blanks, `#` begins a remark; an empty field of numbers is \
-                  NaN",
+                  it has numbers already). A name with a unit, such as `force [N]`, is there without it, too: `table.force`. Fields are \
+                  parted by commas, semicolons, tabs or blanks, `#` begins a remark; an empty field of numbers is NaN",
         parameters: vec![Parameter::new(
             "path",
             Kind::Text,
