@@ -161,18 +161,6 @@ impl Recording {
         &self.bodies
     }
 
-    /// Whether a recording that was read goes on this one: of the same bodies, each still of their size, of one of so many rows of the
-    /// history, with obstacles among so many shapes.
-    pub fn goes_on_with(&self, other: &Recording, rows: usize, shapes: usize) -> bool {
-        let size: usize = self.bodies.iter().map(|skin| skin.components() * (8 + 2 * skin.nodes.len())).sum();
-        let is_whole = |still: &Arc<Still>| {
-            (still.bytes.0.len(), still.extremes.len()) == (size, Field::ALL.len())
-                && still.row < rows
-                && still.obstacles.iter().all(|(shape, _)| *shape < shapes)
-        };
-        (other.most, &other.bodies) == (self.most, &self.bodies) && other.spacing.is_power_of_two() && other.stills.iter().all(is_whole)
-    }
-
     /// The stills so far, in the order of time.
     pub fn stills(&self) -> &[Arc<Still>] {
         &self.stills

@@ -11,7 +11,6 @@ use super::run_folder::RunFolder;
 use crate::dynamics::{State, Tally, TimeFunction};
 use crate::output::checkpoint::Course;
 use crate::output::journal::{Computation, Entry, Outcome};
-use crate::output::shapes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -272,11 +271,7 @@ pub fn go_on(host: &Host) -> Result<(), Failure> {
         }
         handle.warn_of_large_motion(host);
         if let (Some(artifacts), Some(recording)) = (data.artifacts.borrow_mut().as_mut(), course.recording) {
-            let history = data.history.borrow();
-            if !artifacts.recording().goes_on_with(&recording, history.len(), shapes(&data.model.model).len()) {
-                return Err(of_another_model());
-            }
-            artifacts.go_on(recording, &history)?;
+            artifacts.go_on(recording, &data.history.borrow())?;
         }
     }
     Ok(())
