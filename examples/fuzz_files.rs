@@ -17,10 +17,11 @@ use std::time::{Duration, Instant};
 mod mesh_damage;
 
 use conserva::mesh::read_mesh;
-use conserva::output::RunLock;
 use conserva::output::checkpoint::{self, Checkpoint, MAGIC};
-use conserva::output::{Exactness, RunFolder};
-use conserva::output::{compare, read_columns, read_fields, read_frames, read_parquet, read_rows, read_summary, read_table};
+use conserva::output::{Exactness, RunFolder, RunLock};
+use conserva::output::{
+    compare, peak_memory_bytes, read_columns, read_fields, read_frames, read_parquet, read_rows, read_summary, read_table,
+};
 use conserva::script::{Checkpoints, Class, Session, Settings, Silent};
 use conserva::studies::{Design, Limits, Plan, Record, RecordOutcome, Rows, Scenario, StudyFolder, StudyTable, read_study_file};
 use mesh_damage::{SplitMix, damaged, originals};
@@ -192,12 +193,6 @@ fn crc32fast_of(content: &[u8]) -> u32 {
     checkpoint::Origin::digest(content).1
 }
 
-/// Most memory the process has held, from Linux; nothing elsewhere.
-fn peak_memory() -> Option<String> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    status.lines().find_map(|line| line.strip_prefix("VmHWM:")).map(|size| size.trim().to_string())
-}
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let seconds: u64 = arguments.next().map_or(Ok(10), |text| text.parse())?;
@@ -238,7 +233,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{:<15} {files:>8} damaged, {good:>8} read all the same, slowest {slowest:?}", format.name);
     }
     let files: u64 = counts.iter().map(|count| count.0).sum();
-    let memory = peak_memory().map_or(String::new(), |size| format!(", peak memory {size}"));
+    let memory = peak_memory_bytes().map_or(String::new(), |bytes| format!(", peak memory {} kB", bytes / 1024));
     let [own, foreign] = [0, 1].map(|index| PANICS[index].load(Ordering::Relaxed));
     println!("{files} files in {seconds} s{memory}; panics: {own}, and {foreign} of the Parquet crate that were told as damage");
     for (place, count) in PLACES.lock().unwrap_or_else(|error| error.into_inner()).iter() {

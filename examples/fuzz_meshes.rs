@@ -8,16 +8,11 @@ use std::time::{Duration, Instant};
 #[path = "../tests/common/mesh_damage.rs"]
 mod mesh_damage;
 
+use conserva::output::peak_memory_bytes;
 use mesh_damage::{SplitMix, damaged, judged, originals};
 
 /// Longer than any of these small files may take.
 const SLOW: Duration = Duration::from_secs(2);
-
-/// Most memory the process has held, from Linux; nothing elsewhere.
-fn peak_memory() -> Option<String> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    status.lines().find_map(|line| line.strip_prefix("VmHWM:")).map(|size| size.trim().to_string())
-}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -37,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             return Err(format!("file {files} of seed {seed} took {slowest:?}; it is {}", kept.display()).into());
         }
     }
-    let memory = peak_memory().map_or(String::new(), |size| format!(", peak memory {size}"));
+    let memory = peak_memory_bytes().map_or(String::new(), |bytes| format!(", peak memory {} kB", bytes / 1024));
     println!(
         "{files} damaged files of {} originals in {seconds} s: {read} read, the rest refused; slowest {slowest:?}{memory}",
         originals.len()

@@ -16,9 +16,9 @@ pub struct BodyFields {
     pub displacement: Vec<[f64; 3]>,
     /// Velocity `[length/time]`.
     pub velocity: Vec<[f64; 3]>,
-    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, averaged at the nodes (extrapolated from the quadrature points of each cell).
+    /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, as [`Stresses::at_nodes`](crate::bodies::Stresses::at_nodes) gives it.
     pub stress: Vec<[f64; 6]>,
-    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, averaged likewise.
+    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, likewise.
     pub strain: Vec<[f64; 6]>,
     /// Estimated error of the stresses around a node `[stress]`: how far those of its cells are from the continuous stress of the nodes, a
     /// root mean square of the tensor's size (Zienkiewicz and Zhu 1987).
