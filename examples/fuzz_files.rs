@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 mod mesh_damage;
 
 use conserva::mesh::read_mesh;
-use conserva::output::checkpoint::{self, Checkpoint, MAGIC};
+use conserva::output::checkpoint::{self, Checkpoint, FORMAT, MAGIC};
 use conserva::output::{Exactness, RunFolder, RunLock};
 use conserva::output::{
     compare, peak_memory_bytes, read_columns, read_fields, read_frames, read_parquet, read_rows, read_summary, read_table,
@@ -62,6 +62,9 @@ fn count_panics() {
         if let Ok(mut places) = PLACES.lock() {
             if *places.entry(place.clone()).or_insert(0) == 0 {
                 println!("a panic at {place}");
+                if !is_foreign {
+                    println!("{}", std::backtrace::Backtrace::force_capture());
+                }
             }
             *places.entry(place).or_default() += 1;
         }
@@ -178,7 +181,7 @@ fn read_checkpoint(path: &Path, random: &mut SplitMix) -> bool {
     if bytes.len() > header && random.below(4) > 0 {
         let (length, checksum) = ((bytes.len() - header) as u64, crc32fast_of(&bytes[header..]));
         bytes[..MAGIC.len()].copy_from_slice(MAGIC);
-        bytes[MAGIC.len()..header].copy_from_slice(&[&1u32.to_le_bytes()[..], &length.to_le_bytes(), &checksum.to_le_bytes()].concat());
+        bytes[MAGIC.len()..header].copy_from_slice(&[&FORMAT.to_le_bytes()[..], &length.to_le_bytes(), &checksum.to_le_bytes()].concat());
     }
     let Ok(checkpoint) = Checkpoint::from_bytes(&bytes) else { return false };
     if random.below(RESUMED) == 0 {

@@ -21,6 +21,8 @@ use splitmix::SplitMix;
 /// Time after which a script is asked to stop, as by Ctrl-C, and time after which it should have.
 const PATIENCE: Duration = Duration::from_millis(400);
 const HANG: Duration = Duration::from_secs(60);
+/// Time that a script may take to stop; it is kept where it takes longer, because a busy machine is slow, too.
+const STOPPED: Duration = Duration::from_secs(1);
 /// Operations of a script: no example needs a hundredth of it.
 const OPERATIONS: u64 = 300_000;
 
@@ -359,7 +361,7 @@ fn fuzz(first_seed: u64, time: Duration, name: &str) -> Result<u64, String> {
     });
     let begun = Instant::now();
     let mut found = Vec::new();
-    let (mut seed, mut slowest) = (first_seed, Duration::ZERO);
+    let (mut seed, mut slowest, mut late) = (first_seed, Duration::ZERO, 0);
     while begun.elapsed() < time {
         let mut random = SplitMix(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
         let script = corpus.script(&mut random);
@@ -370,9 +372,10 @@ fn fuzz(first_seed: u64, time: Duration, name: &str) -> Result<u64, String> {
         *state.begun.lock().unwrap() = Instant::now();
         let outcome = run(&script, &mut random, &folder, &state.interrupt);
         let elapsed = state.begun.lock().unwrap().elapsed();
-        if elapsed > slowest {
-            slowest = elapsed;
-            std::fs::write(folder.join("slowest.rhai"), format!("// seed {seed}, {elapsed:?}\n{script}")).unwrap();
+        slowest = elapsed.max(slowest);
+        if elapsed > PATIENCE + STOPPED {
+            late += 1;
+            std::fs::write(folder.join(format!("late_{seed}.rhai")), format!("// seed {seed}, {elapsed:?}\n{script}")).unwrap();
         }
         if let Some(error) = outcome {
             let drawn = error.render(Ink::Plain);
@@ -389,7 +392,12 @@ fn fuzz(first_seed: u64, time: Duration, name: &str) -> Result<u64, String> {
     }
     state.is_over.store(true, Ordering::Relaxed);
     let _ = watchman.join();
-    eprintln!("{} scripts, the slowest {slowest:?}", seed - first_seed);
+    let memory = conserva::output::peak_memory_bytes().unwrap_or(0) >> 20;
+    eprintln!(
+        "{} scripts, the slowest {slowest:?}, {late} stopped later than a second, peak memory {memory} MiB: {}",
+        seed - first_seed,
+        folder.display()
+    );
     if found.is_empty() { Ok(seed - first_seed) } else { Err(found.join("\n====\n")) }
 }
 

@@ -161,6 +161,18 @@ impl Recording {
         &self.bodies
     }
 
+    /// Whether a recording that was read goes on this one: of the same bodies, every still with all of its bytes, of one of so many rows of
+    /// the history, with obstacles among so many shapes.
+    pub fn goes_on_with(&self, other: &Recording, rows: usize, shapes: usize) -> bool {
+        let is_whole = |still: &Arc<Still>| {
+            still.is_of(&self.bodies)
+                && still.extremes.len() == Field::ALL.len()
+                && still.row < rows
+                && still.obstacles.iter().all(|(shape, _)| *shape < shapes)
+        };
+        (other.most, &other.bodies) == (self.most, &self.bodies) && other.spacing.is_power_of_two() && other.stills.iter().all(is_whole)
+    }
+
     /// The stills so far, in the order of time.
     pub fn stills(&self) -> &[Arc<Still>] {
         &self.stills
@@ -378,6 +390,22 @@ impl Still {
             shapes.get(number).map(|shape| PlacedObstacle { name: String::new(), shape: shape.clone(), translation })
         };
         self.obstacles.iter().filter_map(of).collect()
+    }
+
+    /// Whether its bytes are those of such bodies, to the last one.
+    fn is_of(&self, skins: &[Skin]) -> bool {
+        let mut rest = self.bytes();
+        let mut pass = |skin: &Skin| {
+            let nodes = skin.nodes.len();
+            rest = rest.get(skin.components() * (8 + 2 * nodes)..)?;
+            let (count, behind) = rest.split_first_chunk()?;
+            let count = u32::from_le_bytes(*count) as usize;
+            let (places, pressures) = behind.split_at_checked(count.checked_mul(4)?)?;
+            rest = pressures.get(count * 4 * (1 + skin.dimension)..)?;
+            let place = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
+            places.chunks_exact(4).all(|bytes| place(bytes) < nodes).then_some(())
+        };
+        skins.iter().all(|skin| pass(skin).is_some()) && rest.is_empty()
     }
 
     /// Its bytes, as the head of this file describes them.

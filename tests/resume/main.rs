@@ -119,6 +119,32 @@ fn interrupts_and_stops_change_nothing() {
     assert!(stderr(&output).contains("there is nothing to resume in k"), "{}", stderr(&output));
 }
 
+#[test]
+fn the_frame_of_an_interrupt_does_not_replace_one_on_which_a_checkpoint_counts() {
+    // Both are at the same time: one of the step, one of the equilibrium after it, at which the interrupt comes.
+    let script = r#"
+        let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });
+        let sky = model("sky");
+        let plate = sky.add_body("plate", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), rubber);
+        sky.fix(plate.boundary("left"));
+        sky.gravity([0.0, -2.0]);
+        let sim = simulate(sky, #{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.03 });
+        sim.step(3);
+        sim.settle();
+        for i in 0..10_000_000 {}
+        sim.step(9);
+    "#;
+    let home = folder("settled", script);
+    assert_eq!(run(&home, &["run", "main.rhai", "--quiet", "--out", "whole"]).status.code(), Some(0));
+    let mut child = begun(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "1"]);
+    wait_for_lines(&home.join("k"), &mut child, 6);
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let output = run(&home, &["resume", "k", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_same(&home.join("whole"), &home.join("k"), "interrupted at the equilibrium");
+}
+
 /// A run that was interrupted after some checkpoints.
 fn interrupted(name: &str) -> PathBuf {
     let home = folder(name, LOOKS);

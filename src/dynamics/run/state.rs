@@ -54,7 +54,7 @@ impl State {
         Pose { q: &self.positions, u: &self.displacements }
     }
 
-    /// Whether it has as many of everything as another state of the same model, and refers to nothing else.
+    /// Whether it has as many of everything as another state of the same model, is somewhere, and refers to nothing else.
     pub(super) fn has_shape_of(&self, own: &State) -> bool {
         let lengths = |state: &State| {
             let nodal = [state.positions.len(), state.displacements.len(), state.velocities.len()];
@@ -62,8 +62,13 @@ impl State {
             (nodal, rows, state.memory.iter().map(Vec::len).collect::<Vec<_>>())
         };
         let remembers = self.remembered.is_empty() || self.remembered.len() == self.positions.len();
+        let is_somewhere = [&self.positions, &self.displacements, &self.velocities].iter().all(|all| all.iter().all(|x| x.is_finite()));
         // A halving more doubles the pieces of a step, whose number is a whole one.
-        lengths(self) == lengths(own) && remembers && self.level < usize::BITS as usize - 1 && self.search.is_sound_beside(&own.search)
+        lengths(self) == lengths(own)
+            && is_somewhere
+            && remembers
+            && self.level < usize::BITS as usize - 1
+            && self.search.is_sound_beside(&own.search)
     }
 
     /// Bytes that it takes, but for what it shares with others.

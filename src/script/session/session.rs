@@ -250,15 +250,10 @@ impl Session {
         Some(Box::new(explain_failure(&output_failure(&error))))
     }
 
-    /// Writes what an interrupted run goes on from; a run that came to its end needs nothing any more.
-    fn close_journal(&self, error: Option<&Diagnostic>) -> Option<Box<Diagnostic>> {
-        match error {
-            Some(error) if error.class == Class::Interrupted => {
-                Journal::of(&self.host).close(&self.host).err().map(|failure| Box::new(explain_failure(&failure)))
-            }
-            Some(error) if error.class != Class::Check => None,
-            _ => self.remove_checkpoints(),
-        }
+    /// Writes what an interrupted run goes on from. The frame of the moment at which it is interrupted comes after it: where it replaces
+    /// one on which the checkpoint counts, that one is kept.
+    fn close_journal(&self) -> Option<Diagnostic> {
+        Journal::of(&self.host).close(&self.host).err().map(|failure| explain_failure(&failure))
     }
 
     /// Completes the record of the files of the run.
@@ -284,6 +279,8 @@ impl Session {
         }
         let overlap_left = || Simulations::of(host).0.borrow().iter().find_map(SimulationHandle::overlap_left);
         let error = error.or_else(|| overlap_left().map(|failure| explain_failure(&failure)));
+        let is_interrupted = error.as_ref().is_some_and(|error| error.class == Class::Interrupted);
+        let not_closed = if is_interrupted { self.close_journal() } else { None };
         let refused = ending::last_frames(host).err().map(|failure| explain_failure(&failure));
         let error = error.or(refused);
         let simulations = Simulations::of(host).0.borrow().clone();
@@ -297,9 +294,12 @@ impl Session {
         };
         let written = ending::finish(host, self.begun + self.idle, &outcome).err().map(|failure| explain_failure(&failure));
         let error = error.or(written);
-        let closed = self.close_journal(error.as_ref()).or_else(|| self.close_record()).map(|error| *error);
+        // A run that came to its end needs nothing any more to go on from.
+        let is_over = error.as_ref().is_none_or(|error| error.class == Class::Check);
+        let removed = if is_over { self.remove_checkpoints() } else { None };
+        let closed = removed.or_else(|| self.close_record()).map(|error| *error);
         Report {
-            error: error.or(closed),
+            error: error.or(not_closed).or(closed),
             findings: host.findings.borrow().clone(),
             checks: host.checks(),
             energy,

@@ -11,6 +11,7 @@ use super::run_folder::RunFolder;
 use crate::dynamics::{State, Tally, TimeFunction};
 use crate::output::checkpoint::Course;
 use crate::output::journal::{Computation, Entry, Outcome};
+use crate::output::shapes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -271,7 +272,11 @@ pub fn go_on(host: &Host) -> Result<(), Failure> {
         }
         handle.warn_of_large_motion(host);
         if let (Some(artifacts), Some(recording)) = (data.artifacts.borrow_mut().as_mut(), course.recording) {
-            artifacts.go_on(recording, &data.history.borrow())?;
+            let history = data.history.borrow();
+            if !artifacts.recording().goes_on_with(&recording, history.len(), shapes(&data.model.model).len()) {
+                return Err(of_another_model());
+            }
+            artifacts.go_on(recording, &history)?;
         }
     }
     Ok(())
