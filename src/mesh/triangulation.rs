@@ -167,6 +167,10 @@ pub(super) struct Triangles {
 
 /// Triangles whose edges are about `factor` times the size.
 pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<Triangles, E> {
+    if let CellSize::Even(even) = size {
+        // Estimated before memory and time are taken.
+        counted(rim.area() / (*even * *even))?;
+    }
     let mut triangulation = constrained(rim)?;
     let mut parameters = RefinementParameters::<f64>::new()
         .exclude_outer_faces(true)
@@ -175,9 +179,6 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
         .with_max_additional_vertices(CELL_LIMIT);
     match size {
         CellSize::Even(even) => {
-            // estimated before memory is taken
-            let cells = rim.area() / (*even * *even);
-            counted(cells)?;
             let edge = factor * *even;
             parameters = parameters.with_max_allowed_area(LARGE * edge * edge);
         }
