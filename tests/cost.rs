@@ -27,7 +27,7 @@ use conserva::contact::{AveragedMortar, ContactKernel, Evaluation, METHODS, Mort
 use conserva::dynamics::{Hat, LoadKind, Simulation};
 use conserva::elements::CellKind;
 use conserva::integrators::{Derivative, ENERGY_MOMENTUM};
-use conserva::linear::Pattern;
+use conserva::linear::{Pattern, Vertex};
 use conserva::materials::NeoHookean;
 use conserva::math::workers::Workers;
 use conserva::mesh::{Mesh, block, rectangle, ring};
@@ -93,7 +93,8 @@ where
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let make = || {
         let mut elements = Space::<D>::elements(mesh, &steel, Formulation::default(), 0).expect("no cell is inside out");
-        let pattern = Pattern::new(&vec![D as u8; mesh.points.len()], elements.cliques().iter().map(|clique| &clique[..]));
+        let pattern =
+            Pattern::new(&vec![Vertex::coordinates(D as u8); mesh.points.len()], elements.cliques().iter().map(|clique| &clique[..]));
         elements.place(&pattern);
         (elements, pattern)
     };

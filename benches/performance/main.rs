@@ -14,7 +14,7 @@ mod startup;
 use std::error::Error;
 
 // For `fixtures`, which the tests of the linear solver share.
-use conserva::linear::Pattern;
+use conserva::linear::{Pattern, Vertex};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut sizes, mut threads, mut repetitions, mut only_materials) = (Vec::new(), 1, 3, false);

@@ -305,8 +305,8 @@ impl Factorization {
         for v in (0..pattern.vertices()).filter(|&v| pattern.is_multiplier(v)) {
             let nodes = pattern.neighbors(v).iter().zip(pattern.column_blocks(v)).filter(|(u, _)| !pattern.is_multiplier(**u as usize));
             let constraint = largest(nodes.flat_map(|(&u, block)| {
-                let scale = self.vertex_scale[u as usize];
-                values[block.at(0, 0)..][..pattern.size(u as usize)].iter().map(move |value| scale * value)
+                let (scale, rows) = (self.vertex_scale[u as usize], pattern.size(u as usize));
+                (0..pattern.size(v)).flat_map(move |k| values[block.at(0, k)..][..rows].iter().map(move |value| scale * value))
             }));
             self.vertex_scale[v] = if constraint > 0.0 { reciprocal(constraint) } else { reciprocal_root(own_block(v)) };
         }

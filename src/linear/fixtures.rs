@@ -1,7 +1,7 @@
 //! Matrices of the kind that contact makes, for tests and benchmarks: cells whose nodes are coupled, disturbed unsymmetrically, and
 //! multipliers that tie nodes together.
 
-use super::Pattern;
+use super::{Pattern, Vertex};
 
 /// Numbers between -1/2 and 1/2 (xorshift).
 pub struct Noise(u64);
@@ -32,13 +32,13 @@ pub struct System {
 /// entry is disturbed by up to half of `disturbance`, those of the constraints by a hundredth.
 pub fn saddle_point<const D: usize>(nodes: usize, cells: &[Vec<u32>], constraints: &[Vec<(u32, f64)>], disturbance: f64) -> System {
     let mut noise = Noise::default();
-    let mut sizes = vec![D as u8; nodes];
-    sizes.resize(nodes + constraints.len(), 1);
+    let mut vertices = vec![Vertex::coordinates(D as u8); nodes];
+    vertices.resize(nodes + constraints.len(), Vertex::multipliers(1));
     let multiplier = |m: usize| (nodes + m) as u32;
     let couplings: Vec<[u32; 2]> =
         constraints.iter().enumerate().flat_map(|(m, row)| row.iter().map(move |(node, _)| [*node, multiplier(m)])).collect();
     let cliques = cells.iter().map(|cell| &cell[..]).chain(couplings.iter().map(|pair| &pair[..]));
-    let pattern = Pattern::new(&sizes, cliques).with_anchors(constraints.iter().enumerate().map(|(m, row)| (multiplier(m), row[0].0)));
+    let pattern = Pattern::new(&vertices, cliques).with_anchors(constraints.iter().enumerate().map(|(m, row)| (multiplier(m), row[0].0)));
     let mut values = vec![0.0; pattern.values()];
     for cell in cells {
         let count = cell.len() as f64;

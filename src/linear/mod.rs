@@ -1,6 +1,6 @@
 //! Floor 1: sparse pattern built once, block positions for assembly, factorisation (symbolic once per pattern, numeric many times).
 //!
-//! The matrix is that of a graph: a vertex per mesh node (as many unknowns as dimensions) and a vertex per multiplier (one unknown). Its
+//! The matrix is that of a graph: a vertex per node with its coordinates, and a vertex per group of constraints with its multipliers. Its
 //! pattern is symmetric, its values are not. Who assembles asks the [`Pattern`] once where each block stands and then adds to a flat
 //! array of values; who solves hands the values to a [`Factorization`]. What is behind the latter may change without notice above.
 
@@ -19,6 +19,8 @@ mod ordering;
 mod partial_pivoting;
 mod pattern;
 mod places;
+#[cfg(test)]
+mod random_tests;
 mod scaling;
 mod strips;
 mod substitution;
@@ -34,5 +36,5 @@ pub use elimination_order::{Account, EliminationOrder};
 pub use error::LinearError;
 pub use factorization::{Factorization, Work};
 pub use node_matrix::NodeMatrix;
-pub use pattern::{Block, Pattern};
+pub use pattern::{Block, Pattern, Role, Vertex};
 pub use watch::Watch;

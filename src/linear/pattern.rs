@@ -8,9 +8,41 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+/// What the unknowns of a vertex are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Coordinates of a node or a director, or any other numbers with an inertia or a stiffness of their own on the diagonal.
+    Coordinates,
+    /// Multipliers of the rows of one group of constraints; their diagonal block may be zero.
+    Multipliers,
+}
+
+/// A vertex of the graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Vertex {
+    /// What its unknowns are.
+    pub role: Role,
+    /// How many there are.
+    pub size: u8,
+}
+
+impl Vertex {
+    /// So many coordinates.
+    pub const fn coordinates(size: u8) -> Self {
+        Vertex { role: Role::Coordinates, size }
+    }
+
+    /// So many multipliers.
+    pub const fn multipliers(size: u8) -> Self {
+        Vertex { role: Role::Multipliers, size }
+    }
+}
+
 /// Pattern of a sparse matrix on a graph.
 #[derive(Clone, Debug)]
 pub struct Pattern {
+    /// What the unknowns of each vertex are.
+    roles: Vec<Role>,
     /// First unknown of each vertex, and the number of all unknowns at the end.
     first: Vec<usize>,
     /// Per vertex, the range of its neighbors in `neighbors`, itself included.
@@ -51,10 +83,11 @@ impl Block {
 }
 
 impl Pattern {
-    /// The pattern of a graph: `sizes[v]` unknowns at vertex `v`, and cliques of vertices that are all coupled with each other.
-    /// Every vertex is coupled with itself.
-    pub fn new<'a>(sizes: &[u8], cliques: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
-        let count = sizes.len();
+    /// The pattern of a graph: its vertices, and cliques of vertices that are all coupled with each other. Every vertex is coupled with
+    /// itself.
+    pub fn new<'a>(vertices: &[Vertex], cliques: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let count = vertices.len();
+        let size = |v: usize| vertices[v].size as usize;
         // Neighbors with repetitions by counting, then sorted and made unique vertex by vertex.
         let mut starts = vec![0usize; count + 1];
         for v in 0..count {
@@ -100,7 +133,7 @@ impl Pattern {
         }
         let mut first = vec![0usize; count + 1];
         for v in 0..count {
-            first[v + 1] = first[v] + sizes[v] as usize;
+            first[v + 1] = first[v] + size(v);
         }
         let mut offsets = Vec::with_capacity(neighbors.len());
         let (mut columns, mut lengths) = (vec![0usize; count + 1], vec![0usize; count]);
@@ -108,16 +141,17 @@ impl Pattern {
             let mut length = 0;
             for &u in &neighbors[unique_starts[v]..unique_starts[v + 1]] {
                 offsets.push(length as u32);
-                length += sizes[u as usize] as usize;
+                length += size(u as usize);
             }
             lengths[v] = length;
-            columns[v + 1] = columns[v] + length * sizes[v] as usize;
+            columns[v + 1] = columns[v] + length * size(v);
         }
-        Pattern { first, starts: unique_starts, neighbors, offsets, columns, lengths, anchors: Vec::new() }
+        let roles = vertices.iter().map(|vertex| vertex.role).collect();
+        Pattern { roles, first, starts: unique_starts, neighbors, offsets, columns, lengths, anchors: Vec::new() }
     }
 
     /// The same pattern with an *anchor* for some multipliers: the node whose motion the multiplier opposes, so that eliminating the
-    /// node fills the multiplier's zero diagonal. No two multipliers should have one anchor. A multiplier without an anchor is eliminated
+    /// node fills the multiplier's zero diagonal. A node should anchor no more multipliers than it has coordinates. A multiplier without an anchor is eliminated
     /// after all its neighbors.
     pub fn with_anchors(mut self, anchors: impl IntoIterator<Item = (u32, u32)>) -> Self {
         self.anchors = vec![u32::MAX; self.vertices()];
@@ -201,14 +235,19 @@ impl Pattern {
         self.lengths.len()
     }
 
+    /// A vertex.
+    pub fn vertex(&self, vertex: usize) -> Vertex {
+        Vertex { role: self.roles[vertex], size: self.size(vertex) as u8 }
+    }
+
     /// Number of unknowns of a vertex.
     pub fn size(&self, vertex: usize) -> usize {
         self.first[vertex + 1] - self.first[vertex]
     }
 
-    /// Whether a vertex is a multiplier: it carries one unknown.
+    /// Whether the unknowns of a vertex are multipliers.
     pub fn is_multiplier(&self, vertex: usize) -> bool {
-        self.size(vertex) == 1
+        self.roles[vertex] == Role::Multipliers
     }
 
     /// Anchor of a multiplier, if it has one.
@@ -393,8 +432,9 @@ mod tests {
     #[test]
     fn blocks_stand_where_the_compressed_columns_say() {
         let sizes = [2u8, 2, 1, 2];
+        let vertices = sizes.map(Vertex::coordinates);
         let cliques: [&[u32]; 2] = [&[0, 1], &[1, 2, 3]];
-        let pattern = Pattern::new(&sizes, cliques.into_iter());
+        let pattern = Pattern::new(&vertices, cliques.into_iter());
         assert_eq!(pattern.unknowns(), 7);
         assert_eq!(pattern.neighbors(0), [0, 1]);
         assert_eq!(pattern.neighbors(1), [0, 1, 2, 3]);

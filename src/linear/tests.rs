@@ -11,7 +11,7 @@ use super::multifrontal::Multifrontal;
 use super::ordering::{Order, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::symbolic::Symbolic;
-use super::{LinearError, Pattern, Watch};
+use super::{LinearError, Pattern, Vertex, Watch};
 use crate::math::workers::Workers;
 
 /// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by a multiplier per node of the first one.
@@ -354,11 +354,11 @@ fn what_is_counted_leaves_the_order_as_it_is() {
 fn widened(system: &System, more: impl Iterator<Item = [u32; 2]>) -> System {
     let old = &system.pattern;
     let vertices = 0..old.vertices() as u32;
-    let sizes: Vec<u8> = vertices.clone().map(|v| old.size(v as usize) as u8).collect();
+    let all: Vec<Vertex> = vertices.clone().map(|v| old.vertex(v as usize)).collect();
     let known = vertices.clone().flat_map(|v| old.neighbors(v as usize).iter().map(move |&u| [v, u]));
     let pairs: Vec<[u32; 2]> = known.chain(more).collect();
     let anchors = vertices.clone().filter_map(|v| old.anchor(v as usize).map(|anchor| (v, anchor)));
-    let pattern = Pattern::new(&sizes, pairs.iter().map(|pair| &pair[..])).with_anchors(anchors);
+    let pattern = Pattern::new(&all, pairs.iter().map(|pair| &pair[..])).with_anchors(anchors);
     let mut values = vec![0.0; pattern.values()];
     for v in vertices {
         for &u in old.neighbors(v as usize) {

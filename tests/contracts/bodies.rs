@@ -4,7 +4,7 @@
 use conserva::bodies::{Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
 use conserva::elements::CellKind;
 use conserva::integrators::{self, Derivative, Scheme};
-use conserva::linear::{NodeMatrix, Pattern};
+use conserva::linear::{NodeMatrix, Pattern, Vertex};
 use conserva::materials::{CATALOGUE, Kinematics, Material, MaterialRow, NeoHookean, StoredEnergy};
 use conserva::math::workers::Workers;
 use conserva::mesh::{Mesh, block, rectangle};
@@ -66,7 +66,7 @@ where
     fn new(mesh: &Mesh, material: &Material, formulation: Formulation) -> Self {
         let mut elements = Space::<D>::elements(mesh, material, formulation, 0).expect("no cell is inside out");
         let nodes = mesh.points.len();
-        let pattern = Pattern::new(&vec![D as u8; nodes], elements.cliques().iter().map(|clique| &clique[..]));
+        let pattern = Pattern::new(&vec![Vertex::coordinates(D as u8); nodes], elements.cliques().iter().map(|clique| &clique[..]));
         elements.place(&pattern);
         let is_free = formulation.plane != Plane::Axisymmetric && material.kinematics() != Kinematics::Linear;
         let scale = if formulation.plane == Plane::Axisymmetric { 2.0 * std::f64::consts::PI * 10.0 * MODULUS } else { MODULUS };

@@ -3,7 +3,7 @@
 
 use conserva::bodies::{Elements, Formulation, Space};
 use conserva::elements::{CellKind, CellRow};
-use conserva::linear::{NodeMatrix, Pattern};
+use conserva::linear::{NodeMatrix, Pattern, Vertex};
 use conserva::materials::NeoHookean;
 use conserva::mesh::Mesh;
 use nalgebra::Vector3;
@@ -105,7 +105,9 @@ fn mass(kind: CellKind) {
     let connectivity: Vec<u32> = (0..row.nodes as u32).collect();
     let mesh = Mesh { kind, points: row.node_places.to_vec(), connectivity, boundaries: Vec::new(), parts: Vec::new() };
     let material = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.0, density: 3.0 }.material().expect("in range");
-    let pattern = |dimension: u8, cliques: &[Vec<u32>]| Pattern::new(&vec![dimension; row.nodes], cliques.iter().map(|clique| &clique[..]));
+    let pattern = |dimension: u8, cliques: &[Vec<u32>]| {
+        Pattern::new(&vec![Vertex::coordinates(dimension); row.nodes], cliques.iter().map(|clique| &clique[..]))
+    };
     let mass = if row.dimension == 2 {
         let elements = Space::<2>::elements(&mesh, &material, Formulation::default(), 0).expect("no cell is inside out");
         let mut mass = NodeMatrix::new(&pattern(2, elements.cliques()), row.nodes);

@@ -144,11 +144,12 @@ impl Part for Spring {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear::Vertex;
     use crate::math::workers::Workers;
 
     /// Force and tangent (row by row of both nodes) of a spring of stiffness 3 and rest length 0.7 in a step.
     fn linearized(dimension: usize, derivative: Derivative, q_0: &[f64], q_1: &[f64]) -> (Vec<f64>, Vec<f64>, Spring) {
-        let pattern = Pattern::new(&[dimension as u8; 2], [&[0u32, 1][..]].into_iter());
+        let pattern = Pattern::new(&[Vertex::coordinates(dimension as u8); 2], [&[0u32, 1][..]].into_iter());
         let mut spring = Spring { dimension, nodes: [0, 1], stiffness: 3.0, rest_length: 0.7, places: Default::default() };
         spring.place(&pattern);
         let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);

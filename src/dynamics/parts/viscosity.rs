@@ -383,6 +383,7 @@ mod tests {
     use crate::bodies::{Dilatation, Formulation};
     use crate::elements::CellKind;
     use crate::integrators::Derivative;
+    use crate::linear::Vertex;
     use crate::materials::{Branch, LINEAR, Material, NeoHookean};
     use crate::math::workers::Workers;
     use crate::mesh::{block, rectangle};
@@ -405,7 +406,8 @@ mod tests {
             rest.iter().map(|_| random()).collect::<Vec<f64>>()
         });
         let mut body = ViscousBody::new(&BodyDefinition { name: "b".into(), mesh: Arc::new(mesh), material, formulation }, 0).unwrap();
-        let pattern = Pattern::new(&vec![dimension as u8; rest.len() / dimension], body.cells.iter().map(|cell| &cell[..]));
+        let pattern =
+            Pattern::new(&vec![Vertex::coordinates(dimension as u8); rest.len() / dimension], body.cells.iter().map(|cell| &cell[..]));
         body.place(&pattern);
         (body, pattern, q)
     }

@@ -5,7 +5,7 @@
 
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::linear::{Factorization, LinearError, Pattern};
+use crate::linear::{Factorization, LinearError, Pattern, Vertex};
 use crate::math::workers::Workers;
 
 /// The matrix of a model's steps.
@@ -63,8 +63,7 @@ impl Matrix {
             let (node, i) = ((unknown / D) as u32, unknown % D);
             for &other in pattern.neighbors(unknown / D) {
                 let (row, column) = (pattern.block(node, other), pattern.block(other, node));
-                let size = if (other as usize) < nodes { D } else { 1 };
-                for k in 0..size {
+                for k in 0..pattern.size(other as usize) {
                     self.zeros.push(row.at(i, k) as u32);
                     self.zeros.push(column.at(k, i) as u32);
                 }
@@ -95,8 +94,8 @@ pub fn pattern_of<'a, const D: usize>(
     pairs: &[ContactPair],
 ) -> Pattern {
     let nodes = fixed.len() / D;
-    let mut sizes = vec![D as u8; nodes];
-    sizes.resize(nodes + multipliers, 1);
+    let mut vertices = vec![Vertex::coordinates(D as u8); nodes];
+    vertices.resize(nodes + multipliers, Vertex::multipliers(1));
     // All in one piece: there are as many as cells.
     let (mut members, mut ends) = (Vec::new(), vec![0]);
     let mut add = |clique: &[u32]| {
@@ -116,5 +115,5 @@ pub fn pattern_of<'a, const D: usize>(
             }
         }
     }
-    Pattern::new(&sizes, ends.windows(2).map(|ends| &members[ends[0]..ends[1]])).with_anchors(anchors)
+    Pattern::new(&vertices, ends.windows(2).map(|ends| &members[ends[0]..ends[1]])).with_anchors(anchors)
 }
