@@ -151,8 +151,8 @@ impl Pattern {
     }
 
     /// The same pattern with an *anchor* for some multipliers: the node whose motion the multiplier opposes, so that eliminating the
-    /// node fills the multiplier's zero diagonal. A node should anchor no more multipliers than it has coordinates. A multiplier without an anchor is eliminated
-    /// after all its neighbors.
+    /// node fills the multiplier's zero diagonal. A node should anchor no more multipliers than it has coordinates. A multiplier without an
+    /// anchor is eliminated after all its neighbors.
     pub fn with_anchors(mut self, anchors: impl IntoIterator<Item = (u32, u32)>) -> Self {
         self.anchors = vec![u32::MAX; self.vertices()];
         for (multiplier, node) in anchors {

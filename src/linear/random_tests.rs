@@ -170,7 +170,8 @@ proptest! {
         });
         let mut right: Vec<f64> = (&matrix * &x).iter().copied().collect();
         // Scaled as units would be: coordinates stay, multipliers are forces over stiffness.
-        let scale = |k: usize| if pattern.is_multiplier(pattern.vertex_of(k)) { graph.stiffness.sqrt() } else { graph.stiffness.sqrt().recip() };
+        let root = graph.stiffness.sqrt();
+        let scale = |k: usize| if pattern.is_multiplier(pattern.vertex_of(k)) { root } else { root.recip() };
         let scaled = DMatrix::from_fn(x.len(), x.len(), |i, k| scale(i) * matrix[(i, k)] * scale(k));
         let singular = scaled.singular_values();
         let is_good = singular.max() < CONDITION * singular.min();

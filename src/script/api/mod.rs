@@ -7,6 +7,7 @@ pub mod asides;
 pub mod checks;
 pub mod contacts;
 pub mod examples;
+pub mod files;
 pub mod materials;
 pub mod meshes;
 pub mod models;

@@ -6,7 +6,7 @@ use super::handle::MaterialHandle;
 use crate::materials::{Material, Piece, path};
 use crate::math::catalogue::Interval;
 use crate::output::{Curve, Plot, PlotAxis};
-use crate::script::api::simulations::writing::{path_parameter, write_drawing};
+use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::{Class, Failure};

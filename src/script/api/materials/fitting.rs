@@ -6,7 +6,7 @@ use super::energies::refused;
 use crate::machine::files;
 use crate::materials::{CATALOGUE, EnergyError, EnergyText, Fit, FitError, HYPERELASTIC, Measured, Piece, StoredEnergy, fit};
 use crate::output::{Curve, CurveStyle, Plot, PlotAxis};
-use crate::script::api::simulations::writing::{path_parameter, write_drawing};
+use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::failure::{Details, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};

@@ -8,7 +8,7 @@ use rhai::Dynamic;
 
 use super::handle::MeshHandle;
 use crate::mesh::{self, Place};
-use crate::script::api::simulations::writing::{path_parameter, write};
+use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::{Details, Failure};
 use crate::script::language::function::{Form, Function, Topic, body};

@@ -8,12 +8,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::columns::{further_values, model_columns};
-use super::run_folder::RunFolder;
 use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings};
+use crate::script::api::files::failures::output_failure;
+use crate::script::api::files::run_folder::RunFolder;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::{Class, Failure};
+use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 
 /// What is kept of a run.
@@ -377,14 +378,4 @@ pub fn has_surfaces(model: &Model) -> bool {
 fn file_name(name: &str) -> String {
     let plain: String = name.chars().map(|letter| if letter.is_alphanumeric() || "-_".contains(letter) { letter } else { '_' }).collect();
     if plain.is_empty() { "simulation".into() } else { plain }
-}
-
-/// The failure of a file that could not be written.
-pub fn output_failure(error: &OutputError) -> Failure {
-    Failure::new(output_class(error), error.to_string()).hint(error.cure())
-}
-
-/// Whose fault it is: a name that cannot be is the script's, a full disk is not.
-pub fn output_class(error: &OutputError) -> Class {
-    if matches!(error, OutputError::Write { .. } | OutputError::Gone { .. }) { Class::Output } else { Class::Script }
 }

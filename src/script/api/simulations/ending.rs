@@ -2,16 +2,16 @@
 
 use std::time::{Duration, Instant};
 
-use super::artifacts::output_failure;
 use super::following;
 use super::handle::{SimulationHandle, Simulations};
 use super::recalling::go_on;
 use super::reports::{Ending, json, write_at_end};
-use super::run_folder::{RunFolder, output_folder};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
 use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
+use crate::script::api::files::failures::output_failure;
+use crate::script::api::files::results::Results;
+use crate::script::api::files::run_folder::{RunFolder, output_folder};
 use crate::script::api::parameters::Overrides;
-use crate::script::api::studies::result::Results;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 

@@ -5,10 +5,10 @@ use std::rc::Rc;
 use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
-use super::writing::write;
 use crate::dynamics::{FailureCause, FailureReport, IterationReport, TryReport};
 use crate::output::Frame;
 use crate::script::api::examples::flight_example;
+use crate::script::api::files::writing::write;
 use crate::script::language::digits::{brief, number_text, significant};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;

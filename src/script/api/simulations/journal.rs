@@ -15,13 +15,13 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::run_folder::{RunFolder, output_folder};
 use crate::dynamics::State;
 use crate::machine::files::read;
 use crate::math::simd::instructions;
 use crate::output::checkpoint::{Checkpoint, Course, Origin};
 use crate::output::journal::{Entry, JournalReader, JournalWriter, Mark};
 use crate::output::{OutputError, RunFiles};
+use crate::script::api::files::run_folder::{RunFolder, output_folder};
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Checkpoints;

@@ -23,7 +23,6 @@ pub mod reactions;
 pub mod recalling;
 pub mod reports;
 pub mod results;
-pub mod run_folder;
 pub mod settling;
 pub mod simulate;
 pub mod states;

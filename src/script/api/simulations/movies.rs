@@ -2,10 +2,11 @@
 
 use super::handle::SimulationHandle;
 use super::pictures::{keys, shown};
-use super::writing::{path_parameter, write_course};
+use super::writing::write_course;
 use crate::math::catalogue::Interval;
 use crate::output::{Drawing, Field, MovieFormat, PictureOptions, Sight, Still, movie, picture, shapes, sight};
 use crate::script::api::examples::flight_example;
+use crate::script::api::files::writing::path_parameter;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;

@@ -6,10 +6,10 @@ use rhai::Dynamic;
 
 use super::handle::SimulationHandle;
 use super::plots::ascending;
-use super::writing::{path_parameter, write_drawing};
 use crate::math::catalogue::Interval;
 use crate::output::{Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
 use crate::script::api::examples::flight_example;
+use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;

@@ -7,10 +7,11 @@ use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
-use super::writing::{chosen_columns, path_parameter, write_drawing};
+use super::writing::chosen_columns;
 use crate::math::catalogue::Interval;
 use crate::output::{Curve, CurveStyle, ENERGIES, Plot, PlotAxis, above_lowest_potential};
 use crate::script::api::examples::flight_example;
+use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};

@@ -4,14 +4,14 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::artifacts::output_failure;
 use super::handle::{Past, SimulationHandle, Simulations};
 use super::journal::{Journal, is_kept, of_another_model, something_else, unreadable};
-use super::run_folder::RunFolder;
 use crate::dynamics::{State, Tally, TimeFunction};
 use crate::output::checkpoint::Course;
 use crate::output::journal::{Computation, Entry, Outcome};
 use crate::output::shapes;
+use crate::script::api::files::failures::output_failure;
+use crate::script::api::files::run_folder::RunFolder;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;

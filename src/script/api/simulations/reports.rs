@@ -5,14 +5,15 @@ use std::collections::BTreeMap;
 use rhai::Dynamic;
 use serde_json::Value;
 
-use super::artifacts::output_failure;
 use super::columns::{further_values, model_columns, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, busy};
-use super::writing::{path_parameter, write_course};
+use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation, default_rule};
 use crate::output::{Report, ReportTable, Still, kept_rows, report, shapes};
 use crate::script::api::examples::flight_example;
+use crate::script::api::files::failures::output_failure;
+use crate::script::api::files::writing::path_parameter;
 use crate::script::api::models::description::describe_obstacle;
 use crate::script::api::parameters::Overrides;
 use crate::script::language::arguments::Arguments;

@@ -4,11 +4,12 @@ use rhai::Dynamic;
 
 use super::artifacts::has_surfaces;
 use super::handle::SimulationHandle;
-use super::writing::{chosen_columns, path_parameter, write, write_at};
+use super::writing::chosen_columns;
 use super::{movies, pictures, plots, reports, tables};
 use crate::dynamics::{Partner, Simulation};
 use crate::output::{Frame, Surroundings, braille_plot};
 use crate::script::api::examples::flight_example;
+use crate::script::api::files::writing::{path_parameter, write, write_at};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Ink;
 use crate::script::language::function::{Form, Function, Topic, body};

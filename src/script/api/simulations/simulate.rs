@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::{Artifacts, Keeping, Start, output_failure};
+use super::artifacts::{Artifacts, Keeping, Start};
 use super::columns::{Probe, probe_columns};
 use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
@@ -19,6 +19,7 @@ use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
 use crate::script::api::asides::{current_motion, is_study};
 use crate::script::api::examples::FLIGHT;
+use crate::script::api::files::failures::output_failure;
 use crate::script::api::models::change::keep_model;
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::ModelHandle;

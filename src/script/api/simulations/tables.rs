@@ -1,10 +1,11 @@
 //! `sim.table`: columns of the history as a file for other programs, CSV or Parquet as its ending says.
 
 use super::handle::SimulationHandle;
-use super::writing::{chosen_columns, path_parameter, write};
+use super::writing::chosen_columns;
 use crate::dynamics::LedgerRow;
 use crate::output::{Column, Table, parquet};
 use crate::script::api::examples::flight_example;
+use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};

@@ -3,6 +3,7 @@
 //! Checks that run a scenario several times, closures for many points (`sweep`), searches for the best one (`minimize`), and what curves
 //! have in common (`compare`). The simulations of a study are aside of the run: they write no files and stand in no summary.
 
+use crate::script::api::files::results;
 use crate::script::language::function::Function;
 
 pub mod compare;
@@ -12,14 +13,13 @@ pub mod measured;
 pub mod minimize;
 pub mod order;
 pub mod record;
-pub mod result;
 pub mod sweep;
 pub mod tables;
 pub mod vary;
 
 /// The checks of this topic.
 pub fn functions() -> Vec<Function> {
-    vec![order::expect_order(), invariance::expect_invariant(), result::result()]
+    vec![order::expect_order(), invariance::expect_invariant(), results::result()]
 }
 
 /// Its other functions.

@@ -7,9 +7,9 @@ use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 
 use crate::output::{PointLog, RowsCsv, encoded};
-use crate::script::api::simulations::artifacts::output_failure;
+use crate::script::api::files::failures::output_failure;
+use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::simulations::journal::{Journal, is_kept};
-use crate::script::api::simulations::run_folder::RunFolder;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::crew::Computed;
 use crate::script::language::failure::Failure;

@@ -4,7 +4,7 @@ use rhai::{Dynamic, Map};
 
 use super::record::FAILURE;
 use crate::output::rows_csv;
-use crate::script::api::simulations::writing::{path_parameter, write};
+use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;

@@ -1,0 +1,14 @@
+//! Files that cannot be written.
+
+use crate::output::OutputError;
+use crate::script::language::failure::{Class, Failure};
+
+/// The failure of a file that could not be written.
+pub fn output_failure(error: &OutputError) -> Failure {
+    Failure::new(output_class(error), error.to_string()).hint(error.cure())
+}
+
+/// Whose fault it is: a name that cannot be is the script's, a full disk is not.
+pub fn output_class(error: &OutputError) -> Class {
+    if matches!(error, OutputError::Write { .. } | OutputError::Gone { .. }) { Class::Output } else { Class::Script }
+}
