@@ -198,7 +198,9 @@ fn circle_of_folders(sources: &[&Source]) -> Option<String> {
             let Some(own) = member(module) else { continue };
             let others = reached.iter().filter_map(member).filter(|other| *other != own);
             members.entry(own.clone()).or_default().extend(others.clone());
-            others.for_each(|other| drop(members.entry(other).or_default()));
+            for other in others {
+                members.entry(other).or_default();
+            }
         }
         circle_in(&members)
     })

@@ -6,8 +6,7 @@
 
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
-
+use super::laws::{Bilateral, Penalty, RowLaw, Unilateral};
 use crate::contact::{ContactKernel, Evaluation};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::StepError;
@@ -36,47 +35,6 @@ pub struct CornersOf {
     pub slack: f64,
 }
 
-/// What a constraint row is in a step. A row that sticks or slips would be another one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RowState {
-    /// Its multiplier is zero.
-    #[default]
-    Open,
-    /// Its condition holds, its multiplier may press.
-    Closed,
-}
-
-impl RowState {
-    /// Closed where that is so, open otherwise.
-    pub fn closed_if(is_closed: bool) -> Self {
-        if is_closed { RowState::Closed } else { RowState::Open }
-    }
-
-    /// Whether it is closed.
-    pub fn is_closed(self) -> bool {
-        self == RowState::Closed
-    }
-
-    /// The other state.
-    pub fn switched(self) -> Self {
-        RowState::closed_if(!self.is_closed())
-    }
-}
-
-/// What holds a closed constraint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Hold {
-    /// A multiplier.
-    Multiplier,
-    /// A penalty potential `kappa/2 min(Phi, 0)^2`.
-    Penalty,
-    /// A multiplier with a proximal term.
-    Augmented {
-        /// Augmentation over the stiffness of a node.
-        factor: f64,
-    },
-}
-
 /// A contact pair.
 pub struct ContactPair {
     /// Name of its contact.
@@ -91,12 +49,12 @@ pub struct ContactPair {
     pub obstacle_velocity: [f64; 2],
     /// Its constraint functions.
     pub kernel: Box<dyn ContactKernel>,
-    /// Whether it is closed always, and may pull.
-    pub equality: bool,
+    /// The law of its rows.
+    pub law: &'static dyn RowLaw,
     /// Its condition over a step.
     pub update: &'static UpdateRule,
-    /// What keeps it closed.
-    pub hold: Hold,
+    /// Augmentation of its multipliers over the stiffness of a node, if they have a proximal term.
+    pub augmentation: Option<f64>,
     /// Whether its bodies are bodies of revolution, and multipliers pressures times circumferences.
     pub is_round: bool,
     /// Range of its rows among all rows.
@@ -142,9 +100,9 @@ impl ContactPair {
             corners: None,
             motion: [None, None],
             obstacle_velocity: [0.0; 2],
-            equality: kind == PairKind::Tie,
+            law: if kind == PairKind::Tie { &Bilateral } else { &Unilateral },
             update: &GAP,
-            hold: Hold::Multiplier,
+            augmentation: None,
             is_round: false,
             rows: 0..kernel.rows(),
             c: modulus / (size * size),
@@ -171,7 +129,7 @@ impl ContactPair {
         let rows = self.rows.clone().zip(self.kernel.weights());
         let stiffness = |(row, &weight): (usize, &f64)| of_depth * f64::max(around(row), on_axis * weight) / weight.max(f64::MIN_POSITIVE);
         self.penalties = rows.map(stiffness).collect();
-        self.hold = Hold::Penalty;
+        (self.law, self.augmentation) = (&Penalty, None);
     }
 
     /// Stiffness of the penalty potential of a row, if it has one.
@@ -181,7 +139,12 @@ impl ContactPair {
 
     /// Whether multipliers hold it.
     pub fn has_multipliers(&self) -> bool {
-        self.penalties.is_empty()
+        self.law.has_multiplier()
+    }
+
+    /// Whether multipliers hold it that may press and not pull.
+    pub fn is_unilateral(&self) -> bool {
+        self.law.has_multiplier() && !self.law.is_bilateral()
     }
 
     /// Weighted gap at the start of a step that counts as closed.
@@ -191,7 +154,7 @@ impl ContactPair {
 
     /// Whether open nodes may come through the other side within a step.
     pub fn may_penetrate(&self) -> bool {
-        self.update.holds == Holds::AsItIs && self.has_multipliers() && !self.equality
+        self.update.holds == Holds::AsItIs && self.is_unilateral()
     }
 
     /// Puts a rigid obstacle where it is in a step of that size from `time`.

@@ -1,6 +1,7 @@
 //! Makes the contact pairs of a model: its contacts, obstacles and ties, then the corners that belong to them.
 
-use super::contact_pair::{ContactPair, CornersOf, Hold, PairKind};
+use super::contact_pair::{ContactPair, CornersOf, PairKind};
+use super::laws::Bilateral;
 use crate::contact::{ContactKernel, Middles, NodeToSegment, RigidContact, RigidCorners, RowsOf, Tie};
 use crate::dynamics::model::boundaries::{facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
@@ -88,32 +89,32 @@ impl Pairing<'_> {
                 return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie)));
             }
         };
-        (pair.update, pair.equality) = (interaction.update.unwrap_or(self.default_rule), interaction.equality);
+        pair.update = interaction.update.unwrap_or(self.default_rule);
+        if interaction.equality {
+            pair.law = &Bilateral;
+        }
         match interaction.enforcement {
             Enforcement::Multiplier => {}
             Enforcement::Penalty { factor } => {
                 let has_middles = self.middles.lengths(&facets, self.reference).is_some();
                 pair.penalize(factor, self.reference, has_middles);
             }
-            Enforcement::AugmentedLagrange { factor } => pair.hold = Hold::Augmented { factor },
+            Enforcement::AugmentedLagrange { factor } => pair.augmentation = Some(factor),
         }
         pair
     }
 
     /// The pairs of the corners that the weighted gaps of other pairs do not see.
     fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
-        let has_corners = |of: usize| !pairs[of].equality && pairs[of].has_multipliers();
+        let has_corners = |of: usize| pairs[of].is_unilateral();
         let size = |of: usize| pairs[of].kernel.facet_size();
         let mut corners = Vec::new();
         let mut add = |of: usize, kind: PairKind, body: usize, slack: f64, kernel: Box<dyn ContactKernel>| {
             let owner = &pairs[of];
-            let factor = match owner.hold {
-                Hold::Augmented { factor } => factor,
-                Hold::Multiplier | Hold::Penalty => tolerances::CORNER_AUGMENTATION,
-            };
+            let factor = owner.augmentation.unwrap_or(tolerances::CORNER_AUGMENTATION);
             let belongs = CornersOf { pair: of, slack: slack * tolerances::CORNER_SLACK * owner.kernel.facet_size() };
             let mut pair = self.pair(&owner.name, kind, body, kernel);
-            (pair.corners, pair.hold) = (Some(belongs), Hold::Augmented { factor });
+            (pair.corners, pair.augmentation) = (Some(belongs), Some(factor));
             (pair.update, pair.motion) = (owner.update, owner.motion.clone());
             corners.push(pair);
         };

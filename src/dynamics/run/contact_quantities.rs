@@ -14,7 +14,8 @@
 use super::fields::ContactFields;
 use super::ledger::ContactTotals;
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
 /// Forces of a contact, evaluated at one configuration.

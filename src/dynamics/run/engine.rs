@@ -15,7 +15,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::model::update_rules::default_rule;
-use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::newton::Trace;
 use crate::dynamics::step::system::System;

@@ -68,7 +68,7 @@ where
         for pair in &self.system.pairs {
             if !pair.has_multipliers() {
                 rows.hold[pair.rows.clone()].fill(false);
-            } else if pair.update.gives_back && !pair.equality {
+            } else if pair.update.gives_back && pair.is_unilateral() {
                 for row in pair.rows.clone() {
                     rows.ours[row] = true;
                     if solution.active[row].is_closed() {

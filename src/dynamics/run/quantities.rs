@@ -8,7 +8,8 @@ use crate::bodies::{Elements, Recovery, Space, StressError, Stresses};
 use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::body::Body;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::system::System;
 

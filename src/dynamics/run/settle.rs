@@ -23,7 +23,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Surface, Travel};
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::part::Pose;
-use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::contact_set::meets;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ledger::LedgerRow;
 use crate::dynamics::model::part::Pose;
-use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::search_history::SearchHistory;
 

@@ -6,8 +6,7 @@ use super::frozen::{Frozen, RowValues};
 use super::iterate::Linearization;
 use super::newton::{Attempt, Increment};
 use crate::bodies::{Elements, Space};
-use crate::dynamics::parts::contact_pair::RowState;
-use crate::math::tolerances;
+use crate::dynamics::parts::laws::RowState;
 
 /// Sets that are tried on one linearisation: a solution is found within some, or not at all, and then the next linearisation is worth more
 /// than a further set.
@@ -121,18 +120,13 @@ where
     fn next_set(&self, at: &Linearization, set: &[RowState], gaps: &[f64], lambda: &[f64]) -> (Vec<RowState>, Option<usize>) {
         let mut next = set.to_vec();
         let (mut largest, mut worst) = (0.0, None);
-        for (pair, evaluation) in pairs_at(self.system, at).filter(|(pair, _)| !pair.equality && pair.has_multipliers()) {
+        for (pair, evaluation) in pairs_at(self.system, at) {
             for row in pair.rows.clone().filter(|&row| !self.dropped[row] && has_row(pair, evaluation, row - pair.rows.start)) {
-                let violation = if set[row].is_closed() {
-                    -lambda[row] / pair.c
-                } else {
-                    self.task.conditions.targets[row] - gaps[row] - tolerances::CLEARLY * pair.gap_tolerance
-                };
-                if violation > 0.0 || (set[row].is_closed() && lambda[row] <= 0.0) {
-                    next[row] = set[row].switched();
-                    if violation > largest {
-                        (largest, worst) = (violation, Some(row));
-                    }
+                let found = self.task.conditions.row(pair, row, gaps[row], lambda[row]);
+                let Some(violation) = pair.law.change(set[row], &found) else { continue };
+                next[row] = set[row].switched();
+                if violation > largest {
+                    (largest, worst) = (violation, Some(row));
                 }
             }
         }

@@ -5,7 +5,8 @@ use super::constraints::ConstraintRows;
 use super::iterate::Linearization;
 use super::system::System;
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, RowState};
+use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::math::tolerances;
 
 /// Every pair with what it is at an iterate.
@@ -50,7 +51,7 @@ pub fn worst_violation<const D: usize>(
             let (local, lambda) = (row - pair.rows.start, at.lambda[row]);
             // A node that has come to lie opposite nothing must not keep its multiplier: the force would have no function.
             let (natural, energy) = if has_row(pair, evaluation, local) {
-                violation(pair, conditions, row, evaluation.gap[local], lambda)
+                pair.law.residual(&conditions.row(pair, row, evaluation.gap[local], lambda))
             } else {
                 (lambda / pair.c, lambda * conditions.gap_n[row])
             };
@@ -76,9 +77,9 @@ pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, cond
     for (pair, evaluation) in pairs_at(system, at) {
         for row in pair.rows.clone() {
             let local = row - pair.rows.start;
-            let presses = || at.lambda[row] - pair.c * (evaluation.gap[local] - conditions.targets[row]) > 0.0;
-            let is_pressed = pair.equality || !pair.has_multipliers() || presses();
-            set[row] = RowState::closed_if(is_pressed && !dropped[row] && has_row(pair, evaluation, local));
+            if !dropped[row] && has_row(pair, evaluation, local) {
+                set[row] = pair.law.first_state(&conditions.row(pair, row, evaluation.gap[local], at.lambda[row]));
+            }
         }
     }
     set
@@ -95,30 +96,10 @@ pub fn constraint_rows<const D: usize>(
     let mut rows = ConstraintRows { gradient: set.iter().map(|row| row.is_closed()).collect(), diagonal, right };
     for (pair, evaluation) in pairs_at(system, at) {
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
-            let gap = evaluation.gap[row - pair.rows.start];
-            let Some(kappa) = pair.penalty(row) else {
-                let compliance = conditions.compliance[row];
-                (rows.diagonal[row], rows.right[row]) = (compliance, conditions.targets[row] - gap + compliance * at.lambda[row]);
-                continue;
-            };
-            // lambda = p(Phi_1 + G_1 dq), divided by the slope so that all rows are of one size.
-            let (pressure, slope) = conditions.penalty_pressure(kappa, row, gap);
-            rows.gradient[row] = slope != 0.0;
-            if slope != 0.0 {
-                (rows.diagonal[row], rows.right[row]) = (-1.0 / slope, -pressure / slope);
-            }
+            let at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
+            let Equation { has_gradient, diagonal, right } = pair.law.equation(&at_iterate);
+            (rows.gradient[row], rows.diagonal[row], rows.right[row]) = (has_gradient, diagonal, right);
         }
     }
     rows
-}
-
-/// By how much an iterate with that weighted gap violates the condition of a constraint, as a weighted gap, and the energy that goes with
-/// it.
-pub fn violation(pair: &ContactPair, conditions: &Conditions, row: usize, gap: f64, lambda: f64) -> (f64, f64) {
-    if let Some(kappa) = pair.penalty(row) {
-        let off = lambda - conditions.penalty_pressure(kappa, row, gap).0;
-        return (off / pair.c, off * (gap + conditions.shift[row] - conditions.gap_n[row]));
-    }
-    let gap = gap - conditions.targets[row];
-    (if pair.equality { gap } else { gap.min(lambda / pair.c) }, lambda * gap)
 }

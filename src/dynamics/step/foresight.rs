@@ -4,7 +4,8 @@ use super::conditions::Conditions;
 use super::iterate::Linearization;
 use super::large_motion::{LargeMotion, MotionKind};
 use super::system::System;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
 impl<const D: usize> System<D> {

@@ -6,7 +6,7 @@
 
 use super::attempts::{ATTEMPTS, Preferred, Strategy};
 use super::conditions::Conditions;
-use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, starting_set, violation, worst_violation};
+use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, starting_set, worst_violation};
 use super::convergence::{Convergence, Iteration, Judgement};
 use super::failure::Failure;
 use super::iterate::Linearization;
@@ -15,7 +15,7 @@ use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Correction;
 use crate::dynamics::model::error::StepError;
-use crate::dynamics::parts::contact_pair::RowState;
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
@@ -390,7 +390,8 @@ where
                 if self.dropped[row] || !has_row(pair, evaluation, local) {
                     continue;
                 }
-                let natural = size * pair.c * violation(pair, self.task.conditions, row, evaluation.gap[local], at.lambda[row]).0;
+                let natural =
+                    size * pair.c * pair.law.residual(&self.task.conditions.row(pair, row, evaluation.gap[local], at.lambda[row])).0;
                 sum += natural * natural;
             }
         }

@@ -24,7 +24,8 @@ use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::part::{Numbering, Part, Pose};
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::dynamics::parts::body::Body;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowState};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
@@ -278,10 +279,10 @@ impl<const D: usize> System<D> {
         loads_into::<D>(&self.loads, q, time, force)
     }
 
-    /// Potential energy of the penalty springs at the given weighted gaps `[energy]`.
+    /// Energy of the potentials of rows at the given weighted gaps `[energy]`.
     pub fn penalty_energy(&self, gaps: &[f64]) -> f64 {
         let of = |pair: &ContactPair| {
-            pair.penalties.iter().zip(&gaps[pair.rows.clone()]).map(|(kappa, gap)| 0.5 * kappa * gap.min(0.0).powi(2)).sum::<f64>()
+            pair.penalties.iter().zip(&gaps[pair.rows.clone()]).map(|(&kappa, &gap)| pair.law.energy(kappa, gap)).sum::<f64>()
         };
         self.pairs.iter().map(of).sum()
     }

@@ -1,0 +1,39 @@
+//! Ties: the gap stays zero, whichever way the multiplier pulls.
+
+use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
+
+/// `Phi = 0`.
+#[derive(Debug)]
+pub struct Bilateral;
+
+impl RowLaw for Bilateral {
+    fn is_bilateral(&self) -> bool {
+        true
+    }
+
+    fn demand(&self, start: &RowStart) -> Demand {
+        Demand { gap: start.gap, target: if start.keeps { start.gap } else { 0.0 }, is_member: true, shift: 0.0 }
+    }
+
+    fn first_state(&self, _row: &Row) -> RowState {
+        RowState::Closed
+    }
+
+    fn residual(&self, row: &Row) -> (f64, f64) {
+        let gap = row.gap - row.target;
+        (gap, row.lambda * gap)
+    }
+
+    fn equation(&self, row: &Row) -> Equation {
+        held(row)
+    }
+
+    fn change(&self, _state: RowState, _row: &Row) -> Option<f64> {
+        None
+    }
+}
+
+/// `Phi = target`, with the compliance of an augmentation.
+pub(super) fn held(row: &Row) -> Equation {
+    Equation { has_gradient: true, diagonal: row.compliance, right: row.target - row.gap + row.compliance * row.lambda }
+}

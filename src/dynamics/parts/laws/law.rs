@@ -1,0 +1,136 @@
+//! What the law of a constraint row is.
+//!
+//! A row has a constraint function `Phi` (a weighted gap) and a multiplier `lambda`, which presses with `lambda grad Phi`. The law says what
+//! a step demands of the two, by how much an iterate is off, and which equation a row that holds has in Newton's system,
+//!
+//! ```text
+//! A G_1 dq + B lambda = r,
+//! ```
+//!
+//! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment. A law knows neither methods nor surfaces.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// What a constraint row is in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RowState {
+    /// Its multiplier is zero.
+    #[default]
+    Open,
+    /// Its condition holds, its multiplier may press.
+    Closed,
+}
+
+impl RowState {
+    /// Closed where that is so, open otherwise.
+    pub fn closed_if(is_closed: bool) -> Self {
+        if is_closed { RowState::Closed } else { RowState::Open }
+    }
+
+    /// Whether it is closed.
+    pub fn is_closed(self) -> bool {
+        self == RowState::Closed
+    }
+
+    /// The other state.
+    pub fn switched(self) -> Self {
+        RowState::closed_if(!self.is_closed())
+    }
+}
+
+/// A row where a step starts.
+pub struct RowStart {
+    /// `Phi` there.
+    pub gap: f64,
+    /// `Phi` as the row's potential had it at the end of the step before.
+    pub felt: f64,
+    /// `Phi` of a closed row.
+    pub held: f64,
+    /// `Phi` above that which counts as closed.
+    pub closed: f64,
+    /// Whether the update rule keeps what is closed as it is.
+    pub keeps: bool,
+    /// Whether forces are those of the end of the step.
+    pub end_point: bool,
+}
+
+/// What a step demands of a row.
+pub struct Demand {
+    /// `Phi` at the start of the step as the law takes it.
+    pub gap: f64,
+    /// `Phi` of the row at the end of the step where it holds.
+    pub target: f64,
+    /// Whether it takes part in the step.
+    pub is_member: bool,
+    /// By how much the law takes `Phi` larger than it is at the end.
+    pub shift: f64,
+}
+
+/// A row at an iterate.
+pub struct Row {
+    /// `Phi`.
+    pub gap: f64,
+    /// Multiplier.
+    pub lambda: f64,
+    /// The step's demand.
+    pub gap_n: f64,
+    /// The step's demand.
+    pub target: f64,
+    /// The step's demand.
+    pub shift: f64,
+    /// Whether forces are those of the end of the step.
+    pub end_point: bool,
+    /// `Phi` per change of the multiplier within an iteration.
+    pub compliance: f64,
+    /// Pressure per `Phi`, which compares the two.
+    pub c: f64,
+    /// Stiffness of the row's potential, if it has one.
+    pub stiffness: f64,
+    /// `Phi` that counts as zero.
+    pub tolerance: f64,
+}
+
+/// The equation of a row that holds: `A G_1 dq + B lambda = r`, with `A` one or zero.
+pub struct Equation {
+    /// Whether the increment is in it.
+    pub has_gradient: bool,
+    /// `B`.
+    pub diagonal: f64,
+    /// `r`.
+    pub right: f64,
+}
+
+/// The law of constraint rows.
+pub trait RowLaw: fmt::Debug + Send + Sync {
+    /// Whether the multiplier is an unknown that a condition determines; else it is a function of `Phi`, the derivative of a potential.
+    fn has_multiplier(&self) -> bool {
+        true
+    }
+
+    /// Whether the row holds always and may pull.
+    fn is_bilateral(&self) -> bool {
+        false
+    }
+
+    /// What a step demands.
+    fn demand(&self, start: &RowStart) -> Demand;
+
+    /// The state with which an iteration begins.
+    fn first_state(&self, row: &Row) -> RowState;
+
+    /// Natural residual: by how much the row is off, as a length of `Phi`, and the energy that goes with it.
+    fn residual(&self, row: &Row) -> (f64, f64);
+
+    /// The equation of the row where it holds.
+    fn equation(&self, row: &Row) -> Equation;
+
+    /// Whether the row is to change its state, and how strongly it asks for that; `row` is what the frozen linearization makes of it.
+    fn change(&self, state: RowState, row: &Row) -> Option<f64>;
+
+    /// Energy that the row's potential stores where it has this `Phi`.
+    fn energy(&self, _stiffness: f64, _gap: f64) -> f64 {
+        0.0
+    }
+}
