@@ -27,6 +27,7 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 3,
     vtk_type: 12,
+    gmsh_type: 5,
     quadrature: quadrature::<Hex8, 3, 8, 8>,
     shape: shape::<Hex8, 3, 8, 8>,
     gradients: gradients::<Hex8, 3, 8, 8>,

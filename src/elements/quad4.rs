@@ -20,6 +20,7 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 3,
     vtk_type: 9,
+    gmsh_type: 3,
     quadrature: quadrature::<Quad4, 2, 4, 4>,
     shape: shape::<Quad4, 2, 4, 4>,
     gradients: gradients::<Quad4, 2, 4, 4>,

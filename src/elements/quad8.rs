@@ -19,6 +19,7 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 5,
     vtk_type: 23,
+    gmsh_type: 16,
     quadrature: quadrature::<Quad8, 2, 8, 9>,
     shape: shape::<Quad8, 2, 8, 9>,
     gradients: gradients::<Quad8, 2, 8, 9>,

@@ -30,6 +30,7 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 5,
     vtk_type: 28,
+    gmsh_type: 10,
     quadrature: quadrature::<Quad9, 2, 9, 9>,
     shape: shape::<Quad9, 2, 9, 9>,
     gradients: gradients::<Quad9, 2, 9, 9>,

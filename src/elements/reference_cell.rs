@@ -82,6 +82,8 @@ pub struct CellRow {
     pub exact_power: usize,
     /// Number of the kind in VTK's files.
     pub vtk_type: u8,
+    /// Number of the kind in Gmsh's files.
+    pub gmsh_type: u64,
     /// Quadrature points and their weights.
     pub quadrature: fn() -> Vec<([f64; 3], f64)>,
     /// Values of the shape functions at a reference point, one for each node.

@@ -19,6 +19,7 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 1,
     vtk_type: 10,
+    gmsh_type: 4,
     quadrature: quadrature::<Tet4, 3, 4, 1>,
     shape: shape::<Tet4, 3, 4, 1>,
     gradients: gradients::<Tet4, 3, 4, 1>,

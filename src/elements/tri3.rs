@@ -19,6 +19,7 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 1,
     vtk_type: 5,
+    gmsh_type: 2,
     quadrature: quadrature::<Tri3, 2, 3, 1>,
     shape: shape::<Tri3, 2, 3, 1>,
     gradients: gradients::<Tri3, 2, 3, 1>,

@@ -20,6 +20,7 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 2,
     vtk_type: 22,
+    gmsh_type: 9,
     quadrature: quadrature::<Tri6, 2, 6, 3>,
     shape: shape::<Tri6, 2, 6, 3>,
     gradients: gradients::<Tri6, 2, 6, 3>,

@@ -28,11 +28,12 @@ pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> Middles {
     Middles::new(edges)
 }
 
-/// The straight pieces of an edge, given by its ends and its middle node if it has one.
+/// The straight pieces of an edge, given by its ends and its middle node if it has one; none of a face, which is no edge.
 pub fn straight_pieces(edge: &[u32]) -> Vec<[u32; 2]> {
     match *edge {
         [from, to, middle] => vec![[from, middle], [middle, to]],
-        _ => vec![[edge[0], edge[1]]],
+        [from, to] => vec![[from, to]],
+        _ => Vec::new(),
     }
 }
 

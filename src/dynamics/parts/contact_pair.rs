@@ -137,6 +137,11 @@ impl ContactPair {
         self.penalties.get(row - self.rows.start).copied()
     }
 
+    /// A component of the mean velocity of the obstacle in this step; obstacles move in the plane.
+    pub fn obstacle_velocity_along(&self, component: usize) -> f64 {
+        self.obstacle_velocity.get(component).copied().unwrap_or(0.0)
+    }
+
     /// Whether multipliers hold it.
     pub fn has_multipliers(&self) -> bool {
         self.law.has_multiplier()

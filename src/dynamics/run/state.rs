@@ -73,8 +73,8 @@ impl State {
 
     /// Bytes that it takes, but for what it shares with others.
     pub fn size(&self) -> usize {
-        let rows = 3 * self.lambda.len();
-        8 * (2 * self.positions.len() + self.velocities.len() + self.remembered.len() + rows) + self.active.len()
+        let (rows, memory) = (3 * self.lambda.len(), self.memory.iter().map(Vec::len).sum::<usize>());
+        8 * (2 * self.positions.len() + self.velocities.len() + self.remembered.len() + rows + memory) + self.active.len()
     }
 }
 

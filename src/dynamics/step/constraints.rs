@@ -8,7 +8,7 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::contact_pair::ContactPair;
 
 /// The constraint rows of Newton's system: `gradient_A G_1A dq + diagonal_A lambda_A = right_A`.
 pub struct ConstraintRows {
@@ -101,8 +101,7 @@ impl<const D: usize> System<D> {
     pub fn rates(&self, pairs: &[Evaluation], v: &[f64]) -> Vec<f64> {
         let mut rates = vec![0.0; self.multipliers];
         self.for_each_end_gradient(pairs, |pair, row, k, gradient| {
-            let seen = if pair.kind == PairKind::Obstacle { pair.obstacle_velocity[k % D] } else { 0.0 };
-            rates[row] += gradient * (v[k] - seen);
+            rates[row] += gradient * (v[k] - pair.obstacle_velocity_along(k % D));
         });
         rates
     }

@@ -62,7 +62,7 @@ where
             on_nodes[k] += f;
             if pair.kind == PairKind::Obstacle {
                 from_obstacles[k] += f;
-                work += f * pair.obstacle_velocity[k % D];
+                work += f * pair.obstacle_velocity_along(k % D);
             }
         });
         (push.impulse, push.work) = (from_obstacles, work);

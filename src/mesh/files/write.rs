@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;
 
-use super::gmsh::TYPES;
+use super::gmsh::number_of;
 use super::tables::Shape;
 use crate::mesh::Mesh;
 use crate::mesh::topology::facet_key;
@@ -39,7 +39,7 @@ impl Mesh {
             let nodes = self.cell(cell).to_vec();
             match blocks.last_mut() {
                 Some(last) if last.dimension == dimension && last.entity == entity => last.elements.push(nodes),
-                _ => blocks.push(Block { dimension, entity, gmsh_type: gmsh_type(Shape::Cell(self.kind)), elements: vec![nodes] }),
+                _ => blocks.push(Block { dimension, entity, gmsh_type: number_of(Shape::Cell(self.kind)), elements: vec![nodes] }),
             }
         }
         let mut text = String::from("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");
@@ -56,7 +56,7 @@ impl Mesh {
         for (boundary, entity) in self.boundaries.iter().zip(1..) {
             if !boundary.nodes.is_empty() {
                 let elements = boundary.nodes.iter().map(|&node| vec![node]).collect();
-                blocks.push(Block { dimension: 0, entity, gmsh_type: gmsh_type(Shape::Point), elements });
+                blocks.push(Block { dimension: 0, entity, gmsh_type: number_of(Shape::Point), elements });
             }
         }
         for (boundary, entity) in self.boundaries.iter().zip(1..).filter(|(boundary, _)| !boundary.facets.is_empty()) {
@@ -66,7 +66,7 @@ impl Mesh {
             let elements: Vec<Vec<u32>> = facets.map(|&facet| self.facet_nodes(facet).collect()).collect();
             let nodes = elements[0].len();
             let shape = if self.dimension() == 2 { Shape::Line(nodes) } else { Shape::Cell(plane_kind(nodes)) };
-            blocks.push(Block { dimension: self.dimension() - 1, entity, gmsh_type: gmsh_type(shape), elements });
+            blocks.push(Block { dimension: self.dimension() - 1, entity, gmsh_type: number_of(shape), elements });
         }
         blocks
     }
@@ -159,11 +159,6 @@ fn write_elements(text: &mut String, blocks: &[Block]) {
 fn line(text: &mut String, content: std::fmt::Arguments) {
     let _ = text.write_fmt(content);
     text.push('\n');
-}
-
-/// Gmsh's number of a shape; every cell kind and its facets have one.
-fn gmsh_type(shape: Shape) -> u64 {
-    TYPES.iter().find(|(_, known)| *known == shape).map_or(0, |(number, _)| *number)
 }
 
 /// The plane cell with so many nodes, which is a facet of a solid one.

@@ -33,17 +33,6 @@ const FAMILIES: &[(&str, usize)] = &[
     ("B3", 1),
 ];
 
-/// The cells by dimension and number of nodes.
-const CELLS: &[(usize, usize, CellKind)] = &[
-    (2, 3, CellKind::Tri3),
-    (2, 4, CellKind::Quad4),
-    (2, 6, CellKind::Tri6),
-    (2, 8, CellKind::Quad8),
-    (2, 9, CellKind::Quad9),
-    (3, 4, CellKind::Tet4),
-    (3, 8, CellKind::Hex8),
-];
-
 /// The shape of an element type, such as a quadrilateral of four nodes for `CPE4R`; nothing when it is not read.
 pub(super) fn shape_of(name: &str) -> Option<Shape> {
     let name = name.to_ascii_uppercase();
@@ -63,7 +52,10 @@ pub(super) fn shape_of(name: &str) -> Option<Shape> {
     };
     match (*dimension, nodes) {
         (1, 2 | 3) => Some(Shape::Line(nodes)),
-        (dimension, nodes) => CELLS.iter().find(|(d, n, _)| (*d, *n) == (dimension, nodes)).map(|&(_, _, kind)| Shape::Cell(kind)),
+        (dimension, nodes) => {
+            let kind = CellKind::ALL.iter().find(|kind| (kind.dimension(), kind.nodes()) == (dimension, nodes));
+            kind.map(|&kind| Shape::Cell(kind))
+        }
     }
 }
 

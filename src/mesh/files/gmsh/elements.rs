@@ -9,23 +9,30 @@ use crate::mesh::file_error::FileProblem;
 /// What an entry of an element holds.
 pub(super) const ELEMENT: &str = "an element with its number, tags and nodes";
 
-/// Gmsh's numbers of the shapes that are read.
-pub(in crate::mesh::files) const TYPES: &[(u64, Shape)] = &[
-    (15, Shape::Point),
-    (1, Shape::Line(2)),
-    (8, Shape::Line(3)),
-    (2, Shape::Cell(CellKind::Tri3)),
-    (3, Shape::Cell(CellKind::Quad4)),
-    (4, Shape::Cell(CellKind::Tet4)),
-    (5, Shape::Cell(CellKind::Hex8)),
-    (9, Shape::Cell(CellKind::Tri6)),
-    (10, Shape::Cell(CellKind::Quad9)),
-    (16, Shape::Cell(CellKind::Quad8)),
-];
+/// The shape with that number in Gmsh's files; nothing when it is not read.
+fn shape_of(gmsh_type: u64) -> Option<Shape> {
+    let cell = || CellKind::ALL.iter().find(|kind| kind.row().gmsh_type == gmsh_type).map(|&kind| Shape::Cell(kind));
+    match gmsh_type {
+        15 => Some(Shape::Point),
+        1 => Some(Shape::Line(2)),
+        8 => Some(Shape::Line(3)),
+        _ => cell(),
+    }
+}
+
+/// Gmsh's number of a shape.
+pub(in crate::mesh::files) fn number_of(shape: Shape) -> u64 {
+    match shape {
+        Shape::Point => 15,
+        Shape::Line(3) => 8,
+        Shape::Line(_) => 1,
+        Shape::Cell(kind) => kind.row().gmsh_type,
+    }
+}
 
 /// Keeps an element whose nodes are the numbers that are left of its entry.
 pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, groups: u32, mut entry: Entry) -> Result<(), MeshError> {
-    let Some((_, shape)) = TYPES.iter().find(|(known, _)| *known == gmsh_type) else {
+    let Some(shape) = shape_of(gmsh_type) else {
         return entry.fail(FileProblem::UnsupportedCell { element: number, kind: kind_name(gmsh_type) });
     };
     // more than any of them has
@@ -35,7 +42,7 @@ pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, grou
         *node = entry.node(ELEMENT)?;
     }
     entry.end(ELEMENT)?;
-    tables.add_element(*shape, number, groups, nodes, entry.place());
+    tables.add_element(shape, number, groups, nodes, entry.place());
     Ok(())
 }
 

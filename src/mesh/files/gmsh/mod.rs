@@ -6,5 +6,5 @@ mod source;
 mod version_2;
 mod version_4;
 
-pub(super) use elements::TYPES;
+pub(super) use elements::number_of;
 pub(super) use sections::read;
