@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
 
-use conserva::contact::{ContactKernel, Evaluation, Mortar, Outlook};
+use conserva::contact::{CandidateSearch, Evaluation, Mortar, Outlook, PatchFunctions};
 use conserva::integrators::Derivative;
 
 /// Nodes of a circle of facets, one after the other.

@@ -14,7 +14,7 @@
 
 use num_dual::{Dual2SVec64, DualNumCopy, DualSVec64};
 
-use super::kernel::ContactKernel;
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::patches::Evaluation;
 use super::search::PairSearch;
@@ -287,38 +287,9 @@ fn weighted_gaps<T: DualNumCopy<Primitive = f64>>(z: &[T; VARIABLES], has: [bool
     Some(gaps)
 }
 
-impl ContactKernel for AveragedMortar {
+impl PatchFunctions for AveragedMortar {
     fn sides(&self) -> &Sides {
         &self.sides
-    }
-
-    fn search(&self) -> Option<&PairSearch> {
-        Some(&self.search)
-    }
-
-    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
-        Some((&mut self.search, &self.sides))
-    }
-
-    fn list_patches(&mut self) {
-        self.sides.patches.clear();
-        self.pairs.clear();
-        for &[own, other] in self.search.candidates.pairs() {
-            let [x_1, x_2] = self.sides.secondary.facets()[own as usize];
-            let [y_1, y_2] = self.sides.primary.facets()[other as usize];
-            let [before, after] = self.neighbors[own as usize];
-            let mut nodes: Vec<u32> = Vec::with_capacity(ROLES);
-            let roles = [before, Some(x_1), Some(x_2), after, Some(y_1), Some(y_2)].map(|node| {
-                let node = node?;
-                let known = nodes.iter().position(|&other| other == node);
-                Some(known.unwrap_or_else(|| {
-                    nodes.push(node);
-                    nodes.len() - 1
-                }) as u8)
-            });
-            self.sides.patches.push(&nodes, &self.sides.secondary.local_facets()[own as usize]);
-            self.pairs.push(Pair { roles });
-        }
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -420,3 +391,36 @@ impl ContactKernel for AveragedMortar {
         covered
     }
 }
+
+impl CandidateSearch for AveragedMortar {
+    fn search(&self) -> Option<&PairSearch> {
+        Some(&self.search)
+    }
+
+    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
+        Some((&mut self.search, &self.sides))
+    }
+
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        self.pairs.clear();
+        for &[own, other] in self.search.candidates.pairs() {
+            let [x_1, x_2] = self.sides.secondary.facets()[own as usize];
+            let [y_1, y_2] = self.sides.primary.facets()[other as usize];
+            let [before, after] = self.neighbors[own as usize];
+            let mut nodes: Vec<u32> = Vec::with_capacity(ROLES);
+            let roles = [before, Some(x_1), Some(x_2), after, Some(y_1), Some(y_2)].map(|node| {
+                let node = node?;
+                let known = nodes.iter().position(|&other| other == node);
+                Some(known.unwrap_or_else(|| {
+                    nodes.push(node);
+                    nodes.len() - 1
+                }) as u8)
+            });
+            self.sides.patches.push(&nodes, &self.sides.secondary.local_facets()[own as usize]);
+            self.pairs.push(Pair { roles });
+        }
+    }
+}
+
+impl RigidObstacle for AveragedMortar {}

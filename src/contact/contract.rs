@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 
 use super::fixtures::{dense_rows, difference, evaluated, product, unbalance};
-use super::{AveragedMortar, ContactKernel, Correction, Mortar, NodeToSegment, Outlook};
+use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, Outlook, PatchFunctions};
 use crate::integrators::{Configuration, Derivative};
 
 /// Nodes 0 to 3 are the secondary chain, which looks down; 4 to 8 the primary one, which looks up.

@@ -22,17 +22,13 @@ pub enum Correction {
     PerNode,
 }
 
-/// A contact method on one pair of surfaces, as the solver of a step sees it.
+/// Constraint functions of one pair of surfaces, as sums over patches of nodes.
 ///
 /// Constraint `A` belongs to the secondary node `secondary().nodes()[A]` (with several rows for each node: those of node `A` follow each
 /// other); it is the sum over the patches that list row `A`. A patch couples a run-time number of nodes. The list of patches is fixed
 /// within a step and usually over many steps, so that a matrix pattern made from it lasts. All position vectors are those of the whole
 /// model, node after node.
-///
-/// Order of calls: [`move_obstacle`](Self::move_obstacle), [`update_candidates`](Self::update_candidates) and
-/// [`begin_step`](Self::begin_step) at the start of every step (of a halved one as well), then [`evaluate`](Self::evaluate) once for each
-/// Newton iteration.
-pub trait ContactKernel: Send + Sync {
+pub trait PatchFunctions {
     /// Its surfaces, their measures, and the patches of the present candidates.
     fn sides(&self) -> &Sides;
 
@@ -88,6 +84,33 @@ pub trait ContactKernel: Send + Sync {
         &self.sides().patches
     }
 
+    /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
+    fn begin_step(&mut self, q_0: &[f64]);
+
+    /// Constraint functions at the start of the step.
+    fn start_gap(&self) -> Vec<f64>;
+
+    /// Chooses among discrete gradients that all conserve. Kernels without patch sums ignore it.
+    fn set_correction(&mut self, _correction: Correction) {}
+
+    /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
+
+    /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar:
+    /// weighted gap `[length^2]`).
+    fn gap(&self, q: &[f64]) -> Vec<f64>;
+
+    /// Slack of the constraint of every row in this step, over that of the pair.
+    fn slacks(&self) -> Vec<f64> {
+        vec![1.0; self.weights().len()]
+    }
+
+    /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.
+    fn coverage(&self, q: &[f64]) -> Vec<f64>;
+}
+
+/// What is found where: the patches that may touch in a step, and how deep what takes part overlaps.
+pub trait CandidateSearch: PatchFunctions {
     /// Makes the patches contain everything that may touch in a step; returns whether the list changed (a matrix pattern made from it must
     /// then be made anew).
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
@@ -143,6 +166,19 @@ pub trait ContactKernel: Send + Sync {
     /// Makes the patches of the pairs that the search has found.
     fn list_patches(&mut self) {}
 
+    /// Largest depth of a node of either side in the other body at `q` `[length]`, point by point, among what takes part; 0 where none is.
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.search().map_or(0.0, |search| search.deepest(self.sides(), q))
+    }
+
+    /// How far facets of both sides that cross at `q` have come through each other, in facets; 0 where none do.
+    fn crossing(&self, q: &[f64]) -> f64 {
+        self.search().map_or(0.0, |search| search.crossing(self.sides(), q))
+    }
+}
+
+/// The rigid obstacle of a pair that has one; a pair of two surfaces has nothing to say.
+pub trait RigidObstacle {
     /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}
 
@@ -158,18 +194,6 @@ pub trait ContactKernel: Send + Sync {
         [0.0; 2]
     }
 
-    /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
-    fn begin_step(&mut self, q_0: &[f64]);
-
-    /// Constraint functions at the start of the step.
-    fn start_gap(&self) -> Vec<f64>;
-
-    /// Chooses among discrete gradients that all conserve. Kernels without patch sums ignore it.
-    fn set_correction(&mut self, _correction: Correction) {}
-
-    /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
-    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
-
     /// Adds the nodal forces that a rigid obstacle exerts in a step that ends at `q_1`, and returns the work that its motion does
     /// `[energy]`: between two surfaces nothing, their forces cancel. `before` are the multipliers that press as at the start of the step,
     /// `lambda` those that press by the step's derivative.
@@ -178,26 +202,13 @@ pub trait ContactKernel: Send + Sync {
     fn obstacle_force_into(&self, _derivative: Derivative, _q_1: &[f64], _before: &[f64], _lambda: &[f64], _force: &mut [f64]) -> f64 {
         0.0
     }
-
-    /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar:
-    /// weighted gap `[length^2]`).
-    fn gap(&self, q: &[f64]) -> Vec<f64>;
-
-    /// Slack of the constraint of every row in this step, over that of the pair.
-    fn slacks(&self) -> Vec<f64> {
-        vec![1.0; self.weights().len()]
-    }
-
-    /// Largest depth of a node of either side in the other body at `q` `[length]`, point by point, among what takes part; 0 where none is.
-    fn deepest(&self, q: &[f64]) -> f64 {
-        self.search().map_or(0.0, |search| search.deepest(self.sides(), q))
-    }
-
-    /// How far facets of both sides that cross at `q` have come through each other, in facets; 0 where none do.
-    fn crossing(&self, q: &[f64]) -> f64 {
-        self.search().map_or(0.0, |search| search.crossing(self.sides(), q))
-    }
-
-    /// Share of each secondary node's weight function that lies opposite the primary side, 0 to 1; 0: the constraint is the zero function.
-    fn coverage(&self, q: &[f64]) -> Vec<f64>;
 }
+
+/// A contact method on one pair of surfaces, as the solver of a step sees it.
+///
+/// Order of calls: [`move_obstacle`](RigidObstacle::move_obstacle), [`update_candidates`](CandidateSearch::update_candidates) and
+/// [`begin_step`](PatchFunctions::begin_step) at the start of every step (of a halved one as well), then
+/// [`evaluate`](PatchFunctions::evaluate) once for each Newton iteration.
+pub trait ContactKernel: CandidateSearch + RigidObstacle + Send + Sync {}
+
+impl<K: CandidateSearch + RigidObstacle + Send + Sync> ContactKernel for K {}

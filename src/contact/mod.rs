@@ -41,7 +41,7 @@ mod window;
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces};
 pub use interlocking::{Interlocking, interlocking};
-pub use kernel::{ContactKernel, Correction};
+pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};

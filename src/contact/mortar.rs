@@ -7,7 +7,7 @@
 //! The correction of the discrete gradient is taken per pair. Where vertices of both meshes meet at rest, kinks of neighboring pairs cancel
 //! in the sum but not in their corrections; one correction for each node would cure that, at the price of coupling all its pairs.
 
-use super::kernel::{ContactKernel, Correction};
+use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
 use super::patches::Evaluation;
@@ -314,26 +314,9 @@ impl Functions<'_> {
     }
 }
 
-impl ContactKernel for Mortar {
+impl PatchFunctions for Mortar {
     fn sides(&self) -> &Sides {
         &self.sides
-    }
-
-    fn search(&self) -> Option<&PairSearch> {
-        Some(&self.search)
-    }
-
-    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
-        Some((&mut self.search, &self.sides))
-    }
-
-    fn list_patches(&mut self) {
-        self.sides.patches.clear();
-        for &[secondary, primary] in self.search.candidates.pairs() {
-            let [x_1, x_2] = self.sides.secondary.facets()[secondary as usize];
-            let [y_1, y_2] = self.sides.primary.facets()[primary as usize];
-            self.sides.patches.push(&[x_1, x_2, y_1, y_2], &self.sides.secondary.local_facets()[secondary as usize]);
-        }
     }
 
     fn start_gap(&self) -> Vec<f64> {
@@ -443,6 +426,27 @@ impl ContactKernel for Mortar {
         covered
     }
 }
+
+impl CandidateSearch for Mortar {
+    fn search(&self) -> Option<&PairSearch> {
+        Some(&self.search)
+    }
+
+    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
+        Some((&mut self.search, &self.sides))
+    }
+
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        for &[secondary, primary] in self.search.candidates.pairs() {
+            let [x_1, x_2] = self.sides.secondary.facets()[secondary as usize];
+            let [y_1, y_2] = self.sides.primary.facets()[primary as usize];
+            self.sides.patches.push(&[x_1, x_2, y_1, y_2], &self.sides.secondary.local_facets()[secondary as usize]);
+        }
+    }
+}
+
+impl RigidObstacle for Mortar {}
 
 #[cfg(test)]
 mod tests {

@@ -12,7 +12,7 @@
 
 use super::chain::Chain;
 use super::depth::Seen;
-use super::kernel::ContactKernel;
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::node_patch::{self, Start};
 use super::patches::Evaluation;
@@ -359,11 +359,58 @@ fn points_within_the_body(secondary: &Surface, primary: &Surface, reference: &[f
     pairs
 }
 
-impl ContactKernel for NodeToSegment {
+impl PatchFunctions for NodeToSegment {
     fn sides(&self) -> &Sides {
         &self.sides
     }
 
+    fn is_nodal(&self) -> bool {
+        true
+    }
+
+    fn rows_per_node(&self) -> usize {
+        if self.corners.is_some() { 2 } else { 1 }
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        self.points.nodes()
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        node_patch::start_gaps(&self.sides, &self.start)
+    }
+
+    fn slacks(&self) -> Vec<f64> {
+        let mut slacks = vec![1.0; self.sides.weights.len()];
+        for (p, start) in self.start.iter().enumerate() {
+            self.sides.patches.rows(p).iter().for_each(|&row| slacks[row as usize] = start.slack);
+        }
+        slacks
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        let mut starts = std::mem::take(&mut self.start);
+        for (p, start) in starts.iter_mut().enumerate() {
+            let crossed = |start: &Start| self.crossed(p, start, q_0);
+            start.begin(self.sides.patches.nodes(p), q_0, crossed, |start| self.pocket(start), |start| self.is_sunk(start));
+        }
+        self.start = starts;
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        node_patch::gaps(&self.sides, &self.start, q)
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        node_patch::coverage(&self.sides, &self.start, q)
+    }
+}
+
+impl CandidateSearch for NodeToSegment {
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
         let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.search_margin(&self.sides));
         self.window.begin(outlook.depth);
@@ -423,55 +470,12 @@ impl ContactKernel for NodeToSegment {
         self.begin_step(q);
     }
 
-    fn is_nodal(&self) -> bool {
-        true
-    }
-
-    fn rows_per_node(&self) -> usize {
-        if self.corners.is_some() { 2 } else { 1 }
-    }
-
-    fn row_nodes(&self) -> &[u32] {
-        self.points.nodes()
-    }
-
-    fn start_gap(&self) -> Vec<f64> {
-        node_patch::start_gaps(&self.sides, &self.start)
-    }
-
-    fn slacks(&self) -> Vec<f64> {
-        let mut slacks = vec![1.0; self.sides.weights.len()];
-        for (p, start) in self.start.iter().enumerate() {
-            self.sides.patches.rows(p).iter().for_each(|&row| slacks[row as usize] = start.slack);
-        }
-        slacks
-    }
-
-    fn begin_step(&mut self, q_0: &[f64]) {
-        let mut starts = std::mem::take(&mut self.start);
-        for (p, start) in starts.iter_mut().enumerate() {
-            let crossed = |start: &Start| self.crossed(p, start, q_0);
-            start.begin(self.sides.patches.nodes(p), q_0, crossed, |start| self.pocket(start), |start| self.is_sunk(start));
-        }
-        self.start = starts;
-    }
-
-    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
-    }
-
-    fn gap(&self, q: &[f64]) -> Vec<f64> {
-        node_patch::gaps(&self.sides, &self.start, q)
-    }
-
     fn deepest(&self, q: &[f64]) -> f64 {
         node_patch::deepest(&self.sides, &self.start, q)
     }
-
-    fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        node_patch::coverage(&self.sides, &self.start, q)
-    }
 }
+
+impl RigidObstacle for NodeToSegment {}
 
 #[cfg(test)]
 mod tests {

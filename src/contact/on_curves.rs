@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
 use super::combinations::Combinations;
-use super::kernel::{ContactKernel, Correction};
+use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 use super::patches::{Evaluation, Patches};
 use super::search::{Candidates, PairSearch};
 use super::surface::Sides;
@@ -200,7 +200,7 @@ fn with_seen<T>(points: &Combinations, outlook: &Outlook, then: impl FnOnce(&Out
     }
 }
 
-impl ContactKernel for OnCurves {
+impl PatchFunctions for OnCurves {
     fn sides(&self) -> &Sides {
         &self.sides
     }
@@ -222,52 +222,6 @@ impl ContactKernel for OnCurves {
             let mut owners = self.inner.patches().nodes(member.patch).iter().filter(|&&owner| self.inner.owns(member.patch, owner));
             owners.any(|&owner| self.points.parts(owner as usize).iter().any(|&(part, _)| part == node))
         })
-    }
-
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = with_seen(&self.points, outlook, |outlook| self.inner.update_candidates(outlook));
-        if changed {
-            self.list();
-        }
-        changed
-    }
-
-    fn margin(&self, outlook: &Outlook) -> f64 {
-        with_seen(&self.points, outlook, |outlook| self.inner.margin(outlook))
-    }
-
-    fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        self.inner.overlooks(&self.points.points(q_0), &self.points.points(q_1), tolerance)
-    }
-
-    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
-        let mut parts = |point: u32| self.points.parts(point as usize).iter().for_each(|&(node, _)| tell(node));
-        self.members[p].iter().for_each(|member| self.inner.for_each_participant(member.patch, &mut parts));
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        self.inner.candidates()
-    }
-
-    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.inner.restore_candidates(candidates, &self.points.points(q));
-        self.list();
-    }
-
-    fn search(&self) -> Option<&PairSearch> {
-        self.inner.search()
-    }
-
-    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
-        self.inner.move_obstacle(translations);
-    }
-
-    fn obstacle_translation(&self) -> [f64; 2] {
-        self.inner.obstacle_translation()
-    }
-
-    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        self.inner.passage(&self.points.points(q_1))
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -305,21 +259,8 @@ impl ContactKernel for OnCurves {
         }
     }
 
-    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
-        let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; 2 * self.points.len()]];
-        self.rows.values_into(before, &mut pressed);
-        self.rows.values_into(lambda, &mut pressing);
-        let work = self.inner.obstacle_force_into(derivative, &self.points.points(q_1), &pressed, &pressing, &mut seen);
-        self.points.add_vectors_back(&seen, force);
-        work
-    }
-
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         self.gathered(&self.inner.gap(&self.points.points(q)))
-    }
-
-    fn deepest(&self, q: &[f64]) -> f64 {
-        self.inner.deepest(&self.points.points(q))
     }
 
     fn slacks(&self) -> Vec<f64> {
@@ -328,13 +269,76 @@ impl ContactKernel for OnCurves {
         self.gathered(&weighted).iter().zip(&self.sides.weights).map(|(weighted, weight)| weighted / weight).collect()
     }
 
-    fn crossing(&self, q: &[f64]) -> f64 {
-        self.inner.crossing(&self.points.points(q))
-    }
-
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.weights.len()];
         self.cover(&self.inner.coverage(&self.points.points(q)), &mut sums);
         sums
+    }
+}
+
+impl CandidateSearch for OnCurves {
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let changed = with_seen(&self.points, outlook, |outlook| self.inner.update_candidates(outlook));
+        if changed {
+            self.list();
+        }
+        changed
+    }
+
+    fn margin(&self, outlook: &Outlook) -> f64 {
+        with_seen(&self.points, outlook, |outlook| self.inner.margin(outlook))
+    }
+
+    fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        self.inner.overlooks(&self.points.points(q_0), &self.points.points(q_1), tolerance)
+    }
+
+    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
+        let mut parts = |point: u32| self.points.parts(point as usize).iter().for_each(|&(node, _)| tell(node));
+        self.members[p].iter().for_each(|member| self.inner.for_each_participant(member.patch, &mut parts));
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        self.inner.candidates()
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.inner.restore_candidates(candidates, &self.points.points(q));
+        self.list();
+    }
+
+    fn search(&self) -> Option<&PairSearch> {
+        self.inner.search()
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.inner.deepest(&self.points.points(q))
+    }
+
+    fn crossing(&self, q: &[f64]) -> f64 {
+        self.inner.crossing(&self.points.points(q))
+    }
+}
+
+impl RigidObstacle for OnCurves {
+    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
+        self.inner.move_obstacle(translations);
+    }
+
+    fn obstacle_translation(&self) -> [f64; 2] {
+        self.inner.obstacle_translation()
+    }
+
+    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
+        self.inner.passage(&self.points.points(q_1))
+    }
+
+    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+        let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; 2 * self.points.len()]];
+        self.rows.values_into(before, &mut pressed);
+        self.rows.values_into(lambda, &mut pressing);
+        let work = self.inner.obstacle_force_into(derivative, &self.points.points(q_1), &pressed, &pressing, &mut seen);
+        self.points.add_vectors_back(&seen, force);
+        work
     }
 }

@@ -16,7 +16,7 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::chain::Chain;
-use super::kernel::ContactKernel;
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
@@ -348,41 +348,13 @@ impl RigidContact {
     }
 }
 
-impl ContactKernel for RigidContact {
+impl PatchFunctions for RigidContact {
     fn sides(&self) -> &Sides {
         &self.sides
     }
 
     fn is_nodal(&self) -> bool {
         true
-    }
-
-    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
-        self.translations = *translations;
-    }
-
-    fn obstacle_translation(&self) -> [f64; 2] {
-        self.translations[2]
-    }
-
-    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
-            // There is no other side.
-            return [0.0; 2];
-        }
-        let ([start, _, end], size) = (self.translations, self.sides.facet_size);
-        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
-        for row in 0..self.sides.patches.len() {
-            let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
-            let x_1 = self.position(row, q_1, end);
-            let near = size.max(self.sides.weights[row]);
-            let moved = (x_1[0] - x_0[0]).hypot(x_1[1] - x_0[1]);
-            swing = swing.max(self.shape.swing(x_0, x_1, near) / near);
-            if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1) {
-                crossing = moved;
-            }
-        }
-        [swing, crossing / size]
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -418,6 +390,58 @@ impl ContactKernel for RigidContact {
         }
     }
 
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        self.gaps(|_| &self.shape, self.translations[2], |row| self.position(row, q, [0.0; 2]))
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        let covered = |row: usize| {
+            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
+            f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
+        };
+        (0..self.sides.weights.len()).map(covered).collect()
+    }
+}
+
+impl CandidateSearch for RigidContact {
+    fn deepest(&self, q: &[f64]) -> f64 {
+        let depth = |row: usize| {
+            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
+            distance.filter(|distance| distance.covered).map_or(0.0, |distance| -distance.gap)
+        };
+        (0..self.sides.weights.len()).map(depth).fold(0.0, f64::max)
+    }
+}
+
+impl RigidObstacle for RigidContact {
+    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
+        self.translations = *translations;
+    }
+
+    fn obstacle_translation(&self) -> [f64; 2] {
+        self.translations[2]
+    }
+
+    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
+        if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
+            // There is no other side.
+            return [0.0; 2];
+        }
+        let ([start, _, end], size) = (self.translations, self.sides.facet_size);
+        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
+        for row in 0..self.sides.patches.len() {
+            let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
+            let x_1 = self.position(row, q_1, end);
+            let near = size.max(self.sides.weights[row]);
+            let moved = (x_1[0] - x_0[0]).hypot(x_1[1] - x_0[1]);
+            swing = swing.max(self.shape.swing(x_0, x_1, near) / near);
+            if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1) {
+                crossing = moved;
+            }
+        }
+        [swing, crossing / size]
+    }
+
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [start, _, end] = self.translations;
         let mut work = 0.0;
@@ -437,26 +461,6 @@ impl ContactKernel for RigidContact {
             }
         }
         work
-    }
-
-    fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.gaps(|_| &self.shape, self.translations[2], |row| self.position(row, q, [0.0; 2]))
-    }
-
-    fn deepest(&self, q: &[f64]) -> f64 {
-        let depth = |row: usize| {
-            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
-            distance.filter(|distance| distance.covered).map_or(0.0, |distance| -distance.gap)
-        };
-        (0..self.sides.weights.len()).map(depth).fold(0.0, f64::max)
-    }
-
-    fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let covered = |row: usize| {
-            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
-            f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
-        };
-        (0..self.sides.weights.len()).map(covered).collect()
     }
 }
 

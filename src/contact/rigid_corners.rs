@@ -11,7 +11,7 @@ use super::rigid::Obstacle;
 use super::round::RoundContact;
 use super::surface::Sides;
 use super::window::{Outlook, Travel};
-use super::{Candidates, ContactKernel};
+use super::{CandidateSearch, Candidates, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 
 /// Radius in shortest facets up to which the constraints of a disk leave less than those of corners: on larger ones facets are nearly
@@ -96,7 +96,7 @@ impl RigidCorners {
     }
 }
 
-impl ContactKernel for RigidCorners {
+impl PatchFunctions for RigidCorners {
     fn sides(&self) -> &Sides {
         &self.sides
     }
@@ -108,41 +108,6 @@ impl ContactKernel for RigidCorners {
     fn row_nodes(&self) -> &[u32] {
         // The points are no nodes of the model.
         &[]
-    }
-
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let q = self.positions(outlook.q, 0);
-        let changed = match outlook.travel {
-            Travel::UpTo(_) => self.inner.update_candidates(&Outlook { q: &q, ..*outlook }),
-            Travel::Each { sizes, besides } => {
-                let sizes: Vec<f64> = sizes.iter().copied().chain(self.points.iter().map(|_| 0.0)).collect();
-                self.inner.update_candidates(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
-            }
-            Travel::Guessed { displacements, factor } => {
-                let [from, _, to] = self.translations;
-                let [a, b] = displacements.map(|u| self.extended(u, |_| [to[0] - from[0], to[1] - from[1]]));
-                let travel = Travel::Guessed { displacements: [&a, &b], factor };
-                self.inner.update_candidates(&Outlook { q: &q, travel, ..*outlook })
-            }
-        };
-        if changed {
-            self.list_patches();
-        }
-        changed
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        self.inner.candidates()
-    }
-
-    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.start = self.positions(q, 0);
-        self.inner.restore_candidates(candidates, &self.start);
-        self.list_patches();
-    }
-
-    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
-        self.translations = *translations;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -179,6 +144,57 @@ impl ContactKernel for RigidCorners {
         }
     }
 
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        self.inner.gap(&self.positions(q, 2))
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        self.inner.coverage(&self.positions(q, 2))
+    }
+}
+
+impl CandidateSearch for RigidCorners {
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let q = self.positions(outlook.q, 0);
+        let changed = match outlook.travel {
+            Travel::UpTo(_) => self.inner.update_candidates(&Outlook { q: &q, ..*outlook }),
+            Travel::Each { sizes, besides } => {
+                let sizes: Vec<f64> = sizes.iter().copied().chain(self.points.iter().map(|_| 0.0)).collect();
+                self.inner.update_candidates(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
+            }
+            Travel::Guessed { displacements, factor } => {
+                let [from, _, to] = self.translations;
+                let [a, b] = displacements.map(|u| self.extended(u, |_| [to[0] - from[0], to[1] - from[1]]));
+                let travel = Travel::Guessed { displacements: [&a, &b], factor };
+                self.inner.update_candidates(&Outlook { q: &q, travel, ..*outlook })
+            }
+        };
+        if changed {
+            self.list_patches();
+        }
+        changed
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        self.inner.candidates()
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.start = self.positions(q, 0);
+        self.inner.restore_candidates(candidates, &self.start);
+        self.list_patches();
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.inner.deepest(&self.positions(q, 2))
+    }
+}
+
+impl RigidObstacle for RigidCorners {
+    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
+        self.translations = *translations;
+    }
+
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let mut sum = vec![0.0; self.start.len()];
         let mut add = |derivative: Derivative, q: &[f64], lambda: &[f64]| {
@@ -203,17 +219,5 @@ impl ContactKernel for RigidCorners {
         force.iter_mut().zip(nodes).for_each(|(force, f)| *force += f);
         let [from, _, to] = self.translations;
         -corners.chunks_exact(2).map(|f| f[0] * (to[0] - from[0]) + f[1] * (to[1] - from[1])).sum::<f64>()
-    }
-
-    fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.inner.gap(&self.positions(q, 2))
-    }
-
-    fn deepest(&self, q: &[f64]) -> f64 {
-        self.inner.deepest(&self.positions(q, 2))
-    }
-
-    fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        self.inner.coverage(&self.positions(q, 2))
     }
 }

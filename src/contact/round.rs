@@ -5,7 +5,7 @@
 //! facets alone would jump where the disk passes a node.
 
 use super::depth::Seen;
-use super::kernel::ContactKernel;
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::node_patch::{self, Round, Start};
 use super::patches::Evaluation;
 use super::search::Candidates;
@@ -66,7 +66,7 @@ impl RoundContact {
     }
 }
 
-impl ContactKernel for RoundContact {
+impl PatchFunctions for RoundContact {
     fn sides(&self) -> &Sides {
         &self.sides
     }
@@ -76,6 +76,30 @@ impl ContactKernel for RoundContact {
         &[]
     }
 
+    fn begin_step(&mut self, q_0: &[f64]) {
+        for (p, start) in self.start.iter_mut().enumerate() {
+            start.begin(self.sides.patches.nodes(p), q_0, |_| None, |_| None, |_| false);
+        }
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        node_patch::start_gaps(&self.sides, &self.start)
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        node_patch::gaps(&self.sides, &self.start, q)
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        node_patch::coverage(&self.sides, &self.start, q)
+    }
+}
+
+impl CandidateSearch for RoundContact {
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
         let margin = outlook.search_margin(&self.sides) + self.radius;
         let changed = self.candidates.update(&self.sides.secondary, &self.sides.primary, outlook.q, margin);
@@ -102,29 +126,9 @@ impl ContactKernel for RoundContact {
         self.begin_step(q);
     }
 
-    fn begin_step(&mut self, q_0: &[f64]) {
-        for (p, start) in self.start.iter_mut().enumerate() {
-            start.begin(self.sides.patches.nodes(p), q_0, |_| None, |_| None, |_| false);
-        }
-    }
-
-    fn start_gap(&self) -> Vec<f64> {
-        node_patch::start_gaps(&self.sides, &self.start)
-    }
-
-    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
-    }
-
-    fn gap(&self, q: &[f64]) -> Vec<f64> {
-        node_patch::gaps(&self.sides, &self.start, q)
-    }
-
     fn deepest(&self, q: &[f64]) -> f64 {
         node_patch::deepest(&self.sides, &self.start, q)
     }
-
-    fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        node_patch::coverage(&self.sides, &self.start, q)
-    }
 }
+
+impl RigidObstacle for RoundContact {}

@@ -19,7 +19,7 @@ use super::pair::{invariants, offsets, overlaps};
 use super::patches::Evaluation;
 use super::search::Candidates;
 use super::surface::Sides;
-use super::{ContactKernel, Outlook};
+use super::{CandidateSearch, Outlook, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SLIVER;
 
@@ -134,24 +134,13 @@ fn pair_gradient(nodes: [u32; 4], reference: &[f64], reach: f64) -> Option<([[f6
     Some((gradient, lengths))
 }
 
-impl ContactKernel for Tie {
+impl PatchFunctions for Tie {
     fn sides(&self) -> &Sides {
         &self.sides
     }
 
     fn rows_per_node(&self) -> usize {
         ROWS
-    }
-
-    fn update_candidates(&mut self, _outlook: &Outlook) -> bool {
-        let first = self.sides.patches.is_empty() && !self.pairs.is_empty();
-        if first {
-            for pair in &self.pairs {
-                let [a, b] = pair.secondary.map(|node| ROWS as u32 * node);
-                self.sides.patches.push(&pair.nodes, &[a, a + 1, b, b + 1]);
-            }
-        }
-        first
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -190,6 +179,21 @@ impl ContactKernel for Tie {
         self.coverage.clone()
     }
 }
+
+impl CandidateSearch for Tie {
+    fn update_candidates(&mut self, _outlook: &Outlook) -> bool {
+        let first = self.sides.patches.is_empty() && !self.pairs.is_empty();
+        if first {
+            for pair in &self.pairs {
+                let [a, b] = pair.secondary.map(|node| ROWS as u32 * node);
+                self.sides.patches.push(&pair.nodes, &[a, a + 1, b, b + 1]);
+            }
+        }
+        first
+    }
+}
+
+impl RigidObstacle for Tie {}
 
 #[cfg(test)]
 mod tests {

@@ -8,7 +8,7 @@ use super::boundaries::boundary_facets;
 use super::definitions::Model;
 use super::hulls::{ALLOWED, Hull, Inside, hull_ends};
 use super::interactions::{Interaction, Partner};
-use crate::contact::{ContactKernel, Evaluation, Obstacle, Outlook, RigidContact};
+use crate::contact::{CandidateSearch, Evaluation, Obstacle, Outlook, PatchFunctions, RigidContact, RigidObstacle};
 use crate::integrators::Derivative;
 
 /// An overlap in the undeformed bodies.
