@@ -2,7 +2,7 @@
 //!
 //! The matrix is that of a graph: a vertex per node with its coordinates, and a vertex per group of constraints with its multipliers. Its
 //! pattern is symmetric, its values are not. Who assembles asks the [`Pattern`] once where each block stands and then adds to a flat
-//! array of values; who solves hands the values to a [`Factorization`]. What is behind the latter may change without notice above.
+//! array of values; who solves hands the values to a [`LinearSolver`], of which [`Factorization`] is the one that is there.
 
 mod aligned;
 mod assembly;
@@ -22,6 +22,7 @@ mod places;
 #[cfg(test)]
 mod random_tests;
 mod scaling;
+mod solver;
 mod strips;
 mod substitution;
 mod symbolic;
@@ -32,9 +33,9 @@ mod tree;
 mod triangular;
 mod watch;
 
-pub use elimination_order::{Account, EliminationOrder};
 pub use error::LinearError;
 pub use factorization::{Factorization, Work};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern, Role, Vertex};
+pub use solver::{LinearSolver, SolverMemory};
 pub use watch::Watch;

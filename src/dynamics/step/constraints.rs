@@ -74,10 +74,10 @@ impl<const D: usize> System<D> {
     /// Factorises values of the matrix and solves with them in place; their writing began at `clock`.
     pub fn solve_with(&mut self, values: &[f64], right: &mut [f64], clock: Instant) -> Result<(), Failure> {
         self.counters.factorizations += 1;
-        self.matrix.factorization.factorize(values).map_err(Failure::Linear)?;
+        self.matrix.solver.factorize(values).map_err(Failure::Linear)?;
         self.counters.times.factorization += clock.elapsed();
         let clock = Instant::now();
-        let outcome = self.matrix.factorization.solve(values, right);
+        let outcome = self.matrix.solver.solve(values, right);
         self.counters.times.solve += clock.elapsed();
         outcome.map(drop).map_err(Failure::Linear)
     }

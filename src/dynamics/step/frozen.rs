@@ -104,7 +104,7 @@ where
 
     fn substitute(&mut self, values: &[f64], right: &mut [f64]) -> Result<(), Failure> {
         let clock = Instant::now();
-        let outcome = self.matrix.factorization.solve(values, right);
+        let outcome = self.matrix.solver.solve(values, right);
         self.counters.times.solve += clock.elapsed();
         outcome.map(drop).map_err(Failure::Linear)
     }

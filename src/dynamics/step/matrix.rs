@@ -5,15 +5,15 @@
 
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::linear::{Factorization, LinearError, Pattern, Vertex};
+use crate::linear::{Factorization, LinearError, LinearSolver, Pattern, Vertex};
 use crate::math::workers::Workers;
 
 /// The matrix of a model's steps.
 pub struct Matrix {
     /// Its pattern.
     pub pattern: Pattern,
-    /// Its factors.
-    pub factorization: Factorization,
+    /// What solves with it.
+    pub solver: Box<dyn LinearSolver>,
     /// Counts patterns: values made for another one are of no use.
     pub generation: usize,
     /// Whether pattern and factorisation are those of other candidates.
@@ -30,16 +30,8 @@ impl Matrix {
     /// # Errors
     /// The pattern is too large.
     pub fn new(pattern: Pattern, workers: &Workers) -> Result<Self, LinearError> {
-        let factorization = Factorization::new(&pattern)?.with_workers(workers);
-        Ok(Matrix {
-            pattern,
-            factorization,
-            generation: 0,
-            is_stale: false,
-            identities: Vec::new(),
-            zeros: Vec::new(),
-            diagonals: Vec::new(),
-        })
+        let solver = Box::new(Factorization::new(&pattern)?.with_workers(workers));
+        Ok(Matrix { pattern, solver, generation: 0, is_stale: false, identities: Vec::new(), zeros: Vec::new(), diagonals: Vec::new() })
     }
 
     /// Takes another pattern.
@@ -48,7 +40,7 @@ impl Matrix {
     /// The pattern is too large.
     pub fn renew(&mut self, pattern: Pattern) -> Result<(), LinearError> {
         self.pattern = pattern;
-        self.factorization.renew(&self.pattern)?;
+        self.solver.analyse(&self.pattern)?;
         self.generation += 1;
         self.is_stale = false;
         Ok(())

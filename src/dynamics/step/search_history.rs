@@ -5,18 +5,16 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Candidates;
-use crate::linear::{Account, EliminationOrder};
+use crate::linear::SolverMemory;
 
 /// What a system keeps from one step to the next. Sums depend on it in their last bits, so it belongs to the state. States share what has
-/// not changed between them; only the account is another one after every step.
+/// not changed between them; only what the solver counts is another one after every step.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SearchHistory {
     /// One for each contact pair that searches.
     pub candidates: Arc<Vec<Option<Candidates>>>,
-    /// Order of elimination.
-    pub order: Option<EliminationOrder>,
-    /// What the order has cost.
-    pub account: Account,
+    /// What the linear solver keeps.
+    pub solver: SolverMemory,
 }
 
 impl SearchHistory {
@@ -27,6 +25,6 @@ impl SearchHistory {
             (found, _) => found.is_none(),
         };
         let pairs = self.candidates.len() == own.candidates.len() && self.candidates.iter().zip(own.candidates.iter()).all(are_pairs_sound);
-        pairs && self.order.as_ref().is_none_or(EliminationOrder::is_sound)
+        pairs && self.solver.is_sound()
     }
 }

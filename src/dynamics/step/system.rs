@@ -213,17 +213,17 @@ impl<const D: usize> System<D> {
 
     /// What the linear solver has done.
     pub fn work(&self) -> Work {
-        self.matrix.factorization.work()
+        self.matrix.solver.work()
     }
 
     /// Bytes of the factors.
     pub fn factor_bytes(&self) -> usize {
-        self.matrix.factorization.bytes()
+        self.matrix.solver.bytes()
     }
 
     /// Lets long factorisations be looked into.
     pub fn watch(&mut self, watch: Watch) {
-        self.matrix.factorization.set_watch(watch);
+        self.matrix.solver.set_watch(watch);
     }
 
     /// Number of secondary nodes in contact: active constraints, those of ties left out.
@@ -268,7 +268,7 @@ impl<const D: usize> System<D> {
 
     /// A motion and multipliers that the singular tangent of the last solve maps to zero, near enough.
     pub fn near_null_vector(&self) -> &[f64] {
-        self.matrix.factorization.near_null_vector().unwrap_or_default()
+        self.matrix.solver.near_null_vector().unwrap_or_default()
     }
 
     /// Loads at a configuration and time, gravity not included; tells whether any acted.
@@ -321,14 +321,13 @@ impl<const D: usize> System<D> {
 
     /// What the next step takes over from the ones before; the same value as long as nothing has changed.
     pub fn search(&mut self) -> Arc<SearchHistory> {
-        let (kept, factorization) = (&self.search.candidates, &self.matrix.factorization);
-        let (order, account) = (factorization.order(), factorization.account());
+        let (kept, solver) = (&self.search.candidates, self.matrix.solver.memory());
         let are_same = kept.len() == self.pairs.len()
             && self.pairs.iter().zip(kept.iter()).all(|(pair, kept)| pair.kernel.candidates() == kept.as_ref());
-        if !are_same || self.search.account != account || self.search.order.as_ref() != Some(order) {
+        if !are_same || self.search.solver != solver {
             let listed = || Arc::new(self.pairs.iter().map(|pair| pair.kernel.candidates().cloned()).collect());
             let candidates = if are_same { kept.clone() } else { listed() };
-            self.search = Arc::new(SearchHistory { candidates, order: Some(order.clone()), account });
+            self.search = Arc::new(SearchHistory { candidates, solver });
         }
         self.search.clone()
     }
@@ -346,9 +345,7 @@ impl<const D: usize> System<D> {
         if is_present {
             return;
         }
-        if let Some(order) = &search.order {
-            self.matrix.factorization.restore_order(order, search.account);
-        }
+        self.matrix.solver.recall(&search.solver);
         self.search = search.clone();
         self.matrix.is_stale = true;
     }
