@@ -42,6 +42,11 @@ pub struct Iterate<'a> {
     pub u_1: &'a [f64],
     /// Positions at which loads act `[length]`.
     pub q_test: &'a [f64],
+    /// Velocities at which forces act: with the time integrator's derivative the mean of both ends of the step, or those of its end. At
+    /// rest they are zero, or those of the start, where the forces there are asked for `[length/time]`.
+    pub velocity: &'a [f64],
+    /// Derivative of each of them with respect to its component of `q_1`: 0 where they do not change with it `[1/time]`.
+    pub velocity_slope: f64,
     /// Factor of the mass in the tangent, body by body `[1/time^2]`.
     pub inertia: &'a [f64],
 }

@@ -17,6 +17,7 @@ pub mod ledger;
 pub mod options;
 pub mod piece;
 pub mod quantities;
+pub mod remembering;
 pub mod report;
 pub mod reserve;
 pub mod run_findings;

@@ -109,7 +109,7 @@ where
     fn settle(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let before = self.state.clone();
         let mut outcome = self.settle_at(time);
-        if self.options.integrator.remembers_force() && self.state.row.step > 0 {
+        if self.state.row.step > 0 {
             // What is carried from step to step is that of the new equilibrium.
             outcome = outcome.and_then(|report| self.remember().map(|()| report));
         }
@@ -233,7 +233,8 @@ where
 
     /// A nominal step: from kink to kink of what acts, in pieces where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        if self.options.integrator.remembers_force() && self.state.row.step == 0 {
+        let state = &self.state;
+        if state.row.step == 0 || !state.remembered.is_of(self.options.integrator, state.positions.len()) {
             self.remember()?;
         }
         let from = self.state.row.time;
