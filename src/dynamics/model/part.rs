@@ -142,11 +142,13 @@ pub trait PartDefinition: Send + Sync {
     /// The bodies that it joins.
     fn bodies(&self) -> Vec<usize>;
 
-    /// Checks what can be said without computing; `point` is where a node of a body is at rest.
+    /// Checks what can be said without computing, nothing by itself; the argument is where a node of a body is at rest.
     ///
     /// # Errors
     /// What is wrong with it.
-    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError>;
+    fn check(&self, _point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
+        Ok(())
+    }
 
     /// The part with its numbers.
     fn part(&self, numbering: &Numbering) -> Box<dyn Part>;

@@ -57,6 +57,8 @@ where
         if scheme.remembers(History::Acceleration) {
             let given = self.prescribed_accelerations(at.q_1.len()).map_err(Failure::Fatal)?;
             let accelerations = self.system.accelerations(at, given)?;
+            // The order of elimination may be another one now.
+            Arc::make_mut(&mut self.state).search = self.system.search();
             remembered.force.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= before * tie);
             remembered.acceleration = accelerations.nodes;
         }
