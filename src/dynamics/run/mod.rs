@@ -16,6 +16,7 @@ pub mod jump;
 pub mod ledger;
 pub mod options;
 pub mod piece;
+pub mod pieces;
 pub mod quantities;
 pub mod remembering;
 pub mod report;
