@@ -1,7 +1,7 @@
 //! A time integrator that this crate does not have, written beside it: Newmark's method with any `beta` and `gamma`.
 //!
-//! A block on a spring swings, let go where the spring pulls. The program prints how far it is from the closed form after some periods, with
-//! which order that falls with the step, and what becomes of the energy. `cargo run --release --example newmark`
+//! A block on a spring swings, let go where the spring pulls. The program prints how far it is from the closed form after some periods,
+//! with which order that falls with the step, and what becomes of the energy. `cargo run --release --example newmark`
 
 use std::error::Error;
 use std::f64::consts::TAU;

@@ -1,8 +1,8 @@
 //! Floor 3: how a potential is differentiated across a step, and the time integrators; one file and one row of [`CATALOGUE`] each.
 //!
 //! A [`Scheme`] is data. Element loop and contact kernels are told its [`Derivative`], a step reads its coefficients and what it remembers,
-//! tests read its promises. Functions of quadratic invariants have the [`discrete_gradient`]; functions of the positions of a patch without such
-//! invariants have one of their own ([`Projection`]).
+//! tests read its promises. Functions of quadratic invariants have the [`discrete_gradient`]; functions of the positions of a patch without
+//! such invariants have one of their own ([`Projection`]).
 
 mod backward_euler;
 mod derivative;

@@ -7,9 +7,9 @@
 //! M (v_1 - v_0) / dt + w f + (1 - w) f_0 = 0
 //! ```
 //!
-//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before. Velocity and acceleration at
-//! the end are affine in the motion `q_1 - q_0` ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the coefficients,
-//! forces alone change momenta, so that the ledger of every scheme closes.
+//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before. Velocity and acceleration
+//! at the end are affine in the motion `q_1 - q_0` ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the
+//! coefficients, forces alone change momenta, so that the ledger of every scheme closes.
 //!
 //! Nobody asks which scheme runs: who needs to know something of it reads a field. A program beside this crate makes one in the same way
 //! (`examples/newmark.rs`).
@@ -162,3 +162,38 @@ impl PartialEq for Scheme {
 }
 
 impl Eq for Scheme {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrators::{BACKWARD_EULER, CATALOGUE, ENERGY_MOMENTUM, NEWMARK, TRAPEZOIDAL};
+
+    #[test]
+    fn every_row_of_the_catalogue_is_a_scheme() {
+        assert!(CATALOGUE.iter().all(|scheme| scheme.check() == Ok(())));
+        assert!(Scheme { weight: 0.5, ..ENERGY_MOMENTUM.clone() }.check().is_err(), "the other half is remembered by nobody");
+    }
+
+    /// The equations of the method, for any motion.
+    #[test]
+    fn velocity_and_acceleration_of_newmark_are_those_of_its_equations() {
+        let (beta, gamma, dt) = (0.3025, 0.6, 0.07);
+        let (change, v_0, a_0) = (0.3, -1.7, 4.1);
+        let v_1 = NEWMARK.velocity.velocity(change, v_0, dt) + NEWMARK.velocity.velocity_by(a_0, dt);
+        let a_1 = NEWMARK.acceleration.acceleration(change, v_0, a_0, dt);
+        assert!((change - dt * v_0 - dt * dt * ((0.5 - beta) * a_0 + beta * a_1)).abs() < 1e-14);
+        assert!((v_1 - v_0 - dt * ((1.0 - gamma) * a_0 + gamma * a_1)).abs() < 1e-13);
+        // What changes a velocity is the motion beyond the drift.
+        let [of_velocity, of_acceleration] = NEWMARK.drift(dt);
+        let opposed = NEWMARK.inertia(dt) * (change - of_velocity * v_0 - of_acceleration * a_0);
+        assert!((opposed - (v_1 - v_0) / dt).abs() < 1e-11);
+        assert!((NEWMARK.motion(v_1 - v_0, dt) - opposed / NEWMARK.inertia(dt)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn forces_of_the_middle_act_at_the_mean_velocity() {
+        assert_eq!(ENERGY_MOMENTUM.velocity_of_forces(), Affine { moved: 1.0, velocity: 0.0, acceleration: 0.0 });
+        assert_eq!(TRAPEZOIDAL.velocity_of_forces(), TRAPEZOIDAL.velocity);
+        assert_eq!(BACKWARD_EULER.velocity_of_forces(), BACKWARD_EULER.velocity);
+    }
+}
