@@ -27,6 +27,96 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! What pushes on nodes is a [`Part`](dynamics::Part), and a program can bring its own. This one resists the motion of a node relative to
+//! another with a force `c (v_b - v_a)`; it is told the velocity at which forces act in a step, and its derivative, so that it suits every
+//! time integrator (`examples/dashpot.rs` compares it with a closed form, `examples/newmark.rs` writes a time integrator):
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use conserva::dynamics::{Change, Iterate, Model, Numbering, Options, Part, PartDefinition, Pose, Refusal, Remembered, Simulation, Sums};
+//! use conserva::integrators::ENERGY_MOMENTUM;
+//! use conserva::linear::{Block, Pattern};
+//! use conserva::materials::NeoHookean;
+//! use conserva::mesh::rectangle;
+//!
+//! /// Between two nodes of the first body of a plane model.
+//! #[derive(Clone)]
+//! struct Dashpot {
+//!     viscosity: f64,
+//!     nodes: [u32; 2],
+//!     places: [Block; 4],
+//! }
+//!
+//! impl PartDefinition for Dashpot {
+//!     fn name(&self) -> &str {
+//!         "dashpot"
+//!     }
+//!     fn bodies(&self) -> Vec<usize> {
+//!         vec![0]
+//!     }
+//!     fn part(&self, _: &Numbering) -> Box<dyn Part> {
+//!         Box::new(self.clone())
+//!     }
+//!     fn changed(&self, _: &Change) -> Arc<dyn PartDefinition> {
+//!         Arc::new(self.clone())
+//!     }
+//!     fn describe(&self) -> String {
+//!         format!("dashpot of {}", self.viscosity)
+//!     }
+//! }
+//!
+//! impl Dashpot {
+//!     fn rate(&self, at: &Iterate, i: usize) -> f64 {
+//!         let [a, b] = self.nodes.map(|node| at.velocity[2 * node as usize + i]);
+//!         b - a
+//!     }
+//! }
+//!
+//! impl Part for Dashpot {
+//!     fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
+//!         tell(&self.nodes);
+//!     }
+//!     fn place(&mut self, pattern: &Pattern) {
+//!         self.places = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[k, l]| pattern.block(self.nodes[k], self.nodes[l]));
+//!     }
+//!     fn linearize(&self, at: &Iterate, _: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
+//!         for i in 0..2 {
+//!             let force = at.weight * self.viscosity * self.rate(at, i);
+//!             sums.internal[2 * self.nodes[0] as usize + i] -= force;
+//!             sums.internal[2 * self.nodes[1] as usize + i] += force;
+//!         }
+//!         if let Some(values) = sums.tangent.as_deref_mut() {
+//!             for (block, sign) in self.places.iter().zip([1.0, -1.0, -1.0, 1.0]) {
+//!                 (0..2).for_each(|i| values[block.at(i, i)] += sign * at.weight * self.viscosity * at.velocity_slope);
+//!             }
+//!         }
+//!         Ok(())
+//!     }
+//!     fn energy(&self, _: Pose, _: &[f64]) -> f64 {
+//!         0.0
+//!     }
+//!     fn remembered(&self, at: &Iterate, _: &[f64]) -> Remembered {
+//!         let power: f64 = (0..2).map(|i| self.viscosity * self.rate(at, i).powi(2)).sum();
+//!         Remembered { memory: Vec::new(), dissipated: at.dt * power }
+//!     }
+//! }
+//!
+//! let rubber = NeoHookean { youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 }.material()?;
+//! let mut model = Model::new("spinning block");
+//! let block = model.add_body("block", rectangle([1.0, 0.5], [4, 2], [0.0, 0.0])?, &rubber);
+//! model.throw(block, [0.0; 3], [0.0, 0.0, 2.0]);
+//! model.parts.push(Arc::new(Dashpot { viscosity: 0.1, nodes: [0, 4], places: Default::default() }));
+//! let mut simulation = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.01))?;
+//! let energy = simulation.row().total();
+//! let mut heat = 0.0;
+//! for _ in 0..20 {
+//!     simulation.step(None, &mut |row| heat += row.dissipation)?;
+//! }
+//! assert!(heat > 0.01 * energy && (simulation.row().total() + heat - energy).abs() < 1e-10 * energy);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Models, simulations and their states can be sent to other threads. `examples/` has more programs, `docs/reference.md` the language of
 //! the scripts.
 //!

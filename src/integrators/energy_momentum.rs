@@ -2,14 +2,16 @@
 //! ZAMP 43, 1992; Gonzalez, CMAME 190, 2000).
 
 use super::derivative::Derivative;
-use super::scheme::{Kinematics, Promises, Scheme};
+use super::scheme::{Affine, Promises, Scheme};
 
 /// Energy and both momenta exact.
 pub static ENERGY_MOMENTUM: Scheme = Scheme {
     name: "energy_momentum",
     summary: "energy-momentum scheme: discrete gradients keep the energy and both momenta exactly, for every step size",
     derivative: Derivative::DiscreteGradient,
+    remembers: &[],
+    velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
+    acceleration: Affine::NONE,
     weight: 1.0,
-    kinematics: Kinematics { slope: 2.0 },
     promises: Promises { energy: true, momentum: true, angular_momentum: true, order: 2 },
 };

@@ -1,14 +1,16 @@
 //! Implicit midpoint rule: the forces of the mean configuration. Its energy may grow without bound in stiff, large motions.
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Kinematics, Promises, Scheme};
+use super::scheme::{Affine, Promises, Scheme};
 
 /// Both momenta exact, the energy not.
 pub static MIDPOINT: Scheme = Scheme {
     name: "midpoint",
     summary: "implicit midpoint rule: keeps both momenta, but not the energy",
     derivative: Derivative::Gradient(Configuration::Middle),
+    remembers: &[],
+    velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
+    acceleration: Affine::NONE,
     weight: 1.0,
-    kinematics: Kinematics { slope: 2.0 },
     promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
 };

@@ -1,19 +1,23 @@
-//! What a time integrator is: a row of data that says which force stands for a potential's in a step, how velocities follow from positions,
-//! what is remembered from step to step, and what is promised.
+//! What a time integrator is: a row of data that says which force stands for a potential's in a step, how velocities and accelerations
+//! follow from positions, what is remembered from step to step, and what is promised.
 //!
-//! A step solves
+//! A step solves the balance of momentum
 //!
 //! ```text
-//! M a + w f + (1 - w) f_0 = 0,    a = (v_1 - v_0) / dt,    v_1 = v_0 + c/dt (q_1 - q_0 - dt v_0)
+//! M (v_1 - v_0) / dt + w f + (1 - w) f_0 = 0
 //! ```
 //!
-//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before, if `w < 1`.
-//! Nobody asks which scheme runs: who needs to know something of it reads a field.
+//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before. Velocity and acceleration
+//! at the end are affine in the motion `q_1 - q_0` ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the
+//! coefficients, forces alone change momenta, so that the ledger of every scheme closes.
+//!
+//! Nobody asks which scheme runs: who needs to know something of it reads a field. A program beside this crate makes one in the same way
+//! (`examples/newmark.rs`).
 
 use super::derivative::Derivative;
 
 /// A time integrator.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Scheme {
     /// Name as written in a script.
     pub name: &'static str,
@@ -21,38 +25,61 @@ pub struct Scheme {
     pub summary: &'static str,
     /// Which force stands for that of a potential.
     pub derivative: Derivative,
-    /// Share `w` of that force; the rest is the force at the end of the step before, which the scheme then remembers.
+    /// What it remembers besides positions and velocities.
+    pub remembers: &'static [History],
+    /// Velocity at the end of a step.
+    pub velocity: Affine,
+    /// Acceleration there; read where it is remembered.
+    pub acceleration: Affine,
+    /// Share `w` of the forces of the step; the rest is that of the forces at the end of the step before.
     pub weight: f64,
-    /// How velocities follow from positions.
-    pub kinematics: Kinematics,
     /// What it keeps.
     pub promises: Promises,
 }
 
-/// Velocities that are linear in the positions: `v_1 = v_0 + c/dt (q_1 - q_0 - dt v_0)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kinematics {
-    /// `c`: 2 where the mean of the velocities moves the positions, 1 where the last one does.
-    pub slope: f64,
+/// A vector that steps find as the step before has left it. At the start, after `settle`, and for a state of another scheme it is computed
+/// from positions and velocities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum History {
+    /// Accelerations at the end of the step `[length/time^2]`: at the start those of the static forces, `M a_0 = -f_0`.
+    Acceleration,
+    /// Static forces there, those of contact among them `[force]`.
+    Force,
 }
 
-impl Kinematics {
-    /// Velocity at the end of a step of size `dt` that moves a component by `change` `[length/time]`.
+/// Coefficients, without dimension, of a quantity at the end of a step of size `dt`:
+/// `moved (q_1 - q_0) + velocity dt v_0 + acceleration dt^2 a_0`, divided by `dt` for a velocity and by `dt^2` for an acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Affine {
+    /// Of the motion in the step.
+    pub moved: f64,
+    /// Of the velocity at its start.
+    pub velocity: f64,
+    /// Of the acceleration at its start, which is then remembered.
+    pub acceleration: f64,
+}
+
+impl Affine {
+    /// None of all: what nobody reads.
+    pub const NONE: Affine = Affine { moved: 0.0, velocity: 0.0, acceleration: 0.0 };
+
+    /// A component of a velocity after a step that moves it by `change` `[length/time]`; `a_0` is 0 where no accelerations are remembered.
     #[inline(always)]
     pub fn velocity(self, change: f64, v_0: f64, dt: f64) -> f64 {
-        self.slope / dt * change + (1.0 - self.slope) * v_0
+        self.moved / dt * change + self.velocity * v_0
     }
 
-    /// Factor of the mass in the derivative of the inertia force with respect to `q_1` `[1/time^2]`.
+    /// What the acceleration at the start adds to that.
     #[inline(always)]
-    pub fn inertia(self, dt: f64) -> f64 {
-        self.slope / (dt * dt)
+    pub fn velocity_by(self, a_0: f64, dt: f64) -> f64 {
+        self.acceleration * dt * a_0
     }
 
-    /// The motion beyond the drift `dt v_0` that changes a velocity by `change` `[length]`.
+    /// A component of an acceleration `[length/time^2]`.
     #[inline(always)]
-    pub fn motion(self, change: f64, dt: f64) -> f64 {
-        dt / self.slope * change
+    pub fn acceleration(self, change: f64, v_0: f64, a_0: f64, dt: f64) -> f64 {
+        (self.moved * change + dt * (self.velocity * v_0 + dt * self.acceleration * a_0)) / (dt * dt)
     }
 }
 
@@ -70,9 +97,61 @@ pub struct Promises {
 }
 
 impl Scheme {
-    /// Whether the force at the end of a step is remembered for the next one.
-    pub fn remembers_force(&self) -> bool {
-        self.weight < 1.0
+    /// Whether a vector is remembered from step to step.
+    pub fn remembers(&self, what: History) -> bool {
+        self.remembers.contains(&what)
+    }
+
+    /// Factor of the mass in the derivative of the inertia force with respect to `q_1` `[1/time^2]`.
+    #[inline(always)]
+    pub fn inertia(&self, dt: f64) -> f64 {
+        self.velocity.moved / (dt * dt)
+    }
+
+    /// The motion that changes no velocity, beside which [`Self::inertia`] takes all others: times of `v_0` and of `a_0` in it.
+    #[inline(always)]
+    pub fn drift(&self, dt: f64) -> [f64; 2] {
+        let Affine { moved, velocity, acceleration } = self.velocity;
+        [(1.0 - velocity) / moved * dt, -acceleration / moved * dt * dt]
+    }
+
+    /// The motion beyond that drift which changes a velocity by `change` `[length]`.
+    #[inline(always)]
+    pub fn motion(&self, change: f64, dt: f64) -> f64 {
+        dt / self.velocity.moved * change
+    }
+
+    /// Velocity where the forces of a step act: at its end, or the mean of both ends.
+    pub fn velocity_of_forces(&self) -> Affine {
+        let share = self.derivative.placement().share;
+        let Affine { moved, velocity, acceleration } = self.velocity;
+        Affine { moved: share * moved, velocity: share * velocity + (1.0 - share), acceleration: share * acceleration }
+    }
+
+    /// Whether the row is a scheme at all: motion without forces and motion under a constant one are what they should be, and what it reads
+    /// it remembers.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub fn check(&self) -> Result<(), &'static str> {
+        const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
+        let is = |value: f64, expected: f64| (value - expected).abs() <= ROUND_OFF * (1.0 + self.velocity.moved);
+        let (v, a) = (self.velocity, self.acceleration);
+        let asks = [
+            (v.moved > 0.0 && v.moved.is_finite(), "the velocity does not grow with the motion"),
+            (is(v.moved + v.velocity, 1.0), "a steady motion changes its velocity: `velocity.moved` + `velocity.velocity` is not 1"),
+            (self.weight > 0.0 && self.weight <= 1.0, "the share of the forces is not in (0, 1]"),
+            (
+                (self.weight < 1.0) == self.remembers(History::Force),
+                "forces are remembered exactly where their share `weight` is less than 1",
+            ),
+            (v.acceleration == 0.0 || self.remembers(History::Acceleration), "the acceleration is read and not remembered"),
+            (
+                !self.remembers(History::Acceleration) || is(a.moved + a.velocity, 0.0) && is(0.5 * a.moved + a.acceleration, 1.0),
+                "a steady motion has an acceleration, or a motion of constant acceleration has another one",
+            ),
+        ];
+        asks.into_iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, wrong)| Err(wrong))
     }
 }
 
@@ -83,3 +162,38 @@ impl PartialEq for Scheme {
 }
 
 impl Eq for Scheme {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrators::{BACKWARD_EULER, CATALOGUE, ENERGY_MOMENTUM, NEWMARK, TRAPEZOIDAL};
+
+    #[test]
+    fn every_row_of_the_catalogue_is_a_scheme() {
+        assert!(CATALOGUE.iter().all(|scheme| scheme.check() == Ok(())));
+        assert!(Scheme { weight: 0.5, ..ENERGY_MOMENTUM.clone() }.check().is_err(), "the other half is remembered by nobody");
+    }
+
+    /// The equations of the method, for any motion.
+    #[test]
+    fn velocity_and_acceleration_of_newmark_are_those_of_its_equations() {
+        let (beta, gamma, dt) = (0.3025, 0.6, 0.07);
+        let (change, v_0, a_0) = (0.3, -1.7, 4.1);
+        let v_1 = NEWMARK.velocity.velocity(change, v_0, dt) + NEWMARK.velocity.velocity_by(a_0, dt);
+        let a_1 = NEWMARK.acceleration.acceleration(change, v_0, a_0, dt);
+        assert!((change - dt * v_0 - dt * dt * ((0.5 - beta) * a_0 + beta * a_1)).abs() < 1e-14);
+        assert!((v_1 - v_0 - dt * ((1.0 - gamma) * a_0 + gamma * a_1)).abs() < 1e-13);
+        // What changes a velocity is the motion beyond the drift.
+        let [of_velocity, of_acceleration] = NEWMARK.drift(dt);
+        let opposed = NEWMARK.inertia(dt) * (change - of_velocity * v_0 - of_acceleration * a_0);
+        assert!((opposed - (v_1 - v_0) / dt).abs() < 1e-11);
+        assert!((NEWMARK.motion(v_1 - v_0, dt) - opposed / NEWMARK.inertia(dt)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn forces_of_the_middle_act_at_the_mean_velocity() {
+        assert_eq!(ENERGY_MOMENTUM.velocity_of_forces(), Affine { moved: 1.0, velocity: 0.0, acceleration: 0.0 });
+        assert_eq!(TRAPEZOIDAL.velocity_of_forces(), TRAPEZOIDAL.velocity);
+        assert_eq!(BACKWARD_EULER.velocity_of_forces(), BACKWARD_EULER.velocity);
+    }
+}

@@ -2,14 +2,16 @@
 //! Div. ASCE 85, 1959).
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Kinematics, Promises, Scheme};
+use super::scheme::{Affine, History, Promises, Scheme};
 
 /// Linear momentum exact, energy and angular momentum in small motions only.
 pub static TRAPEZOIDAL: Scheme = Scheme {
     name: "trapezoidal",
     summary: "trapezoidal rule (Newmark, beta = 1/4, gamma = 1/2): keeps neither the energy nor the angular momentum in large motions",
     derivative: Derivative::Gradient(Configuration::End),
+    remembers: &[History::Force],
+    velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
+    acceleration: Affine::NONE,
     weight: 0.5,
-    kinematics: Kinematics { slope: 2.0 },
     promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
 };

@@ -103,7 +103,7 @@ fn axial_frequency(cells: usize) -> f64 {
 #[test]
 fn axial_frequency_is_the_discrete_one_and_converges_to_the_exact_one() {
     let exact = FRAC_PI_2 * 10.0;
-    for &integrator in integrators::CATALOGUE.iter().filter(|scheme| scheme.kinematics.slope == 2.0) {
+    for &integrator in integrators::CATALOGUE.iter().filter(|scheme| scheme.promises.order == 2) {
         let errors = [4, 8, 16].map(|cells| {
             let discrete = axial_frequency(cells);
             let measured = frequency(&mut axial_bar(cells, integrator), 60, |q| q[2 * cells] - 1.0);

@@ -16,6 +16,7 @@ mod free_fall;
 mod node_to_segment;
 mod reactions;
 mod ring_on_ring;
+mod schemes;
 mod settle;
 mod springs;
 mod tied_bodies;

@@ -45,6 +45,14 @@ pub enum ModelError {
         /// Names of the body's boundaries.
         available: Vec<String>,
     },
+    /// A time integrator that is none.
+    #[error("the integrator \"{integrator}\" is not sound: {reason}")]
+    UnsoundIntegrator {
+        /// Its name.
+        integrator: &'static str,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// A boundary without facets.
     #[error("boundary \"{boundary}\" has no facets")]
     EmptyBoundary {
@@ -169,6 +177,7 @@ impl ModelError {
             ModelError::DuplicateName { .. } => "give each its own name: messages, tables and files refer to it".into(),
             ModelError::MixedDimensions { .. } => "use meshes of one dimension in a model".into(),
             ModelError::UnknownBoundary { .. } => "use one of its boundaries, or select one with `Mesh::boundary_where`".into(),
+            ModelError::UnsoundIntegrator { .. } => "mend its row: `integrators::Scheme` has what each coefficient stands for".into(),
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
             ModelError::PointBoundary { .. } => {
                 "points can be held (`fix`), moved (`prescribe`) and loaded with a `force`; other loads and contacts need facets".into()

@@ -42,6 +42,11 @@ pub struct Iterate<'a> {
     pub u_1: &'a [f64],
     /// Positions at which loads act `[length]`.
     pub q_test: &'a [f64],
+    /// Velocities at which forces act: with the time integrator's derivative the mean of both ends of the step, or those of its end. At
+    /// rest they are zero, or those of the start, where the forces there are asked for `[length/time]`.
+    pub velocity: &'a [f64],
+    /// Derivative of each of them with respect to its component of `q_1`: 0 where they do not change with it `[1/time]`.
+    pub velocity_slope: f64,
     /// Factor of the mass in the tangent, body by body `[1/time^2]`.
     pub inertia: &'a [f64],
 }
@@ -137,11 +142,13 @@ pub trait PartDefinition: Send + Sync {
     /// The bodies that it joins.
     fn bodies(&self) -> Vec<usize>;
 
-    /// Checks what can be said without computing; `point` is where a node of a body is at rest.
+    /// Checks what can be said without computing, nothing by itself; the argument is where a node of a body is at rest.
     ///
     /// # Errors
     /// What is wrong with it.
-    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError>;
+    fn check(&self, _point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
+        Ok(())
+    }
 
     /// The part with its numbers.
     fn part(&self, numbering: &Numbering) -> Box<dyn Part>;

@@ -153,7 +153,10 @@ mod tests {
         let mut spring = Spring { dimension, nodes: [0, 1], stiffness: 3.0, rest_length: 0.7, places: Default::default() };
         spring.place(&pattern);
         let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);
-        let at = Iterate { derivative, weight: 1.0, time: 0.0, dt: 0.1, q_0, q_1, u_0: q_0, u_1: q_1, q_test: q_1, inertia: &[] };
+        let (u_0, u_1, inertia) = (q_0, q_1, &[][..]);
+        let (velocity, velocity_slope) = (q_1, 0.0);
+        let at =
+            Iterate { derivative, weight: 1.0, time: 0.0, dt: 0.1, q_0, q_1, u_0, u_1, q_test: q_1, velocity, velocity_slope, inertia };
         let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
         assert!(spring.linearize(&at, &[], &mut sums).is_ok());
         let count = 2 * dimension;

@@ -12,7 +12,9 @@ use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
 use crate::dynamics::step::newton::Solution;
+use crate::dynamics::step::scheme_memory::SchemeMemory;
 use crate::dynamics::step::start::{Motion, StepStart};
+use crate::integrators::History;
 
 /// What pushed from outside in a step.
 struct Outside {
@@ -55,8 +57,7 @@ where
         let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
         let felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
-        let remembered =
-            if scheme.remembers_force() { Arc::new(self.remembered(motion, &at.forces, &v_1)) } else { self.state.remembered.clone() };
+        let remembered = self.remembered(motion, &at, &v_1);
         let outside = self.outside(start, motion, &at, &lambda, &v_1)?;
         if let Some(jump) = &jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
@@ -121,10 +122,22 @@ where
         Ok(state)
     }
 
-    /// What the time integrator remembers of this step's static forces: the residual is inertia, this step's share of them and what was
-    /// remembered, so this step's share is what the others leave.
-    fn remembered(&self, motion: &Motion, forces: &Forces, v_1: &[f64]) -> Vec<f64> {
-        let Motion { scheme, dt, v_0, remembered, .. } = *motion;
+    /// What the time integrator remembers of this step; nothing changes where it remembers nothing.
+    fn remembered(&self, motion: &Motion, at: &Linearization, v_1: &[f64]) -> Arc<SchemeMemory> {
+        let mut remembered = SchemeMemory::default();
+        for what in motion.scheme.remembers {
+            match what {
+                History::Force => remembered.force = self.remembered_force(motion, &at.forces, v_1),
+                History::Acceleration => remembered.acceleration = motion.accelerations_after(&at.moved),
+            }
+        }
+        if motion.scheme.remembers.is_empty() { self.state.remembered.clone() } else { Arc::new(remembered) }
+    }
+
+    /// Its share of the static forces of this step: the residual is inertia, this step's share of them and what was remembered, so this
+    /// step's share is what the others leave.
+    fn remembered_force(&self, motion: &Motion, forces: &Forces, v_1: &[f64]) -> Vec<f64> {
+        let (Motion { scheme, dt, v_0, .. }, remembered) = (*motion, motion.remembered_force());
         let rate: Vec<f64> = v_1.iter().zip(v_0).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect();
         let inertia = self.system.nodes.momenta_of(&rate);
         let share = |k: usize| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered[k];
@@ -136,7 +149,7 @@ where
         let (system, scheme, unknowns) = (&self.system, motion.scheme, at.q_1.len());
         let before = 1.0 - scheme.weight;
         let mut load = at.forces.load.clone();
-        if scheme.remembers_force() {
+        if scheme.remembers(History::Force) {
             let mut load_n = vec![0.0; unknowns];
             system.loads_into(start.q_0, start.time, &mut load_n)?;
             load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += before * n);

@@ -13,7 +13,6 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::iterate::Forces;
-use crate::dynamics::step::start::REST_WEIGHT;
 use crate::dynamics::step::system::System;
 use crate::math::tolerances;
 
@@ -120,10 +119,10 @@ impl Balance {
             for &node in &piece.nodes {
                 for i in 0..D {
                     let k = node * D + i;
-                    let force = (forces.contact[k] - forces.without_contact[k]) / REST_WEIGHT;
+                    let force = forces.whole(forces.contact[k] - forces.without_contact[k]);
                     reach = reach.max(u[k].abs()).max(if system.sees_positions() { q[k].abs() } else { 0.0 });
                     let (load, contact) =
-                        (forces.load[k].abs() / REST_WEIGHT + system.nodes.weight[k].abs(), forces.contact[k].abs() / REST_WEIGHT);
+                        (forces.whole(forces.load[k].abs()) + system.nodes.weight[k].abs(), forces.whole(forces.contact[k].abs()));
                     loads += load;
                     contacts += contact;
                     largest_force = largest_force.max(load).max(contact);

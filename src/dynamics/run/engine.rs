@@ -61,6 +61,8 @@ where
     /// # Errors
     /// A model that cannot be simulated.
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
+        let unsound = |reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason };
+        options.integrator.check().map_err(unsound)?;
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;

@@ -1,18 +1,15 @@
 //! One piece of a step: from a state to a new one, or why there is none. A step is a transaction; the state itself is not changed here.
 
-use std::sync::Arc;
-
 use super::engine::Engine;
 use super::options::Options;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};
-use crate::dynamics::model::error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed, rigid_motion};
-use crate::dynamics::step::start::{Course, Motion, REST_WEIGHT, StepStart};
+use crate::dynamics::step::start::{Course, Motion, StepStart};
 use crate::math::tolerances;
 
 /// How much more motion than was expected a step may have: impacts add elastic motion to the prediction. Where something was overlooked, as
@@ -48,7 +45,7 @@ where
         self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
         self.system.begin_step(&outlook).map_err(Failure::Linear)?;
 
-        let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &state.remembered[..], &prescribed_v_1[..]);
+        let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &*state.remembered, &prescribed_v_1[..]);
         let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };
         let start =
             StepStart { time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, course: Course::Motion(motion) };
@@ -134,29 +131,5 @@ where
             }
         }
         Ok(())
-    }
-
-    /// What the time integrator remembers of the static forces at the current state.
-    pub fn remember(&mut self) -> Result<(), StepError> {
-        let state = self.state.clone();
-        let undamped = vec![0.0; self.system.bodies.len()];
-        let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
-        let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, course: Course::Rest { damping: &undamped } };
-        self.system.move_obstacles(state.row.time, 0.0)?;
-        if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {
-            return Err(self.failed(&Failure::Linear(error), 0.0, 0));
-        }
-        match self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda) {
-            Ok(at) => {
-                let share = (1.0 - self.options.integrator.weight) / REST_WEIGHT;
-                let forces = at.forces.without_contact.iter().zip(&at.forces.contact);
-                let remembered = forces.map(|(r, c)| share * (r - c)).collect();
-                Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
-                self.system.recycle(at);
-                Ok(())
-            }
-            Err(Failure::Fatal(error)) => Err(error),
-            Err(failure) => Err(self.failed(&failure, 0.0, 0)),
-        }
     }
 }

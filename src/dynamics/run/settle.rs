@@ -31,7 +31,7 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed};
-use crate::dynamics::step::start::{Course, REST_WEIGHT, StepStart};
+use crate::dynamics::step::start::{Course, StepStart};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -175,7 +175,7 @@ where
         Arc::make_mut(&mut self.state).search = self.system.search();
         let contacts = self.contact_totals(&self.state.positions, &at.pairs, &self.state.lambda, &self.state.active);
         let forces = &at.forces;
-        let reaction = |k: usize| (forces.without_contact[k] - forces.contact[k]) / REST_WEIGHT;
+        let reaction = |k: usize| forces.whole(forces.residual(k));
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
@@ -224,7 +224,7 @@ where
         self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach, depth: 0.0 }, &reaches)?;
         let undamped = vec![0.0; self.system.bodies.len()];
         let memory = self.state.memory.clone();
-        let (time, course) = (self.state.row.time, Course::Rest { damping: &undamped });
+        let (time, course) = (self.state.row.time, Course::Rest { damping: &undamped, velocities: None });
         let start = StepStart { time, q_0: &positions, u_0: &displacements, memory: &memory, course };
         let at = match self.system.linearize(&start, &positions, &vec![0.0; positions.len()], &self.state.lambda) {
             Ok(at) => at,
@@ -274,7 +274,7 @@ where
         let mut moved: Vec<f64> = predicted.iter().zip(positions).map(|(new, old)| new - old).collect();
         self.system.supports.prescribed.iter().for_each(|one| moved[one.unknown] = present.moved[one.unknown]);
         let memory = self.state.memory.clone();
-        let rest = Course::Rest { damping: &plan.damping };
+        let rest = Course::Rest { damping: &plan.damping, velocities: None };
         let start = StepStart { time: self.state.row.time, q_0: positions, u_0: displacements, memory: &memory, course: rest };
         let mut conditions = self.conditions_at_rest(&start);
         let closes_in_part = course.closing.limit(&self.system, positions, &mut conditions);

@@ -8,6 +8,7 @@ use super::ledger::LedgerRow;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
+use crate::dynamics::step::scheme_memory::SchemeMemory;
 use crate::dynamics::step::search_history::SearchHistory;
 
 /// Everything that the future of a simulation depends on. A value: keep it, restore it, branch from it.
@@ -29,8 +30,8 @@ pub struct State {
     pub(super) reserve: Vec<f64>,
     /// What every constraint row is.
     pub(super) active: Vec<RowState>,
-    /// What the time integrator remembers: its share of the static forces at the end of the step; empty where it remembers none.
-    pub(super) remembered: Arc<Vec<f64>>,
+    /// What the time integrator remembers besides.
+    pub(super) remembered: Arc<SchemeMemory>,
     /// What every part remembers, block by block; most remember nothing.
     pub(super) memory: Arc<Vec<Vec<f64>>>,
     /// Counts steps.
@@ -61,7 +62,7 @@ impl State {
             let rows = [state.lambda.len(), state.felt.len(), state.reserve.len(), state.active.len()];
             (nodal, rows, state.memory.iter().map(Vec::len).collect::<Vec<_>>())
         };
-        let remembers = self.remembered.is_empty() || self.remembered.len() == self.positions.len();
+        let remembers = self.remembered.has_length(self.positions.len());
         let is_somewhere = [&self.positions, &self.displacements, &self.velocities].iter().all(|all| all.iter().all(|x| x.is_finite()));
         // A halving more doubles the pieces of a step, whose number is a whole one.
         lengths(self) == lengths(own)

@@ -11,6 +11,7 @@ use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactField
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
+use super::pieces::Pieces;
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
 use super::state::{Clock, State};
@@ -109,7 +110,7 @@ where
     fn settle(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let before = self.state.clone();
         let mut outcome = self.settle_at(time);
-        if self.options.integrator.remembers_force() && self.state.row.step > 0 {
+        if self.state.row.step > 0 {
             // What is carried from step to step is that of the new equilibrium.
             outcome = outcome.and_then(|report| self.remember().map(|()| report));
         }
@@ -233,7 +234,8 @@ where
 
     /// A nominal step: from kink to kink of what acts, in pieces where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        if self.options.integrator.remembers_force() && self.state.row.step == 0 {
+        let state = &self.state;
+        if state.row.step == 0 || !state.remembered.is_of(self.options.integrator, state.positions.len()) {
             self.remember()?;
         }
         let from = self.state.row.time;
@@ -266,31 +268,24 @@ where
 
     /// Goes on to a time, in pieces where the step there must be halved; `clock`: from where steps are counted afterwards, and how many.
     fn stretch(&mut self, target: f64, dt: f64, clock: (f64, usize), accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        let from = self.state.row.time;
-        // The piece in units of dt / 2^level: done, and all.
-        let mut level = self.state.level;
-        let (mut done, mut halvings) = (0usize, 0);
-        let mut all = 1usize << level;
-        let mut booked = self.work();
-        while done < all {
+        let mut pieces = Pieces::new(self.state.row.time, dt, self.state.level);
+        let (mut halvings, mut booked) = (0, self.work());
+        while !pieces.are_done() {
             if self.options.interrupted() {
                 return Err(StepError::Interrupted { time: self.state.row.time });
             }
-            match self.piece(dt / all as f64, level < self.options.max_halvings) {
+            let (size, may_be_halved) = (pieces.size(), pieces.level() < self.options.max_halvings);
+            match self.piece(size, may_be_halved) {
                 Ok(mut state) => {
-                    done += 1;
-                    state.row.time = if done == all { target } else { from + dt * (done as f64 / all as f64) };
+                    let between = pieces.accepted();
+                    state.row.time = between.unwrap_or(target);
                     state.row.halvings = std::mem::take(&mut halvings);
                     let [iterations, factorizations] = std::mem::replace(&mut booked, self.work());
                     state.row.newton_iterations = booked[0] - iterations;
                     state.row.factorizations = booked[1] - factorizations;
-                    if done == all {
-                        state.level = level.saturating_sub(1);
-                        state.clock = Clock { origin: clock.0, count: clock.1, dt: self.options.dt };
-                    } else {
-                        state.level = level;
-                        state.clock = Clock { origin: state.row.time, count: 0, dt: self.options.dt };
-                    }
+                    state.level = pieces.next_level();
+                    let (origin, count) = between.map_or(clock, |time| (time, 0));
+                    state.clock = Clock { origin, count, dt: self.options.dt };
                     self.statistics.steps += 1;
                     self.state = Arc::new(state);
                     accepted(&self.state.row);
@@ -299,16 +294,15 @@ where
                 Err(failure) => {
                     // What is halved beforehand was no try.
                     if !matches!(failure, Failure::Foreseen(_)) {
-                        self.tries.push(tried(&failure, dt / all as f64, &self.trace));
-                        if level >= self.options.max_halvings {
-                            return Err(self.failed(&failure, dt / all as f64, level));
+                        self.tries.push(tried(&failure, size, &self.trace));
+                        if !may_be_halved {
+                            return Err(self.failed(&failure, size, pieces.level()));
                         }
                         halvings += 1;
                         self.statistics.halvings += 1;
                     }
-                    self.halvings.count(&failure, dt / all as f64, &self.state.row);
-                    level += 1;
-                    (done, all) = (2 * done, 2 * all);
+                    self.halvings.count(&failure, size, &self.state.row);
+                    pieces.halve();
                 }
             }
         }

@@ -7,11 +7,11 @@ use std::time::Instant;
 
 use super::failure::Failure;
 use super::iterate::Linearization;
-use super::start::{Course, Motion, StepStart};
+use super::start::{StepStart, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::model::part::{Iterate, Pose, Remembered, Sums};
+use crate::dynamics::model::part::{Remembered, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
@@ -69,33 +69,20 @@ where
     fn sum_parts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) -> Result<(), Failure> {
         let clock = Instant::now();
         let Linearization { q_1, u_1, moved, forces, tangent, tangent_of, storage_of, .. } = at;
-        let (unknowns, weight, derivative) = (q_1.len(), start.weight(), start.derivative());
+        let (unknowns, weight) = (q_1.len(), start.weight());
         let generation = Some(self.matrix.generation);
         if wants_tangent && *storage_of != generation {
             tangent.clear();
             tangent.resize(self.matrix.pattern.values(), 0.0);
             *storage_of = generation;
         }
-        let inertia: Vec<f64> = (0..self.bodies.len()).map(|body| start.inertia(body)).collect();
         let (mut internal, mut motion) = (std::mem::take(&mut self.spare.internal), std::mem::take(&mut self.spare.motion));
+        let mut told = std::mem::take(&mut self.spare.told);
         internal.resize(unknowns, 0.0);
-        if !self.loads.is_empty() || !self.others.is_empty() {
-            derivative.placement().test.positions_into(start.q_0, q_1, &mut motion);
-        }
+        self.tell(start, q_1, moved, &mut told);
         forces.load.clear();
         forces.load.resize(unknowns, 0.0);
-        let iterate = Iterate {
-            derivative,
-            weight,
-            time: start.load_time(),
-            dt: start.dt(),
-            q_0: start.q_0,
-            q_1,
-            u_0: start.u_0,
-            u_1,
-            q_test: &motion,
-            inertia: &inertia,
-        };
+        let iterate = start.iterate(q_1, u_1, &told);
         let tangent = wants_tangent.then_some(&mut tangent[..]);
         let mut sums = Sums { internal: &mut internal, load: &mut forces.load, tangent, workers: &self.workers };
         self.parts().zip(start.memory).try_for_each(|(part, memory)| part.linearize(&iterate, memory, &mut sums))?;
@@ -109,7 +96,7 @@ where
         residual.resize(unknowns, 0.0);
         self.nodes.mass.multiply_into::<D>(&motion, residual);
         let (mut scale, mut internal_work) = (0.0f64, 0.0);
-        for (body, inertia) in self.bodies.iter().zip(&inertia) {
+        for (body, inertia) in self.bodies.iter().zip(&told.inertia) {
             for k in body.nodes.start * D..body.nodes.end * D {
                 let inertial = inertia * residual[k];
                 forces.load[k] *= weight;
@@ -119,11 +106,9 @@ where
                 residual[k] = inertial + internal[k] - external;
             }
         }
-        if let Course::Motion(Motion { remembered, .. }) = &start.course {
-            residual.iter_mut().zip(*remembered).for_each(|(residual, force)| *residual += force);
-        }
-        (forces.scale, forces.internal_work) = (scale, internal_work);
-        (self.spare.internal, self.spare.motion) = (internal, motion);
+        residual.iter_mut().zip(start.remembered_force()).for_each(|(residual, force)| *residual += force);
+        (forces.weight, forces.scale, forces.internal_work) = (weight, scale, internal_work);
+        (self.spare.internal, self.spare.motion, self.spare.told) = (internal, motion, told);
         self.counters.times.assembly += clock.elapsed();
         if forces.without_contact.iter().any(|r| !r.is_finite()) {
             return Err(Failure::Diverged);
@@ -131,14 +116,19 @@ where
         Ok(())
     }
 
+    /// What the parts of the model are told of an iterate.
+    fn tell(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
+        told.inertia.clear();
+        told.inertia.extend((0..self.bodies.len()).map(|body| start.inertia(body)));
+        let others = !self.others.is_empty();
+        start.tell(q_1, moved, &self.supports.prescribed, [others || !self.loads.is_empty(), others], told);
+    }
+
     /// What the parts remember after a step that ends at an iterate, and what they have dissipated in it `[energy]`.
     pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> (Arc<Vec<Vec<f64>>>, f64) {
-        let (derivative, weight, mut q_test) = (start.derivative(), start.weight(), Vec::new());
-        derivative.placement().test.positions_into(start.q_0, &at.q_1, &mut q_test);
-        let inertia: Vec<f64> = (0..self.bodies.len()).map(|body| start.inertia(body)).collect();
-        let (time, dt) = (start.load_time(), start.dt());
-        let (Pose { q: q_0, u: u_0 }, Pose { q: q_1, u: u_1 }) = (start.pose(), at.pose());
-        let iterate = Iterate { derivative, weight, time, dt, q_0, q_1, u_0, u_1, q_test: &q_test, inertia: &inertia };
+        let mut told = Told::default();
+        self.tell(start, &at.q_1, &at.moved, &mut told);
+        let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         let mut dissipated = 0.0;
         let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
             let Remembered { memory, dissipated: more } = part.remembered(&iterate, memory);

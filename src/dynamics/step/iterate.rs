@@ -2,6 +2,7 @@
 //!
 //! Whoever wants to know something of an iterate reads its linearization; there is no "last one".
 
+use super::start::Told;
 use crate::contact::Evaluation;
 use crate::dynamics::model::part::Pose;
 
@@ -38,6 +39,8 @@ impl Linearization {
 /// Forces of a step at one iterate.
 #[derive(Default)]
 pub struct Forces {
+    /// Share of the static forces in the equations of the step.
+    pub weight: f64,
     /// Residual without contact forces.
     pub without_contact: Vec<f64>,
     /// Contact forces `Gbar^T lambda`, weighted.
@@ -50,14 +53,28 @@ pub struct Forces {
     pub scale: f64,
 }
 
+impl Forces {
+    /// What is left at an unknown: the reaction of what holds it `[force]`.
+    pub fn residual(&self, unknown: usize) -> f64 {
+        self.without_contact[unknown] - self.contact[unknown]
+    }
+
+    /// What a weighted force is as a whole `[force]`.
+    pub fn whole(&self, weighted: f64) -> f64 {
+        weighted / self.weight
+    }
+}
+
 /// Storage of iterates that are gone, and how many a step has had.
 #[derive(Default)]
 pub struct Spare {
     gone: Vec<Linearization>,
     /// Internal forces.
     pub(super) internal: Vec<f64>,
-    /// Positions that loads act at, then the motion that the mass opposes.
+    /// The motion that the mass opposes.
     pub(super) motion: Vec<f64>,
+    /// What parts are told.
+    pub(super) told: Told,
     /// Iterates of this step, and of the one before.
     iterates: [usize; 2],
 }

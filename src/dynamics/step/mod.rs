@@ -1,5 +1,6 @@
 //! One step of a model: its equations, their linearization at an iterate as a value, Newton's method, contact conditions, prediction.
 
+pub mod acceleration;
 pub mod active_set;
 pub mod assembly;
 pub mod attempts;
@@ -18,6 +19,7 @@ pub mod newton;
 pub mod predictor;
 pub mod push;
 pub mod redundancy;
+pub mod scheme_memory;
 pub mod search_history;
 pub mod start;
 pub mod system;

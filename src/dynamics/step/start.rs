@@ -1,8 +1,9 @@
 //! What a step starts from, and what opposes the forces in it: inertia, or a damping at rest.
 
-use crate::dynamics::model::part::Pose;
+use super::scheme_memory::SchemeMemory;
+use crate::dynamics::model::part::{Iterate, Pose};
 use crate::dynamics::parts::supports::PrescribedUnknown;
-use crate::integrators::{Derivative, Scheme};
+use crate::integrators::{Affine, Configuration, Derivative, History, REST, Scheme};
 
 /// What a step starts from and how it is integrated.
 pub struct StepStart<'a> {
@@ -22,10 +23,12 @@ pub struct StepStart<'a> {
 pub enum Course<'a> {
     /// Inertia: time passes.
     Motion(Motion<'a>),
-    /// A damping `mu/2 M (q_1 - q_0)` with a factor for each body: time stands still.
+    /// A damping `mu M (q_1 - q_0)` with a factor for each body: time stands still.
     Rest {
         /// The factors.
         damping: &'a [f64],
+        /// Velocities at which forces are asked for; none in an equilibrium.
+        velocities: Option<&'a [f64]>,
     },
 }
 
@@ -38,14 +41,22 @@ pub struct Motion<'a> {
     pub dt: f64,
     /// Velocities at the start.
     pub v_0: &'a [f64],
-    /// What the scheme remembers of the static forces at the start.
-    pub remembered: &'a [f64],
+    /// What the scheme remembers besides.
+    pub remembered: &'a SchemeMemory,
     /// Velocities at the end of the step of the prescribed unknowns, in their order.
     pub prescribed_v_1: &'a [f64],
 }
 
-/// Share of the static forces in the equations of a step at rest.
-pub const REST_WEIGHT: f64 = 0.5;
+/// What parts are told of an iterate besides where its nodes are.
+#[derive(Default)]
+pub struct Told {
+    /// Factor of each body's mass in the tangent.
+    pub inertia: Vec<f64>,
+    /// Positions at which loads act.
+    q_test: Vec<f64>,
+    /// Velocities at which forces act.
+    velocity: Vec<f64>,
+}
 
 impl StepStart<'_> {
     /// Where the nodes are at the start.
@@ -58,27 +69,37 @@ impl StepStart<'_> {
         matches!(self.course, Course::Rest { .. })
     }
 
+    /// How the step is integrated.
+    fn scheme(&self) -> &'static Scheme {
+        match &self.course {
+            Course::Motion(motion) => motion.scheme,
+            Course::Rest { .. } => &REST,
+        }
+    }
+
     /// Factor of a body's mass in the tangent.
     pub fn inertia(&self, body: usize) -> f64 {
         match &self.course {
-            Course::Motion(Motion { scheme, dt, .. }) => scheme.kinematics.inertia(*dt),
-            Course::Rest { damping } => REST_WEIGHT * damping[body],
+            Course::Motion(Motion { scheme, dt, .. }) => scheme.inertia(*dt),
+            Course::Rest { damping, .. } => REST.weight * damping[body],
         }
     }
 
     /// How potentials are differentiated.
     pub fn derivative(&self) -> Derivative {
-        match &self.course {
-            Course::Motion(motion) => motion.scheme.derivative,
-            Course::Rest { .. } => Derivative::AT_END,
-        }
+        self.scheme().derivative
     }
 
     /// Share of the static forces of this step in its equations.
     pub fn weight(&self) -> f64 {
+        self.scheme().weight
+    }
+
+    /// Its share of the static forces at the end of the step before; empty where it remembers none.
+    pub fn remembered_force(&self) -> &[f64] {
         match &self.course {
-            Course::Motion(motion) => motion.scheme.weight,
-            Course::Rest { .. } => REST_WEIGHT,
+            Course::Motion(motion) => motion.remembered_force(),
+            Course::Rest { .. } => &[],
         }
     }
 
@@ -102,9 +123,61 @@ impl StepStart<'_> {
             out.extend_from_slice(moved);
             return;
         };
-        out.extend(moved.iter().zip(motion.v_0).map(|(moved, v_0)| moved - motion.dt * v_0));
-        for (prescribed, v_1) in prescribed.iter().zip(motion.prescribed_v_1) {
-            out[prescribed.unknown] = motion.scheme.kinematics.motion(v_1 - motion.v_0[prescribed.unknown], motion.dt);
+        let Motion { scheme, dt, v_0, prescribed_v_1, .. } = *motion;
+        let [of_velocity, of_acceleration] = scheme.drift(dt);
+        out.extend(moved.iter().zip(v_0).map(|(moved, v_0)| moved - of_velocity * v_0));
+        out.iter_mut().zip(motion.accelerations()).for_each(|(out, a_0)| *out -= of_acceleration * a_0);
+        for (prescribed, v_1) in prescribed.iter().zip(prescribed_v_1) {
+            out[prescribed.unknown] = scheme.motion(v_1 - v_0[prescribed.unknown], dt);
+        }
+    }
+
+    /// What parts are told of an iterate that moves the nodes by `moved`, of which those that see positions and velocities are told all.
+    pub fn tell(&self, q_1: &[f64], moved: &[f64], prescribed: &[PrescribedUnknown], [positions, velocities]: [bool; 2], told: &mut Told) {
+        if positions {
+            self.derivative().placement().test.positions_into(self.q_0, q_1, &mut told.q_test);
+        }
+        if velocities {
+            self.velocities_of_forces_into(moved, prescribed, &mut told.velocity);
+        }
+    }
+
+    /// An iterate as parts see it.
+    pub fn iterate<'b>(&'b self, q_1: &'b [f64], u_1: &'b [f64], told: &'b Told) -> Iterate<'b> {
+        let velocity_slope = match &self.course {
+            Course::Motion(Motion { scheme, dt, .. }) => scheme.velocity_of_forces().moved / dt,
+            Course::Rest { .. } => 0.0,
+        };
+        Iterate {
+            derivative: self.derivative(),
+            weight: self.weight(),
+            time: self.load_time(),
+            dt: self.dt(),
+            q_0: self.q_0,
+            q_1,
+            u_0: self.u_0,
+            u_1,
+            q_test: &told.q_test,
+            velocity: &told.velocity,
+            velocity_slope,
+            inertia: &told.inertia,
+        }
+    }
+
+    /// Velocities where the forces of the step act; those of prescribed nodes at its end are what their time functions say.
+    fn velocities_of_forces_into(&self, moved: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
+        match &self.course {
+            Course::Rest { velocities, .. } => {
+                out.clear();
+                out.resize(moved.len(), 0.0);
+                velocities.iter().for_each(|velocities| out.copy_from_slice(velocities));
+            }
+            Course::Motion(motion) => {
+                motion.affine_into(motion.scheme.velocity_of_forces(), moved, out);
+                if self.derivative().placement().test == Configuration::End {
+                    motion.prescribe(prescribed, out);
+                }
+            }
         }
     }
 }
@@ -112,11 +185,38 @@ impl StepStart<'_> {
 impl Motion<'_> {
     /// Velocities after a step with that displacement.
     pub fn velocities(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Vec<f64> {
-        let velocity = |(moved, v_0): (&f64, &f64)| self.scheme.kinematics.velocity(*moved, *v_0, self.dt);
-        let mut v_1: Vec<f64> = moved.iter().zip(self.v_0).map(velocity).collect();
-        for (prescribed, v) in prescribed.iter().zip(self.prescribed_v_1) {
-            v_1[prescribed.unknown] = *v;
-        }
+        let mut v_1 = Vec::with_capacity(moved.len());
+        self.affine_into(self.scheme.velocity, moved, &mut v_1);
+        self.prescribe(prescribed, &mut v_1);
         v_1
+    }
+
+    /// Accelerations after a step with that displacement, for a scheme that remembers them.
+    pub fn accelerations_after(&self, moved: &[f64]) -> Vec<f64> {
+        let (row, dt) = (self.scheme.acceleration, self.dt);
+        let start = self.v_0.iter().zip(self.accelerations());
+        moved.iter().zip(start).map(|(moved, (v_0, a_0))| row.acceleration(*moved, *v_0, *a_0, dt)).collect()
+    }
+
+    /// Its share of the static forces at the end of the step before; empty where the scheme remembers none.
+    pub fn remembered_force(&self) -> &[f64] {
+        if self.scheme.remembers(History::Force) { &self.remembered.force } else { &[] }
+    }
+
+    /// Accelerations at the start; empty where the scheme remembers none.
+    fn accelerations(&self) -> &[f64] {
+        if self.scheme.remembers(History::Acceleration) { &self.remembered.acceleration } else { &[] }
+    }
+
+    fn affine_into(&self, row: Affine, moved: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.extend(moved.iter().zip(self.v_0).map(|(moved, v_0)| row.velocity(*moved, *v_0, self.dt)));
+        out.iter_mut().zip(self.accelerations()).for_each(|(v, a_0)| *v += row.velocity_by(*a_0, self.dt));
+    }
+
+    fn prescribe(&self, prescribed: &[PrescribedUnknown], velocities: &mut [f64]) {
+        for (prescribed, v) in prescribed.iter().zip(self.prescribed_v_1) {
+            velocities[prescribed.unknown] = *v;
+        }
     }
 }

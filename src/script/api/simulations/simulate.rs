@@ -41,7 +41,7 @@ pub struct IntegratorHandle(pub &'static Scheme);
 
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()` or `backward_euler()`";
+    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()` or `newmark()`";
 
     fn describe(&self) -> String {
         format!("{}()", self.0.name)

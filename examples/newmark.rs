@@ -1,0 +1,84 @@
+//! A time integrator that this crate does not have, written beside it: Newmark's method with any `beta` and `gamma`.
+//!
+//! A block on a spring swings, let go where the spring pulls. The program prints how far it is from the closed form after some periods,
+//! with which order that falls with the step, and what becomes of the energy. `cargo run --release --example newmark`
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use conserva::dynamics::{Model, Options, Simulation, SpringDefinition};
+use conserva::integrators::{Affine, Derivative, History, Promises, Scheme};
+use conserva::materials::NeoHookean;
+use conserva::mesh::rectangle;
+
+/// `q_1 = q_0 + dt v_0 + dt^2 ((1/2 - beta) a_0 + beta a_1)`, `v_1 = v_0 + dt ((1 - gamma) a_0 + gamma a_1)`, solved for `v_1` and `a_1`.
+pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
+    Scheme {
+        name,
+        summary: "Newmark's method",
+        derivative: Derivative::AT_END,
+        remembers: &[History::Acceleration, History::Force],
+        velocity: Affine { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
+        acceleration: Affine { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
+        // `M a = -f` at both ends, so that forces have the shares of accelerations.
+        weight: gamma,
+        promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
+    }
+}
+
+/// Of second order, and without damping: the trapezoidal rule in other words.
+pub static AVERAGE: Scheme = newmark("average acceleration", 0.25, 0.5);
+/// Of first order; fast vibrations fade.
+pub static DAMPED: Scheme = newmark("damped", 0.3025, 0.6);
+
+/// Stiffness of the spring, and how far it is stretched at the start.
+pub const STIFFNESS: f64 = 20.0;
+pub const AMPLITUDE: f64 = 0.1;
+const PERIODS: f64 = 3.2;
+
+/// A block of mass 1 on a spring that it has stretched.
+pub fn oscillator() -> Result<Model, Box<dyn Error>> {
+    // The block itself gives by STIFFNESS / modulus of the motion.
+    let steel = NeoHookean { youngs_modulus: 1e8, poisson_ratio: 0.3, density: 1.0 }.material()?;
+    let mut model = Model::new("oscillator");
+    for (name, x, components) in [("wall", 0.0, [true, true, false]), ("block", 3.0, [false, true, false])] {
+        let mesh = rectangle([1.0, 1.0], [1, 1], [x, 0.0])?;
+        let body = model.add_body(name, mesh, &steel);
+        for side in ["left", "right"] {
+            model.fix(model.boundary(body, side)?, components);
+        }
+    }
+    // From the right end of the wall's lower edge to the left end of the block's.
+    let ends = [(0, 1), (1, 0)];
+    model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, stiffness: STIFFNESS, rest_length: Some(2.0 - AMPLITUDE) }));
+    Ok(model)
+}
+
+/// Distance from the closed form at the end in amplitudes, and the least and largest energy over that at the start.
+pub fn run(scheme: &'static Scheme, steps: usize) -> Result<(f64, [f64; 2]), Box<dyn Error>> {
+    let omega = STIFFNESS.sqrt();
+    let mut sim = Simulation::new(&oscillator()?, Options::new(scheme, PERIODS * TAU / omega / steps as f64))?;
+    let energy = sim.row().total();
+    let mut range = [energy; 2];
+    for _ in 0..steps {
+        sim.step(None, &mut |row| range = [range[0].min(row.total()), range[1].max(row.total())])?;
+    }
+    let moved = sim.state().positions[8] - 3.0;
+    let expected = AMPLITUDE * ((omega * sim.time()).cos() - 1.0);
+    Ok(((moved - expected).abs() / AMPLITUDE, range.map(|value| value / energy)))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    for scheme in [&AVERAGE, &DAMPED] {
+        println!("{}, of order {}:", scheme.name, scheme.promises.order);
+        let mut before = None;
+        for steps in [100, 200, 400, 800] {
+            let (error, [least, largest]) = run(scheme, steps)?;
+            let rate = before.map_or(String::new(), |before: f64| format!(", order {:.3}", (before / error).log2()));
+            println!("  {steps:>4} steps: {error:.2e} off{rate}, energy {least:.12} to {largest:.12} of that at the start");
+            before = Some(error);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! What a time integrator remembers at a state that no step of its own led to: at the start, after `settle`, of another integrator.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use crate::bodies::{Elements, Space};
+use crate::contact::Outlook;
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::iterate::Linearization;
+use crate::dynamics::step::scheme_memory::SchemeMemory;
+use crate::dynamics::step::start::{Course, StepStart};
+use crate::integrators::History;
+
+/// Part of a step over which the acceleration of a prescribed node is the change of its velocity: a kink at the start does not count.
+const SOON: f64 = 0.125;
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Computes what the time integrator remembers from the forces at the current state; velocities count where forces depend on them.
+    pub(super) fn remember(&mut self) -> Result<(), StepError> {
+        let state = self.state.clone();
+        if self.options.integrator.remembers.is_empty() {
+            return Ok(());
+        }
+        let undamped = vec![0.0; self.system.bodies.len()];
+        let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
+        let course = Course::Rest { damping: &undamped, velocities: Some(&state.velocities) };
+        let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, course };
+        self.system.move_obstacles(state.row.time, 0.0)?;
+        if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {
+            return Err(self.failed(&Failure::Linear(error), 0.0, 0));
+        }
+        let at = self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda);
+        let remembered = at.and_then(|at| self.memory_at(&at).map(|memory| (at, memory)));
+        match remembered {
+            Ok((at, remembered)) => {
+                Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
+                self.system.recycle(at);
+                Ok(())
+            }
+            Err(Failure::Fatal(error)) => Err(error),
+            Err(failure) => Err(self.failed(&failure, 0.0, 0)),
+        }
+    }
+
+    /// What the time integrator remembers of the forces at an iterate at rest.
+    fn memory_at(&mut self, at: &Linearization) -> Result<SchemeMemory, Failure> {
+        let scheme = self.options.integrator;
+        let (forces, mut remembered) = (&at.forces, SchemeMemory::default());
+        let (before, share) = (1.0 - scheme.weight, forces.whole(1.0 - scheme.weight));
+        if scheme.remembers(History::Force) {
+            remembered.force = (0..at.q_1.len()).map(|k| share * forces.residual(k)).collect();
+        }
+        if scheme.remembers(History::Acceleration) {
+            let given = self.prescribed_accelerations(at.q_1.len()).map_err(Failure::Fatal)?;
+            let accelerations = self.system.accelerations(at, given)?;
+            // The order of elimination may be another one now.
+            Arc::make_mut(&mut self.state).search = self.system.search();
+            remembered.force.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= before * tie);
+            remembered.acceleration = accelerations.nodes;
+        }
+        Ok(remembered)
+    }
+
+    /// Accelerations of prescribed nodes from now on, 0 for all others of so many unknowns.
+    fn prescribed_accelerations(&self, unknowns: usize) -> Result<Vec<f64>, StepError> {
+        let (supports, mut accelerations) = (&self.system.supports, vec![0.0; unknowns]);
+        if !supports.prescribed.is_empty() {
+            let (now, soon) = (self.state.row.time, SOON * self.options.dt);
+            let (rates, later) = (supports.prescribed_motion(now + soon)?.1, supports.prescribed_motion(now + 2.0 * soon)?.1);
+            for (prescribed, (rate, later)) in supports.prescribed.iter().zip(rates.iter().zip(later)) {
+                accelerations[prescribed.unknown] = (later - rate) / soon;
+            }
+        }
+        Ok(accelerations)
+    }
+}

@@ -1,0 +1,59 @@
+//! Accelerations that the forces of a state give its nodes.
+
+use std::time::Instant;
+
+use super::failure::Failure;
+use super::iterate::Linearization;
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::math::norms::largest_size;
+
+/// What the forces of a state do to its nodes while ties hold.
+pub struct Accelerations {
+    /// Accelerations of all nodes.
+    pub nodes: Vec<f64>,
+    /// Forces of the ties on them, beyond those that the multipliers of the state stand for.
+    pub ties: Vec<f64>,
+}
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// `a` with `M a = -f + G^T lambda` and `G a = 0` for the ties, at an iterate at rest that has not moved, whose static forces are `f`;
+    /// `given` are the accelerations of prescribed nodes, 0 for all others.
+    ///
+    /// # Errors
+    /// The system is singular, or the run was interrupted.
+    pub fn accelerations(&mut self, at: &Linearization, given: Vec<f64>) -> Result<Accelerations, Failure> {
+        let clock = Instant::now();
+        let unknowns = given.len();
+        let mut hold = vec![false; self.multipliers];
+        for pair in self.pairs.iter().filter(|pair| pair.law.is_bilateral()) {
+            pair.rows.clone().for_each(|row| hold[row] = !self.redundant[row]);
+        }
+        let mut values = vec![0.0; self.matrix.pattern.values()];
+        self.bodies.iter().for_each(|body| body.elements.add_material_stiffness(&at.u_1, 0.0, &mut values));
+        // Masses as large as gradients.
+        let gradient = at.pairs.iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
+        let scale = if gradient > 0.0 { gradient } else { 1.0 } / self.nodes.largest_nodal_mass;
+        values.iter_mut().for_each(|value| *value *= scale);
+        let mut right: Vec<f64> = self.nodes.momenta_of(&given);
+        let pushed = |k: usize| at.forces.whole(at.forces.residual(k));
+        right.iter_mut().enumerate().for_each(|(k, right)| *right = -scale * (pushed(k) + *right));
+        right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(right, _)| *right = 0.0);
+        let mut needed = vec![0.0; self.multipliers];
+        self.for_each_end_gradient(&at.pairs, |_, row, k, gradient| needed[row] -= gradient * given[k]);
+        right.extend(hold.iter().zip(needed).map(|(hold, needed)| if *hold { needed } else { 0.0 }));
+        let diagonal: Vec<f64> = hold.iter().map(|hold| if *hold { 0.0 } else { 1.0 }).collect();
+        self.write_constraints(&at.pairs, &hold, 1.0, |pair| &pair.gradient_end, &mut values);
+        self.matrix.finish(&diagonal, scale * self.nodes.largest_nodal_mass, &mut values);
+        self.counters.times.assembly += clock.elapsed();
+        self.solve_with(&values, &mut right, Instant::now())?;
+        let lambda = right.split_off(unknowns);
+        right.iter_mut().zip(given).for_each(|(a, given)| *a += given);
+        let mut ties = vec![0.0; unknowns];
+        self.for_each_end_gradient(&at.pairs, |_, row, k, gradient| ties[k] += lambda[row] / scale * gradient);
+        Ok(Accelerations { nodes: right, ties })
+    }
+}

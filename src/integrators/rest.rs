@@ -1,0 +1,16 @@
+//! Statics as a scheme: time stands still, a damping takes the place of inertia, and velocities stay as they are.
+
+use super::derivative::Derivative;
+use super::scheme::{Affine, Promises, Scheme};
+
+/// Equilibrium by damped steps. It belongs to no time integrator and is not in the catalogue.
+pub static REST: Scheme = Scheme {
+    name: "rest",
+    summary: "statics: forces in balance at the end of a damped step",
+    derivative: Derivative::AT_END,
+    remembers: &[],
+    velocity: Affine { moved: 0.0, velocity: 1.0, acceleration: 0.0 },
+    acceleration: Affine::NONE,
+    weight: 0.5,
+    promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },
+};
