@@ -1,6 +1,6 @@
 //! A time integrator that this crate does not have, written beside it: Newmark's method with any `beta` and `gamma`.
 //!
-//! A block on a spring swings, let go where the spring pulls. The program prints how far it is from the closed form after some periods,
+//! A block on a spring swings, let go where the spring pulls. The program prints how far it is from the closed form at most,
 //! with which order that falls with the step, and what becomes of the energy. `cargo run --release --example newmark`
 
 use std::error::Error;
@@ -35,7 +35,7 @@ pub static DAMPED: Scheme = newmark("damped", 0.3025, 0.6);
 /// Stiffness of the spring, and how far it is stretched at the start.
 pub const STIFFNESS: f64 = 20.0;
 pub const AMPLITUDE: f64 = 0.1;
-const PERIODS: f64 = 3.2;
+const PERIODS: f64 = 3.0;
 
 /// A block of mass 1 on a spring that it has stretched.
 pub fn oscillator() -> Result<Model, Box<dyn Error>> {
@@ -55,18 +55,18 @@ pub fn oscillator() -> Result<Model, Box<dyn Error>> {
     Ok(model)
 }
 
-/// Distance from the closed form at the end in amplitudes, and the least and largest energy over that at the start.
+/// Largest distance from the closed form in amplitudes, and the least and largest energy over that at the start.
 pub fn run(scheme: &'static Scheme, steps: usize) -> Result<(f64, [f64; 2]), Box<dyn Error>> {
     let omega = STIFFNESS.sqrt();
     let mut sim = Simulation::new(&oscillator()?, Options::new(scheme, PERIODS * TAU / omega / steps as f64))?;
     let energy = sim.row().total();
-    let mut range = [energy; 2];
+    let (mut error, mut range) = (0.0f64, [energy; 2]);
     for _ in 0..steps {
         sim.step(None, &mut |row| range = [range[0].min(row.total()), range[1].max(row.total())])?;
+        let moved = (sim.state().positions[8] - 3.0) / AMPLITUDE;
+        error = error.max((moved - (omega * sim.time()).cos() + 1.0).abs());
     }
-    let moved = sim.state().positions[8] - 3.0;
-    let expected = AMPLITUDE * ((omega * sim.time()).cos() - 1.0);
-    Ok(((moved - expected).abs() / AMPLITUDE, range.map(|value| value / energy)))
+    Ok((error, range.map(|value| value / energy)))
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -18,10 +18,10 @@ use crate::common::{Builder, difference, run, worst};
 #[path = "../../examples/dashpot.rs"]
 mod dashpot;
 
-use dashpot::newmark::{AMPLITUDE, AVERAGE, DAMPED, STIFFNESS, newmark, oscillator};
+use dashpot::newmark::{self, AMPLITUDE, AVERAGE, DAMPED, STIFFNESS, oscillator};
 
 /// Newmark's method, and one that reads the acceleration at the start although it is of second order; stable up to `omega dt` = 3.46.
-static LINEAR: Scheme = newmark("linear acceleration", 1.0 / 6.0, 0.5);
+static LINEAR: Scheme = newmark::newmark("linear acceleration", 1.0 / 6.0, 0.5);
 
 /// A mass 1 on a spring by Newmark's method: displacement from the spring's rest, velocity, acceleration.
 #[derive(Clone, Copy)]
@@ -70,6 +70,19 @@ fn newmark_follows_its_recursion_in_steps_of_any_size() {
             point.step(factors, sim.row().dt);
             assert!((sim.row().dt - dt).abs() < 1e-12 && (displacement(&sim) - point.x).abs() < SAME, "{} {step}", scheme.name);
         }
+    }
+}
+
+/// In a linear problem average acceleration keeps the energy; what damping takes in a period falls with the step.
+#[test]
+fn newmark_is_of_its_order_and_average_acceleration_keeps_the_energy_of_linear_problems() {
+    for (scheme, steps) in [(&AVERAGE, 200), (&DAMPED, 800)] {
+        let of = |steps| newmark::run(scheme, steps).unwrap_or_else(|error| panic!("{error}"));
+        let ((coarse, _), (fine, [least, largest])) = (of(steps), of(2 * steps));
+        let rate = (coarse / fine).log2();
+        assert!((rate - scheme.promises.order as f64).abs() < 0.1, "{}: {coarse} {fine}", scheme.name);
+        // The spring's energy is quadratic in its stretch; the block's own is 1e-7 of it.
+        assert_eq!(largest - least < 1e-10, scheme.promises.order == 2, "{}: {least} {largest}", scheme.name);
     }
 }
 
