@@ -65,7 +65,7 @@ fn collision(number: usize, rule: &str, method: &'static ContactMethod, augmente
     (contact.method, contact.update, contact.enforcement) = (method, Some(update), enforcement);
     let (s, c) = direction.sin_cos();
     for (body, share, spin) in [(first, 0.7 * speed, spins[0]), (second, -0.3 * speed, spins[1])] {
-        model.throw(body, [share * c, share * s, 0.0], [0.0, 0.0, spin]);
+        model.set_initial_velocity(body, [share * c, share * s, 0.0], [0.0, 0.0, spin]);
     }
     Ok((model, random.one_of(&[0.001, 0.002, 0.005])))
 }

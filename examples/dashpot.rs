@@ -78,7 +78,7 @@ impl Part for Dashpot {
 pub fn run(scheme: &'static Scheme, steps: usize) -> Result<[f64; 2], Box<dyn Error>> {
     let (viscosity, speed, end) = (1.0, 0.3, 2.0);
     let mut model = oscillator()?;
-    model.throw(1, [speed, 0.0, 0.0], [0.0; 3]);
+    model.set_initial_velocity(1, [speed, 0.0, 0.0], [0.0; 3]);
     model.parts.push(Arc::new(Dashpot { ends: [(0, 1), (1, 0)], viscosity, placed: Default::default() }));
     let mut sim = Simulation::new(&model, Options::new(scheme, end / steps as f64))?;
     let (energy, mut defect) = (sim.row().total(), 0.0f64);

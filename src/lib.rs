@@ -12,7 +12,7 @@
 //! let mut model = Model::new("collision");
 //! let left = model.add_body("left", rectangle([1.0, 0.5], [6, 3], [0.0, 0.0])?, &rubber);
 //! let right = model.add_body("right", rectangle([1.0, 0.8], [8, 5], [1.02, -0.1])?, &rubber);
-//! model.throw(left, [1.0, 0.0, 0.0], [0.0; 3]);
+//! model.set_initial_velocity(left, [1.0, 0.0, 0.0], [0.0; 3]);
 //! let contact = model.add_contact("faces", model.boundary(left, "right")?, model.boundary(right, "left")?);
 //! contact.update = Some(&PERSISTENCY);
 //!
@@ -105,7 +105,7 @@
 //! let rubber = NeoHookean { youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 }.material()?;
 //! let mut model = Model::new("spinning block");
 //! let block = model.add_body("block", rectangle([1.0, 0.5], [4, 2], [0.0, 0.0])?, &rubber);
-//! model.throw(block, [0.0; 3], [0.0, 0.0, 2.0]);
+//! model.set_initial_velocity(block, [0.0; 3], [0.0, 0.0, 2.0]);
 //! model.parts.push(Arc::new(Dashpot { viscosity: 0.1, nodes: [0, 4], places: Default::default() }));
 //! let mut simulation = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.01))?;
 //! let energy = simulation.row().total();

@@ -195,10 +195,10 @@ fn files_of_other_programs_are_what_their_geometry_says() {
 
 #[test]
 fn files_that_cannot_be_used_are_refused_with_place_and_cure() {
-    let refusal = |file: &str, line: usize, text: &str, cure: &str| {
+    let refusal = |file: &str, line: usize, text: &str, hint: &str| {
         let error = read_mesh(repository().join("tests/meshes/refused").join(file)).expect_err(file);
         assert_eq!((error.line(), error.to_string()), (Some(line), text.to_string()), "{file}");
-        assert!(error.cure().contains(cure), "{file}: {}", error.cure());
+        assert!(error.hint().contains(hint), "{file}: {}", error.hint());
     };
     let mixed = "the file mixes cells: 76 quad4 and 16 tri3, but a mesh has cells of one kind; the first tri3 is element 49";
     refusal("plate_mixed.msh", 313, mixed, "`Mesh.SubdivisionAlgorithm = 1;`");

@@ -1,5 +1,5 @@
 //! Commands on the folders of runs, from outside: `diff`, `list`, `info`, `export`, and the log of a run. Numbers that a file gives back
-//! are compared with what the script printed, damage is told with its place and a cure.
+//! are compared with what the script printed, damage is told with its place and a hint.
 
 use std::path::Path;
 use std::process::Output;

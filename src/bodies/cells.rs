@@ -181,8 +181,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let table = &self.cells.table;
         let mut work = Workspace::<FMA, D, S, A, Q>::new(self.cells.physics.strain);
         work.set_points(self.batch, table);
-        let is_round = self.cells.physics.is_round();
-        if is_round {
+        let is_axisymmetric = self.cells.physics.is_axisymmetric();
+        if is_axisymmetric {
             work.revolve(self.batch, table);
         }
         if let Some(u) = self.u {
@@ -196,7 +196,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             special: None,
         };
         if self.cells.physics.special.is_some() {
-            let points = work.special_points(self.batch, table, [None, self.u.filter(|_| is_round)]);
+            let points = work.special_points(self.batch, table, [None, self.u.filter(|_| is_axisymmetric)]);
             for hoop in &points.hoop[1][..Q] {
                 for lane in 0..WIDTH {
                     // A body of revolution that crosses its axis is inside out, too.
@@ -237,11 +237,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let Assemble { cells, step, batches, mut sums, geometric } = self;
         let (table, physics) = (&cells.table, &cells.physics);
         let mut work = Workspace::<FMA, D, S, A, Q>::new(physics.strain);
-        let (is_round, mut answer) = (physics.is_round(), Answer::EMPTY);
+        let (is_axisymmetric, mut answer) = (physics.is_axisymmetric(), Answer::EMPTY);
         for index in batches {
             let batch = &cells.batches[index];
             work.set_points(batch, table);
-            if is_round {
+            if is_axisymmetric {
                 work.revolve(batch, table);
             }
             work.set_start(batch, step.u_0);
@@ -250,7 +250,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 return Err(index);
             }
             let special = physics.special.as_ref().map(|special| {
-                let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_round));
+                let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_axisymmetric));
                 let points = work.special_points(batch, table, around);
                 special.respond(&points, step.derivative, &mut answer);
                 work.take(&answer);
@@ -273,7 +273,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 let geometric = geometric * work.geometric_share(step.derivative.placement().share);
                 let Step { derivative, weight, .. } = *step;
                 let share = Share { derivative, weight, with_tangent: sums.values.is_some(), geometric };
-                work.complete(&answer, &points, table, is_round, share);
+                work.complete(&answer, &points, table, is_axisymmetric, share);
             }
             if let Some(values) = &mut sums.values {
                 cells.scatter_tangent(index, &work, values, sums.first_value);

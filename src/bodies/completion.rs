@@ -31,7 +31,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         answer: &Answer<L>,
         points: &SpecialPoints<D>,
         table: &Table<D, A, Q>,
-        is_round: bool,
+        is_axisymmetric: bool,
         share: Share,
     ) {
         let Placement { test, trial, .. } = share.derivative.placement();
@@ -41,11 +41,11 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         };
         let mut around = [[Lanes::<FMA>::ZERO; 2]; Q];
         for q in 0..many::<Q>() {
-            if is_round {
+            if is_axisymmetric {
                 around[q] = [stretch(q, test), stretch(q, trial)];
             }
         }
-        if is_round {
+        if is_axisymmetric {
             self.add_around(answer, table, &around, share);
         }
         if share.with_tangent

@@ -82,7 +82,7 @@ pub enum FormulationError {
 
 impl FormulationError {
     /// How to mend it.
-    pub fn cure(&self) -> String {
+    pub fn hint(&self) -> String {
         use FormulationError::*;
         match self {
             NoVolumetricPart { .. } => {

@@ -40,8 +40,8 @@ impl<const S: usize, const L: usize> Physics<S, L> {
     }
 
     /// Whether the body is stretched around an axis.
-    pub(super) fn is_round(&self) -> bool {
-        self.special.as_ref().is_some_and(|special| special.is_round)
+    pub(super) fn is_axisymmetric(&self) -> bool {
+        self.special.as_ref().is_some_and(|special| special.is_axisymmetric)
     }
 
     /// Strain in space at a point; `hoop` is the displacement gradient around an axis.
@@ -50,7 +50,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         for (k, component) in strain.iter().enumerate() {
             all[mandel_place::<S>(k)] = *component;
         }
-        if self.is_round() {
+        if self.is_axisymmetric() {
             all[2] = self.strain.around(hoop);
         }
         if let Some(law) = &self.plane_stress {
@@ -63,8 +63,8 @@ impl<const S: usize, const L: usize> Physics<S, L> {
 impl Physics<3, 4> {
     /// Of a plane body, or one of revolution.
     pub(super) fn of_plane(material: &Material, formulation: Formulation) -> Self {
-        let (is_round, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
-        let whole = || Special { law: material.axisymmetric(), volumetric: None, is_linear: false, strain, is_round };
+        let (is_axisymmetric, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
+        let whole = || Special { law: material.axisymmetric(), volumetric: None, is_linear: false, strain, is_axisymmetric };
         match (formulation.dilatation, material.split()) {
             (Dilatation::Mean | Dilatation::Linear, Some(split)) => {
                 let volumetric = Some(split.volumetric.clone());
@@ -72,7 +72,7 @@ impl Physics<3, 4> {
                 let special = Special { law: split.axisymmetric.clone(), volumetric, is_linear, ..whole() };
                 Physics::new(material, material.plane(), Some(special))
             }
-            _ if is_round => Physics::new(material, material.plane(), Some(whole())),
+            _ if is_axisymmetric => Physics::new(material, material.plane(), Some(whole())),
             _ if formulation.plane == Plane::Stress => {
                 let law = || PlaneStress(material.axisymmetric());
                 Physics { plane_stress: Some(law()), ..Physics::new(material, Arc::new(law()), None) }
@@ -90,7 +90,7 @@ impl Physics<6, 6> {
             volumetric: Some(split.volumetric.clone()),
             is_linear: false,
             strain: strain_of(material),
-            is_round: false,
+            is_axisymmetric: false,
         });
         Physics::new(material, material.space(), special)
     }

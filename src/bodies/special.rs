@@ -29,7 +29,7 @@ pub(super) struct Special<const L: usize> {
     /// Which strain it is.
     pub(super) strain: Strain,
     /// Whether the body is stretched around an axis.
-    pub(super) is_round: bool,
+    pub(super) is_axisymmetric: bool,
 }
 
 /// What is known of a batch at its points: volumes, and the displacement gradients of start and end.

@@ -9,6 +9,6 @@ use crate::script::{Class, Diagnostic};
 pub fn refuse(error: &ReadError) -> u8 {
     let message = Diagnostic::error(Class::Script, error.to_string());
     let message = error.cause.iter().fold(message, Diagnostic::cause);
-    complain(&message.hint(&error.cure).render(ink()));
+    complain(&message.hint(&error.hint).render(ink()));
     exit_code(Class::Script)
 }

@@ -169,7 +169,7 @@ fn say(console: &Console, key: &str, value: &Value) {
 
 fn refused(error: &ReadError) -> Box<Diagnostic> {
     let message = Diagnostic::error(Class::Script, error.to_string());
-    Box::new(error.cause.iter().fold(message, Diagnostic::cause).hint(&error.cure))
+    Box::new(error.cause.iter().fold(message, Diagnostic::cause).hint(&error.hint))
 }
 
 fn run_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
@@ -385,7 +385,7 @@ fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 fn mesh_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let mesh = mesh::read_mesh(path).map_err(|error| {
         let message = Diagnostic::error(Class::Script, format!("\"{}\": {error}", path.display()));
-        Box::new(message.hint(error.cure()))
+        Box::new(message.hint(error.hint()))
     })?;
     let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for point in &mesh.points {

@@ -69,7 +69,7 @@ fn sound(run: &Path, place: &Path) -> Result<(Checkpoint, Vec<CountedFile>), Box
 /// The diagnostic of what cannot be written.
 fn unwritten(error: &OutputError) -> Box<Diagnostic> {
     let class = if matches!(error, OutputError::UnderWay { .. }) { Class::Script } else { Class::Output };
-    Box::new(Diagnostic::error(class, error.to_string()).hint(error.cure()))
+    Box::new(Diagnostic::error(class, error.to_string()).hint(error.hint()))
 }
 
 fn nothing_to_resume(run: &Path) -> Diagnostic {

@@ -1,4 +1,4 @@
-//! What is suspicious about two surfaces before anything is computed: findings with names, numbers and cures.
+//! What is suspicious about two surfaces before anything is computed: findings with names, numbers and hints.
 //!
 //! A finding is no error: each describes a pair that can be simulated, but hardly what was meant.
 
@@ -155,7 +155,7 @@ impl Finding {
     }
 
     /// How to mend it, one sentence.
-    pub fn cure(&self) -> String {
+    pub fn hint(&self) -> String {
         match self {
             Finding::ReversedNormals { .. } => {
                 "number the nodes of all cells counter-clockwise, so that the body is on each facet's left".into()
@@ -337,6 +337,6 @@ mod tests {
         let found = check(&[[17, 18]], &lower, &q);
         let [Finding::CoarseSecondary { secondary_size, primary_size, .. }] = found[..] else { panic!("{found:?}") };
         assert_eq!((secondary_size, primary_size), (16.0, 1.0));
-        assert!(found[0].cure().contains("make \"lower.top\" the secondary surface"));
+        assert!(found[0].hint().contains("make \"lower.top\" the secondary surface"));
     }
 }

@@ -485,7 +485,7 @@ mod tests {
         let Err(MeshError::LayersCollide { room, .. }) = ring(0.9) else { panic!() };
         assert!((room - 0.1).abs() < 0.01, "{room}");
         let unknown = refusal(&["flor"], 0.01);
-        assert_eq!(unknown.cure(), "did you mean \"floor\"?");
+        assert_eq!(unknown.hint(), "did you mean \"floor\"?");
         let needle = [[0.0, 0.0], [2.0, 0.0], [2.0, 0.4]];
         let layers = layers(&["outer"], 0.01, 2, 1.0);
         let sharp = layered_polygon(CellKind::Quad4, &needle, &[], 0.1, &names[..3], Some(&layers)).unwrap_err();

@@ -1,4 +1,4 @@
-//! What can go wrong with a mesh: one sentence with the numbers that show it, the place in the file where there is one, and a cure.
+//! What can go wrong with a mesh: one sentence with the numbers that show it, the place in the file where there is one, and a hint.
 //!
 //! One type for generators, transforms, selections, checks and readers, since they hand the same meshes to each other.
 

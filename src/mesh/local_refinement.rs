@@ -308,7 +308,7 @@ mod tests {
     fn a_boundary_is_refined_along_and_quadrilaterals_are_refused() {
         let mesh = rectangle([2.0, 1.0], [4, 2], [0.0; 2]).unwrap();
         let refused = mesh.refined_along(mesh.boundary("top").unwrap()).unwrap_err();
-        assert!(matches!(refused, MeshError::NotLocally { kind: "quad4" }) && refused.cure().contains("tri3"));
+        assert!(matches!(refused, MeshError::NotLocally { kind: "quad4" }) && refused.hint().contains("tri3"));
         let mut mesh = mesh.with_cells(CellKind::Tri6).unwrap();
         let coarse = mesh.clone();
         for _ in 0..3 {

@@ -252,7 +252,7 @@ mod tests {
         assert!(crossing.to_string().contains("curve 1 of hole 1") && crossing.to_string().contains("touch or cross"), "{crossing}");
         // a circle that touches a side leaves cells without room
         refusal(&outline, &[hole(0.4, 0.4)]);
-        assert!(!crossing.cure().is_empty());
+        assert!(!crossing.hint().is_empty());
         let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
         let bow: Vec<Side> = (0..4).map(|k| side(Curve::line(bow[k], bow[(k + 1) % 4]), "")).collect();
         assert!(matches!(refusal(&bow, &[]), MeshError::CrossingCurves { .. }));

@@ -176,6 +176,6 @@ mod tests {
         // one more open side where the other part was
         assert_eq!(east.hull().len(), 6);
         let error = mesh.part("eats").unwrap_err();
-        assert_eq!((error.to_string().contains("\"west\", \"east\", \"all\""), error.cure()), (true, "did you mean \"east\"?".into()));
+        assert_eq!((error.to_string().contains("\"west\", \"east\", \"all\""), error.hint()), (true, "did you mean \"east\"?".into()));
     }
 }

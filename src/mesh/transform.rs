@@ -185,10 +185,10 @@ mod tests {
             plane.clone().scale([1e300, 1e300, 1.0]).and_then(|mesh| mesh.scale([1e300, 1.0, 1.0])),
         ];
         for (i, result) in refused.into_iter().enumerate() {
-            assert!(!result.unwrap_err().cure().is_empty(), "{i}");
+            assert!(!result.unwrap_err().hint().is_empty(), "{i}");
         }
         assert_eq!(
-            plane.clone().scale([-1.0, 1.0, 1.0]).unwrap_err().cure(),
+            plane.clone().scale([-1.0, 1.0, 1.0]).unwrap_err().hint(),
             "scale by positive numbers; a mirrored mesh would be inside out"
         );
         let mut many = plane;

@@ -199,8 +199,8 @@ fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<C
         let tables = [read_table(first)?.table, read_table(second)?.table];
         compare_tables(&tables, exactness, &mut found);
         if found.rows[2] == 0 && found.rows[..2].iter().all(|&rows| rows > 0) {
-            let cure = "give runs of the same model over the same time";
-            return Err(ReadError::new(second, format!("has no time in common with \"{}\"", first.display()), cure));
+            let hint = "give runs of the same model over the same time";
+            return Err(ReadError::new(second, format!("has no time in common with \"{}\"", first.display()), hint));
         }
     } else if let Some(lacking) = lacking(&histories) {
         found.missing.push(format!("the {lacking} run has no history.csv"));

@@ -52,11 +52,11 @@ pub fn export(run: &RunFolder, format: ExportFormat, into: &Path) -> Result<Vec<
         written.extend(export_simulation(&further, format, &into.join(&name))?.into_iter().map(|file| format!("{name}/{file}")));
     }
     if written.is_empty() {
-        let (what, cure) = match format {
+        let (what, hint) = match format {
             ExportFormat::Parquet => ("history.csv", "run the script again: every simulation writes one"),
             _ => ("fields.pvd with frames", "run the script again: every simulation writes its first and its last frame"),
         };
-        return Err(ReadError::new(&run.path, format!("has no {what} to convert"), cure).into());
+        return Err(ReadError::new(&run.path, format!("has no {what} to convert"), hint).into());
     }
     Ok(written)
 }

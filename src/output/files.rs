@@ -73,7 +73,7 @@ pub enum OutputError {
 
 impl OutputError {
     /// How to mend it, one sentence.
-    pub fn cure(&self) -> String {
+    pub fn hint(&self) -> String {
         use io::ErrorKind::{
             DirectoryNotEmpty, FileTooLarge, IsADirectory, NotADirectory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull,
         };
@@ -535,7 +535,7 @@ mod tests {
             assert!(matches!(error, OutputError::Write { .. }), "{name}");
             assert!(error.to_string().contains(name), "{error}");
             assert!(!error.to_string().contains("os error"), "{error}");
-            assert!(error.cure().contains("choose another name"), "{name}: {}", error.cure());
+            assert!(error.hint().contains("choose another name"), "{name}: {}", error.hint());
         }
         assert_eq!(fs::read_to_string(directory.join("taken")).unwrap(), "file");
         assert_eq!(fs::read_dir(&*directory).unwrap().count(), 2, "no part is left behind");
@@ -547,7 +547,7 @@ mod tests {
         let mut stream = Stream { path: "history.csv".into(), file: File::options().append(true).open("/dev/full").unwrap(), length: 0 };
         let error = stream.append(b"1,2\n").unwrap_err();
         assert_eq!(error.to_string(), "\"history.csv\" could not be written: no space left on device");
-        assert!(error.cure().starts_with("free some space"));
+        assert!(error.hint().starts_with("free some space"));
         assert_eq!(stream.length(), 0);
     }
 

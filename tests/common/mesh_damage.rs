@@ -135,7 +135,7 @@ pub fn judged(content: &[u8]) -> bool {
             true
         }
         Err(error) => {
-            assert!(!error.to_string().is_empty() && !error.cure().is_empty());
+            assert!(!error.to_string().is_empty() && !error.hint().is_empty());
             false
         }
     }

@@ -51,8 +51,8 @@ impl Builder {
     }
 
     /// Throws a body.
-    pub fn throw(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
-        self.model.throw(body, linear, angular);
+    pub fn set_initial_velocity(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
+        self.model.set_initial_velocity(body, linear, angular);
     }
 
     /// The simulation of the model.

@@ -23,7 +23,7 @@ fn collide(method: &'static ContactMethod, update: &'static UpdateRule, enforcem
     builder.contact((inner, "outer"), (outer, "inner"));
     let contact = &mut builder.model.interactions[0];
     (contact.method, contact.update, contact.enforcement) = (method, Some(update), enforcement);
-    builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
+    builder.set_initial_velocity(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
     run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.05)
 }
 
@@ -88,7 +88,7 @@ fn two_passes_of_node_to_segment_contact_conserve() {
             (contact.name, contact.method) = (name.into(), &NODE_TO_SEGMENT);
             (contact.update, contact.enforcement) = (Some(&PERSISTENCY), enforcement);
         }
-        builder.throw(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
+        builder.set_initial_velocity(inner, [8.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
         let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.03);
         let energy = rows[0].total();
         assert!(rows.iter().filter(|row| row.active > 0).count() >= 2, "{enforcement:?}: it meets");
@@ -110,7 +110,7 @@ fn equal_blocks_collide_face_to_face() {
         let (left, right) = (builder.body("left", block(0.0), &rubber), builder.body("right", block(1.013), &rubber));
         builder.contact((left, "right"), (right, "left"));
         builder.model.interactions[0].update = Some(update);
-        builder.throw(left, [1.0, 0.0, 0.0], [0.0; 3]);
+        builder.set_initial_velocity(left, [1.0, 0.0, 0.0], [0.0; 3]);
         let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.002), 0.4);
         let energy = rows[0].total();
         assert!(rows.iter().any(|row| row.active > 0) && rows[rows.len() - 1].active == 0, "{update:?}: they meet and part");

@@ -36,7 +36,7 @@ fn thrown(kind: CellKind, row: &'static conserva::materials::MaterialRow) -> Bui
     let mut builder = Builder::default();
     let body = builder.body("bar", bar(kind), &soft(row));
     let (linear, angular) = if kind.dimension() == 2 { (LINEAR, [0.0, 0.0, 3.0]) } else { ([LINEAR[0], LINEAR[1], 0.7], [0.5, 3.0, 1.0]) };
-    builder.throw(body, linear, angular);
+    builder.set_initial_velocity(body, linear, angular);
     builder
 }
 
@@ -130,7 +130,7 @@ fn a_model_that_stands_elsewhere_behaves_the_same() {
         let thrown = builder.model.initial_velocities[0];
         let mut moved = Builder::default();
         moved.body("bar", mesh, &turned);
-        moved.throw(0, turn(thrown.linear), turn(thrown.angular));
+        moved.set_initial_velocity(0, turn(thrown.linear), turn(thrown.angular));
         let (mut here, mut there) = (builder.simulate(integrator, 0.05), moved.simulate(integrator, 0.05));
         let (rows, others) = (run(&mut here, 1.0), run(&mut there, 1.0));
         let (positions, expected) = (there.state().positions, here.state().positions);
@@ -154,7 +154,7 @@ fn one_and_two_threads_give_the_same_bytes() {
     for mesh in [rectangle([2.0, 1.0], [32, 16], [0.0; 2]), block([2.0, 1.0, 1.0], [8, 6, 6], [0.0; 3])] {
         let mut builder = Builder::default();
         builder.body("bar", mesh.expect("the mesh is sound"), &rubber);
-        builder.throw(0, [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
+        builder.set_initial_velocity(0, [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
         let states = [1, 2].map(|threads| {
             let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.05) };
             let mut sim = Simulation::new(&builder.model, options).expect("the model is sound");
@@ -170,13 +170,13 @@ fn resumable() -> [Builder; 2] {
     let rubber = NeoHookean { youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let mut alone = Builder::default();
     alone.body("ring", ring(0.5, 1.0, [2, 16], [0.0; 2], 0.0).expect("the mesh is sound"), &rubber);
-    alone.throw(0, [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
+    alone.set_initial_velocity(0, [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
     alone.load(0, "inner", LoadKind::Torque, conserva::dynamics::Sine { amplitude: 1.0, frequency: 2.0 });
     let mut touching = Builder::default();
     touching.body("left", ring(0.5, 1.0, [2, 16], [-1.02, 0.0], 0.0).expect("the mesh is sound"), &rubber);
     touching.body("right", ring(0.6, 1.0, [2, 20], [1.02, 0.3], 0.0).expect("the mesh is sound"), &rubber);
     touching.contact((0, "outer"), (1, "outer"));
-    touching.throw(0, [4.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
+    touching.set_initial_velocity(0, [4.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
     [alone, touching]
 }
 
@@ -206,7 +206,7 @@ fn sliding_rings() -> Builder {
     let inner = builder.body("inner ring", ring(0.5, 1.002, [2, 40], [0.0; 2], 0.0).expect("the mesh is sound"), &steel);
     builder.fix(outer, "outer", [true; 3]);
     builder.contact((inner, "outer"), (outer, "inner"));
-    builder.throw(inner, [0.0; 3], [0.0, 0.0, 20.0]);
+    builder.set_initial_velocity(inner, [0.0; 3], [0.0, 0.0, 20.0]);
     builder
 }
 

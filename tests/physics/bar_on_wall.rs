@@ -42,7 +42,7 @@ fn collide(
     if moving_wall {
         motion[0] = Some(Arc::new(Ramp { start: 0.0, end: 10.0, value: 10.0 * SPEED }));
     } else {
-        builder.throw(bar, [-SPEED, 0.0, 0.0], [0.0; 3]);
+        builder.set_initial_velocity(bar, [-SPEED, 0.0, 0.0], [0.0; 3]);
     }
     let partner = Partner::Obstacle { shape: Obstacle::HalfPlane { point: [0.0; 2], normal: [1.0, 0.0] }, motion };
     builder.model.add_interaction(Interaction { update: Some(update), enforcement, ..Interaction::new("wall", left, partner) });

@@ -36,7 +36,7 @@ fn bounce(obstacle: Obstacle, gravity: f64, rule: (&'static UpdateRule, Enforcem
     let definition = Interaction::obstacle("ground", outer, obstacle);
     builder.model.add_interaction(Interaction { update: Some(rule.0), enforcement: rule.1, ..definition });
     builder.model.gravity = [0.0, -gravity, 0.0];
-    builder.throw(body, [2.0, 5.0, 0.0], [0.0, 0.0, 3.0]);
+    builder.set_initial_velocity(body, [2.0, 5.0, 0.0], [0.0, 0.0, 3.0]);
     let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.004), until);
 
     let closings = rows.windows(2).filter(|pair| pair[1].active > 0 && pair[0].active == 0).count();

@@ -18,7 +18,7 @@ fn they_meet_and_part_and_the_ledger_closes() {
     let first = builder.body("first", ring(8.0, 10.0, [2, 50], [-5.0, 0.0], 0.0).expect("the mesh is sound"), &stuff);
     let second = builder.body("second", ring(10.0, 12.0, [2, 50], [15.8, -16.0], 0.0).expect("the mesh is sound"), &stuff);
     builder.contact((second, "outer"), (first, "outer"));
-    builder.throw(first, [20.0, 0.0, 0.0], [0.0; 3]);
+    builder.set_initial_velocity(first, [20.0, 0.0, 0.0], [0.0; 3]);
     builder.model.interactions[0].update = Some(&GAP);
     let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.01), 1.0);
     let (start, end) = (&rows[0], &rows[rows.len() - 1]);

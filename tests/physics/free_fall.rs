@@ -17,7 +17,7 @@ fn fall(mesh: Mesh, integrator: &'static Scheme) {
     let mut builder = Builder::default();
     let body =
         builder.body("block", mesh, &NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 2.0 }.material().expect("in range"));
-    builder.throw(body, velocity, [0.0; 3]);
+    builder.set_initial_velocity(body, velocity, [0.0; 3]);
     builder.model.gravity = gravity;
     let mut sim = builder.simulate(integrator, 0.1);
     let start = sim.state().positions;

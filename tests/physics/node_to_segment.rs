@@ -24,7 +24,7 @@ fn hop(inner_is_secondary: bool, update: &'static UpdateRule, enforcement: Enfor
     }
     let contact = &mut builder.model.interactions[0];
     (contact.method, contact.update, contact.enforcement) = (&NODE_TO_SEGMENT, Some(update), enforcement);
-    builder.throw(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
+    builder.set_initial_velocity(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
     run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.12)
 }
 

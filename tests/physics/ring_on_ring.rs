@@ -19,7 +19,7 @@ fn hop(update: &'static UpdateRule, enforcement: Enforcement) -> Vec<LedgerRow> 
     builder.contact((inner, "outer"), (outer, "inner"));
     builder.model.interactions[0].update = Some(update);
     builder.model.interactions[0].enforcement = enforcement;
-    builder.throw(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
+    builder.set_initial_velocity(inner, [5.0, 0.0, 0.0], [0.0, 0.0, 20.0]);
     let rows = run(&mut builder.simulate(&ENERGY_MOMENTUM, 0.001), 0.12);
 
     let closings = rows.windows(2).filter(|pair| pair[1].active > 0 && pair[0].active == 0).count();

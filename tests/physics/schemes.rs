@@ -47,7 +47,7 @@ impl Point {
 /// The oscillator of the example, thrown, and its displacement.
 fn thrown(scheme: &'static Scheme, speed: f64, dt: f64) -> Simulation {
     let mut model = oscillator().expect("the model is sound");
-    model.throw(1, [speed, 0.0, 0.0], [0.0; 3]);
+    model.set_initial_velocity(1, [speed, 0.0, 0.0], [0.0; 3]);
     Simulation::new(&model, Options::new(scheme, dt)).expect("the scheme is sound")
 }
 

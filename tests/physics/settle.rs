@@ -166,10 +166,10 @@ fn stacks_come_to_rest() {
 fn a_frictionless_stack_out_of_line_is_said_to_lack_guidance() {
     let mut sim = stack(10, 0.02, 0.0);
     let message = sim.settle().expect_err("there is no stable equilibrium");
-    let (cause, cure) = (message.to_string(), message.cure());
+    let (cause, hint) = (message.to_string(), message.hint());
     let report = sim.failure().expect("it is kept").explanation();
     assert!(report.contains("contact has no friction") && report.contains("body \"block"), "{report}");
-    assert!(cure.contains("guide"), "{cause}: {cure}");
+    assert!(hint.contains("guide"), "{cause}: {hint}");
     // The state is that before.
     assert_eq!(sim.state().positions, stack(10, 0.02, 0.0).state().positions);
 }

@@ -49,8 +49,8 @@ fn spinning_bodies_on_a_spring_keep_energy_and_momenta() {
     let space = [0.0, 3.0].map(|x| block([1.0, 1.0, 1.0], [2, 2, 1], [x, 0.0, 0.0]).expect("the mesh is sound"));
     for (meshes, angular) in [(plane(), [0.0, 0.0, 1.0]), (space, [0.4, -0.3, 1.0])] {
         let mut builder = joined(meshes, 200.0, None);
-        builder.throw(0, [0.3, -2.0, 0.0], angular);
-        builder.throw(1, [-0.1, 2.5, 0.0], [0.0, 0.0, -0.5]);
+        builder.set_initial_velocity(0, [0.3, -2.0, 0.0], angular);
+        builder.set_initial_velocity(1, [-0.1, 2.5, 0.0], [0.0, 0.0, -0.5]);
         let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.02);
         let rows = run(&mut sim, 4.0);
         let energy = rows[0].total();

@@ -49,7 +49,7 @@ fn tied_rings_tumble_as_one_body() {
         let tie = Interaction::new("fit", builder.boundary(inner, "outer"), partner);
         builder.model.add_interaction(tie);
         for body in [outer, inner] {
-            builder.throw(body, [2.0, 1.0, 0.0], [0.0, 0.0, 8.0]);
+            builder.set_initial_velocity(body, [2.0, 1.0, 0.0], [0.0, 0.0, 8.0]);
         }
         let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.01);
         let rows = run(&mut sim, 1.0);

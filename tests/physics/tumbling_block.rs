@@ -11,7 +11,7 @@ use crate::common::{Builder, drift, material, run, worst};
 fn tumble(mesh: Mesh, law: &str, angular: [f64; 3], dt: f64, until: f64) {
     let mut builder = Builder::default();
     let body = builder.body("block", mesh, &material(law, [500.0, 0.3, 1.0]));
-    builder.throw(body, [2.0, -1.0, 0.0], angular);
+    builder.set_initial_velocity(body, [2.0, -1.0, 0.0], angular);
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, dt);
     let rows = run(&mut sim, until);
     let energy = rows[0].total();
@@ -46,7 +46,7 @@ fn what_newton_leaves_in_each_step_does_not_add_up() {
     let mut builder = Builder::default();
     let mesh = rectangle([2.0, 2.0], [2, 2], [0.0; 2]).expect("the mesh is sound");
     let body = builder.body("block", mesh, &material("neo_hookean", [100.0, 0.3, 1.0]));
-    builder.throw(body, [2.0, -1.0, 0.0], [0.0, 0.0, 6.0]);
+    builder.set_initial_velocity(body, [2.0, -1.0, 0.0], [0.0, 0.0, 6.0]);
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.1);
     let rows = run(&mut sim, 2000.0);
     let energy = rows[0].total();

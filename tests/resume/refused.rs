@@ -1,4 +1,4 @@
-//! Results that cannot be written, or are taken away: exit code 3 with the file and a cure, and what was computed is there to go on from.
+//! Results that cannot be written, or are taken away: exit code 3 with the file and a hint, and what was computed is there to go on from.
 
 use std::path::Path;
 use std::process::Command;

@@ -60,7 +60,7 @@ impl Model {
     }
 
     /// Gives a body a velocity at the start: that of its center of mass, and an angular one.
-    pub fn throw(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
+    pub fn set_initial_velocity(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
         self.initial_velocities.push(InitialVelocity { body, linear, angular });
     }
 }

@@ -208,8 +208,10 @@ impl Model {
         if !self.is_axisymmetric() {
             return Ok(());
         }
-        let is_round = |body: &&BodyDefinition| body.formulation.plane == Plane::Axisymmetric;
-        if let (Some(first), Some(second)) = (self.bodies.iter().find(is_round), self.bodies.iter().find(|body| !is_round(body))) {
+        let is_axisymmetric = |body: &&BodyDefinition| body.formulation.plane == Plane::Axisymmetric;
+        if let (Some(first), Some(second)) =
+            (self.bodies.iter().find(is_axisymmetric), self.bodies.iter().find(|body| !is_axisymmetric(body)))
+        {
             return Err(ModelError::MixedSymmetry { first: first.name.clone(), second: second.name.clone() });
         }
         let breaks = |what: String| Err(ModelError::BreaksSymmetry { what });

@@ -1,4 +1,4 @@
-//! What can go wrong in a model or in a step: one sentence with the numbers that show it, and a cure.
+//! What can go wrong in a model or in a step: one sentence with the numbers that show it, and a hint.
 
 use thiserror::Error;
 
@@ -171,7 +171,7 @@ fn listed(names: &[String]) -> String {
 
 impl ModelError {
     /// How to mend it, one sentence.
-    pub fn cure(&self) -> String {
+    pub fn hint(&self) -> String {
         match self {
             ModelError::NoBodies { .. } => "add one with `model.add_body(name, mesh, material)`".into(),
             ModelError::DuplicateName { .. } => "give each its own name: messages, tables and files refer to it".into(),
@@ -191,7 +191,7 @@ impl ModelError {
             }
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
-            ModelError::Formulation { source, .. } => source.cure(),
+            ModelError::Formulation { source, .. } => source.hint(),
             ModelError::RepeatedContact { .. } => "define one contact for each pair of surfaces".into(),
             ModelError::HeldAndMoved { .. } => {
                 "hold the other directions only, as in `fix(boundary, \"x\")`, or leave this one out of `prescribe`".into()
@@ -235,7 +235,7 @@ pub enum StepError {
         /// What was seen in the last iterations.
         cause: String,
         /// How to mend it.
-        cure: String,
+        hint: String,
     },
     /// Sides of a contact are inside each other, and nothing holds them apart.
     #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
@@ -284,10 +284,10 @@ impl StepError {
     }
 
     /// How to mend it, one sentence.
-    pub fn cure(&self) -> String {
+    pub fn hint(&self) -> String {
         match self {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
-            StepError::NotConverged { cure, .. } => cure.clone(),
+            StepError::NotConverged { hint, .. } => hint.clone(),
             StepError::StillOverlaps { .. } => {
                 "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it \
                  grow over several calls of `settle` with times; in motion, try a smaller `dt`"

@@ -12,5 +12,5 @@ pub mod interactions;
 pub mod locking;
 pub mod overlaps;
 pub mod part;
-pub mod strangers;
+pub mod unpaired;
 pub mod update_rules;

@@ -52,7 +52,7 @@ impl fmt::Display for Overlap {
 
 impl Overlap {
     /// How to mend it, one sentence.
-    pub fn cure(&self) -> &'static str {
+    pub fn hint(&self) -> &'static str {
         match (&self.kind, &self.contact) {
             (OverlapKind::Bodies(_), None) => "move one of them; no contact is defined between the two, so nothing would keep them apart",
             (OverlapKind::Obstacle { whole: false, .. }, _) => {
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(model(vec![block(0.0, 0.0), block(1.0, 0.1)]).overlaps(), []);
         let found = model(vec![block(0.0, 0.0), block(0.95, 0.1)]).overlaps();
         assert!(found.len() == 1 && (found[0].depth - 0.05).abs() < 1e-12 && (found[0].facets - 0.2).abs() < 1e-12, "{found:?}");
-        assert!(found[0].contact.is_none() && found[0].cure().contains("no contact"));
+        assert!(found[0].contact.is_none() && found[0].hint().contains("no contact"));
         // A cross of two bars has no node of one inside the other.
         let bars = [[4.0, 0.3], [0.3, 4.0]].map(|[w, h]| rectangle([w, h], [1, 1], [-0.5 * w, -0.5 * h]).expect("the mesh is sound"));
         let found = model(bars.to_vec()).overlaps();

@@ -56,7 +56,7 @@ pub struct ContactPair {
     /// Augmentation of its multipliers over the stiffness of a node, if they have a proximal term.
     pub augmentation: Option<f64>,
     /// Whether its bodies are bodies of revolution, and multipliers pressures times circumferences.
-    pub is_round: bool,
+    pub is_axisymmetric: bool,
     /// Range of its rows among all rows.
     pub rows: Range<usize>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
@@ -103,7 +103,7 @@ impl ContactPair {
             law: if kind == PairKind::Tie { &Bilateral } else { &Unilateral },
             update: &GAP,
             augmentation: None,
-            is_round: false,
+            is_axisymmetric: false,
             rows: 0..kernel.rows(),
             c: modulus / (size * size),
             penalties: Vec::new(),
@@ -115,7 +115,7 @@ impl ContactPair {
 
     /// What a length of the section at a node stands for: one, or the circumference there `[length]`.
     pub fn circumference(&self, node: u32, q: &[f64]) -> f64 {
-        if self.is_round { std::f64::consts::TAU * q[2 * node as usize] } else { 1.0 }
+        if self.is_axisymmetric { std::f64::consts::TAU * q[2 * node as usize] } else { 1.0 }
     }
 
     /// Holds it by penalty potentials: the pressure at a node is `factor * youngs_modulus / h` times its depth, whatever length of the
@@ -124,7 +124,7 @@ impl ContactPair {
     pub fn penalize(&mut self, factor: f64, q: &[f64], has_middles: bool) {
         let of_depth = factor * self.c * self.kernel.facet_size();
         // Half a facet that ends on the axis stands for what a third of the facet away from it does.
-        let on_axis = if self.is_round && !has_middles { std::f64::consts::TAU * 2.0 / 3.0 } else { 0.0 };
+        let on_axis = if self.is_axisymmetric && !has_middles { std::f64::consts::TAU * 2.0 / 3.0 } else { 0.0 };
         let around = |row: usize| self.node_of(row).map_or(1.0, |node| self.circumference(node, q));
         let rows = self.rows.clone().zip(self.kernel.weights());
         let stiffness = |(row, &weight): (usize, &f64)| of_depth * f64::max(around(row), on_axis * weight) / weight.max(f64::MIN_POSITIVE);

@@ -50,7 +50,7 @@ impl Pairing<'_> {
     fn pair(&self, name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
         let modulus = self.model.bodies[body].material.youngs_modulus();
         let mut pair = ContactPair::new(name, kind, kernel, modulus, self.reach);
-        pair.is_round = self.model.is_axisymmetric();
+        pair.is_axisymmetric = self.model.is_axisymmetric();
         pair
     }
 

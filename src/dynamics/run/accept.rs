@@ -55,7 +55,7 @@ where
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
         let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.is_closed() { lambda } else { 0.0 }).collect();
         let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
-        let felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
+        let penalty_gap: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let remembered = self.remembered(motion, &at, &v_1);
         let outside = self.outside(start, motion, &at, &lambda, &v_1)?;
@@ -79,8 +79,10 @@ where
         let others = !system.others.is_empty();
         let (memory, dissipation) = if others { system.memory_after(start, &at) } else { (self.state.memory.clone(), 0.0) };
         row.dissipation = dissipation;
-        row.potential =
-            system.nodes.potential_energy(&at.q_1) + system.penalty_energy(&felt) + system.stored_energy(at.pose(), &memory) + row.reserve;
+        row.potential = system.nodes.potential_energy(&at.q_1)
+            + system.penalty_energy(&penalty_gap)
+            + system.stored_energy(at.pose(), &memory)
+            + row.reserve;
         let obstacle_work = outside.obstacle_work + jump.as_ref().map_or(0.0, |jump| jump.work);
         row.load_work = (0..at.q_1.len()).map(|k| outside.load[k] * at.moved[k]).sum::<f64>() + obstacle_work;
         if !system.supports.prescribed.is_empty() {
@@ -107,7 +109,7 @@ where
             displacements: at.u_1.clone(),
             velocities: v_1,
             lambda,
-            felt,
+            penalty_gap,
             reserve,
             active,
             remembered,

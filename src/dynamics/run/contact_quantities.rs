@@ -140,7 +140,7 @@ fn share(pair: &ContactPair, index: usize) -> f64 {
 /// presses.
 fn is_on_axis(pair: &ContactPair, index: usize, q: &[f64]) -> bool {
     let secondary = pair.kernel.secondary();
-    pair.is_round && pair.circumference(secondary.nodes()[index], q) <= tolerances::CLOSED * secondary.node_length(index, q)
+    pair.is_axisymmetric && pair.circumference(secondary.nodes()[index], q) <= tolerances::CLOSED * secondary.node_length(index, q)
 }
 
 /// Whether such a node touches the other side.
@@ -224,7 +224,7 @@ fn smoothed(contact: Loaded, forces: &ContactForces, pressures: &[f64], q: &[f64
 fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, usize) {
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
     let mut active: Vec<bool> = nodes.map(|rows| rows.contains(&RowState::Closed)).collect();
-    if contact.pair.is_round && active.contains(&true) {
+    if contact.pair.is_axisymmetric && active.contains(&true) {
         (0..active.len()).for_each(|index| active[index] |= touches_on_axis(contact, index, q));
     }
     let mut others = 0;

@@ -91,7 +91,7 @@ where
         let state = State {
             row,
             lambda: vec![0.0; system.multipliers],
-            felt: vec![0.0; system.multipliers],
+            penalty_gap: vec![0.0; system.multipliers],
             reserve: vec![0.0; system.multipliers],
             active: vec![RowState::Open; system.multipliers],
             remembered: Arc::default(),

@@ -35,9 +35,9 @@ where
         } else {
             "check supports and loads".into()
         };
-        let (cause, cure) = (report.explanation(), report.cure(&smaller));
+        let (cause, hint) = (report.explanation(), report.hint(&smaller));
         self.failure = Some((report, self.trace.u_1.clone()));
-        StepError::NotConverged { time, step, dt, halvings, cause, cure }
+        StepError::NotConverged { time, step, dt, halvings, cause, hint }
     }
 
     /// The body that moves most in a motion of all nodes, and how.

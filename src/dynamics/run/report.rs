@@ -214,7 +214,7 @@ impl FailureReport {
     }
 
     /// How to mend it; `smaller` says how a smaller step is asked for.
-    pub(super) fn cure(&self, smaller: &str) -> String {
+    pub(super) fn hint(&self, smaller: &str) -> String {
         match &self.cause {
             FailureCause::NoEquilibrium { missing: Some(Missing::Guidance), .. } => {
                 "guide the body with `fix`, such as `fix(body.boundary(\"left\"), \"x\")`, or let contacts hold it from all sides".into()

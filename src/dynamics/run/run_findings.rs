@@ -137,7 +137,7 @@ impl std::fmt::Display for RunFinding {
 
 impl RunFinding {
     /// How to mend it, or what to make of it, one sentence.
-    pub fn cure(&self) -> &'static str {
+    pub fn hint(&self) -> &'static str {
         match self.kind {
             RunFindingKind::PositiveContactWork => "no update rule should do so: do not trust the run from there on, and try a smaller dt",
             RunFindingKind::EnergyDefect => "do not trust the run from there on, and try a smaller dt",

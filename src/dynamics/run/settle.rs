@@ -179,14 +179,14 @@ where
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
-        let State { positions: q, displacements: u, velocities: v, row, active, felt, reserve, memory, drift, .. } =
+        let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, .. } =
             Arc::make_mut(&mut self.state);
         *memory = self.system.memory_at_rest();
         row.strain = self.system.strain_energy(u);
         let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
         row.potential =
             self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(Pose { q, u }, memory);
-        *felt = gaps;
+        *penalty_gap = gaps;
         reserve.fill(0.0);
         (row.reserve, *drift) = (0.0, 0.0);
         (row.momentum, row.angular_momentum) = self.system.nodes.momenta(q, v);

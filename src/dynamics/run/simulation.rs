@@ -16,14 +16,14 @@ use super::validity::{Excess, ExcessKind};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::hulls::{ALLOWED, Inside};
-use crate::dynamics::model::strangers::{Names, Strangers};
+use crate::dynamics::model::unpaired::{Names, UnpairedBodies};
 use crate::math::digits::percent;
 use crate::math::tolerances::{AT_REST, COARSE, CRUSHED, TURNED};
 
 /// A running simulation.
 pub struct Simulation {
     steps: Box<dyn Steps>,
-    strangers: Strangers,
+    unpaired: UnpairedBodies,
 }
 
 impl Simulation {
@@ -36,7 +36,7 @@ impl Simulation {
             3 => Box::new(Engine::<3>::new(model, options)?),
             _ => Box::new(Engine::<2>::new(model, options)?),
         };
-        Ok(Simulation { steps, strangers: Strangers::of(model) })
+        Ok(Simulation { steps, unpaired: UnpairedBodies::of(model) })
     }
 
     /// Space dimension.
@@ -279,7 +279,7 @@ impl Simulation {
 
     /// Bodies that are inside each other now, with nothing defined between them.
     fn passed_through(&self) -> Option<RunFinding> {
-        let inside = self.strangers.inside(&self.steps.state().positions);
+        let inside = self.unpaired.inside(&self.steps.state().positions);
         let depth = |(_, inside): &(Names, Inside)| inside.depth / inside.size;
         let worst = inside.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
         let ([first, second], Inside { at, .. }) = worst;

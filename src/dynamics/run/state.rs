@@ -25,7 +25,7 @@ pub struct State {
     /// Multipliers of all contact pairs `[stress]`.
     pub(super) lambda: Vec<f64>,
     /// Weighted gaps as penalty potentials felt them at the end of the step.
-    pub(super) felt: Vec<f64>,
+    pub(super) penalty_gap: Vec<f64>,
     /// Energy that closed constraints of the `velocity` rule keep until they open `[energy]`.
     pub(super) reserve: Vec<f64>,
     /// What every constraint row is.
@@ -59,7 +59,7 @@ impl State {
     pub(super) fn has_shape_of(&self, own: &State) -> bool {
         let lengths = |state: &State| {
             let nodal = [state.positions.len(), state.displacements.len(), state.velocities.len()];
-            let rows = [state.lambda.len(), state.felt.len(), state.reserve.len(), state.active.len()];
+            let rows = [state.lambda.len(), state.penalty_gap.len(), state.reserve.len(), state.active.len()];
             (nodal, rows, state.memory.iter().map(Vec::len).collect::<Vec<_>>())
         };
         let remembers = self.remembered.has_length(self.positions.len());

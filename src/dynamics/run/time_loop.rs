@@ -11,11 +11,11 @@ use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactField
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
-use super::pieces::Pieces;
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
 use super::state::{Clock, State};
 use super::steps::Steps;
+use super::substeps::Pieces;
 use super::tally::Tally;
 use super::validity::Excess;
 use crate::bodies::{Elements, Space};

@@ -81,9 +81,9 @@ impl<const D: usize> System<D> {
         self.pairs.iter().flat_map(of).collect()
     }
 
-    /// The contact conditions of the step that has begun, by the pairs' update rules; `felt` are the weighted gaps that penalty potentials
+    /// The contact conditions of the step that has begun, by the pairs' update rules; `penalty_gap` are the weighted gaps that penalty potentials
     /// felt at the end of the step before.
-    pub fn conditions(&self, start: &StepStart, felt: &[f64]) -> Conditions {
+    pub fn conditions(&self, start: &StepStart, penalty_gap: &[f64]) -> Conditions {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         let held = self.closed_gaps();
         let mut targets = vec![0.0; gap_n.len()];
@@ -93,7 +93,7 @@ impl<const D: usize> System<D> {
         for pair in &self.pairs {
             let (closed, keeps) = (pair.closed(), pair.update.holds == Holds::AsItIs);
             for row in pair.rows.clone() {
-                let start = RowStart { gap: gap_n[row], felt: felt[row], held: held[row], closed, keeps, end_point };
+                let start = RowStart { gap: gap_n[row], penalty_gap: penalty_gap[row], held: held[row], closed, keeps, end_point };
                 let demand = pair.law.demand(&start);
                 (gap_n[row], targets[row], shift[row]) = (demand.gap, demand.target, demand.shift);
                 members[row] &= demand.is_member;

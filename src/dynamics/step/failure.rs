@@ -84,6 +84,6 @@ mod tests {
         let failure = Failure::Linear(LinearError::OutOfMemory { unknowns: 900_000, needed: 4_100_000_000 }).or_end(0.5);
         let Failure::Fatal(error) = failure else { panic!("smaller steps need no less memory") };
         assert_eq!(error.to_string(), "the memory is used up at t = 0.5: the factorization of 900000 unknowns takes at least 4.1 GB");
-        assert!(error.cure().contains("coarser mesh") && !error.cure().contains("fix"), "{}", error.cure());
+        assert!(error.hint().contains("coarser mesh") && !error.hint().contains("fix"), "{}", error.hint());
     }
 }

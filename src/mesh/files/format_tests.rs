@@ -114,7 +114,7 @@ fn every_cut_and_every_flipped_byte_of_a_binary_file_ends_well() {
             let error = read_mesh_bytes(&content[..end]).expect_err("cut");
             let place = error.place().unwrap_or_else(|| panic!("{error}"));
             assert!(matches!(place, Place::Line(_)) || matches!(place, Place::Byte(byte) if byte <= end), "{error} {place:?} of {end}");
-            assert!(!error.cure().is_empty());
+            assert!(!error.hint().is_empty());
         }
         for place in 0..content.len() {
             for mask in [1, 0x80, 0xff] {
@@ -227,7 +227,7 @@ fn refused(from: &str, to: &str) -> (String, FileProblem) {
     let text = SQUARES.replacen(from, to, 1);
     match read_mesh_bytes(text.as_bytes()).expect_err(to) {
         MeshError::File(FileError { at: Place::Line(line), problem }) => {
-            assert!(!problem.cure().is_empty());
+            assert!(!problem.hint().is_empty());
             (text.lines().nth(line - 1).unwrap().to_string(), problem)
         }
         other => panic!("{other:?}"),

@@ -260,7 +260,7 @@ fn every_truncation_is_an_error_with_a_line() {
             let error = read_gmsh(&text[..end]).expect_err("truncated");
             let line = error.line().unwrap_or_else(|| panic!("{error}"));
             assert!(line <= text[..end].lines().count().max(1), "{error}");
-            assert!(!error.cure().is_empty());
+            assert!(!error.hint().is_empty());
         }
     }
     let cut = &SQUARES_2[..SQUARES_2.find("15 1 1 0").unwrap() + 4];
@@ -356,10 +356,10 @@ fn wrong_numbers_are_refused_in_their_line() {
 #[test]
 fn inside_out_cells_are_an_error_with_place_and_cure() {
     let one = refusal(SQUARES_2, "2 3 16 15", "2 15 16 3");
-    assert_eq!((one.line(), one.cure().starts_with("mend the mesh there")), (Some(28), true));
+    assert_eq!((one.line(), one.hint().starts_with("mend the mesh there")), (Some(28), true));
     assert_eq!(one.to_string(), "cell 7 at (1.5, 0.5) is inside out: its Jacobian determinant is -0.25 (1 of 2 cells are)");
     let all = refusal(&SQUARES_2.replace("2 3 16 15", "2 15 16 3"), "1 2 15 14", "1 14 15 2");
-    assert_eq!((all.line(), all.cure().starts_with("the nodes of all cells run the wrong way round")), (Some(27), true));
+    assert_eq!((all.line(), all.hint().starts_with("the nodes of all cells run the wrong way round")), (Some(27), true));
     // all four nodes on the line x = 1
     let flat = refusal(&SQUARES_2.replace("3 2 0 0", "3 1 0.3 0"), "16 2 1 0", "16 1 0.6 0");
     assert!(matches!(flat, MeshError::DegenerateCell { at: Some(Place::Line(28)), cell: 7, .. }), "{flat:?}");
@@ -370,10 +370,10 @@ fn other_cells_are_refused_with_the_cure() {
     let prism = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 6 2 2 2 2 3 16 15 1 99");
     assert!(prism.to_string().starts_with("element 7 is a 6-node prism, but cells read are "), "{prism}");
     assert_eq!(prism.line(), Some(28));
-    assert!(prism.cure().contains("prisms"), "{}", prism.cure());
+    assert!(prism.hint().contains("prisms"), "{}", prism.hint());
     let second_order = refusal(SQUARES_4, "2 2 3 1", "2 2 12 1");
     assert!(second_order.to_string().contains("27-node hexahedron (second order)"), "{second_order}");
-    assert!(second_order.cure().contains("Mesh.ElementOrder = 1;"), "{}", second_order.cure());
+    assert!(second_order.hint().contains("Mesh.ElementOrder = 1;"), "{}", second_order.hint());
     assert!(matches!(problem(refusal(SQUARES_2, "7 3 2 2 2", "7 1234 2 2 2")), UnsupportedCell { element: 7, .. }));
     let lines_only =
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n";
@@ -413,7 +413,7 @@ fn a_file_that_is_not_there_says_so() {
 fn survives(content: &[u8]) {
     match read_mesh_bytes(content) {
         Ok(mesh) => assert_eq!(mesh.defects(), []),
-        Err(error) => assert!(!error.cure().is_empty() && !error.to_string().is_empty()),
+        Err(error) => assert!(!error.hint().is_empty() && !error.to_string().is_empty()),
     }
 }
 

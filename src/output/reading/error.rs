@@ -17,13 +17,13 @@ pub struct ReadError {
     /// The reason in words, where there is more to say.
     pub cause: Option<String>,
     /// How to mend it.
-    pub cure: String,
+    pub hint: String,
 }
 
 impl ReadError {
     /// A file with a defect.
-    pub fn new(path: &Path, what: impl Into<String>, cure: impl Into<String>) -> Self {
-        ReadError { path: path.into(), what: what.into(), cause: None, cure: cure.into() }
+    pub fn new(path: &Path, what: impl Into<String>, hint: impl Into<String>) -> Self {
+        ReadError { path: path.into(), what: what.into(), cause: None, hint: hint.into() }
     }
 
     /// A file whose bytes do not agree with themselves.
@@ -35,8 +35,8 @@ impl ReadError {
     pub fn io(path: &Path, error: &io::Error) -> Self {
         let missing = error.kind() == io::ErrorKind::NotFound;
         let what = if missing { "does not exist" } else { "cannot be read" };
-        let cure = if missing { "check the path" } else { "see that it is a file that you may read" };
-        ReadError { cause: (!missing).then(|| reason(error)), ..ReadError::new(path, what, cure) }
+        let hint = if missing { "check the path" } else { "see that it is a file that you may read" };
+        ReadError { cause: (!missing).then(|| reason(error)), ..ReadError::new(path, what, hint) }
     }
 }
 

@@ -29,13 +29,13 @@ impl RunFolder {
             return Err(ReadError::new(path, "is a file, not the folder of a run", "name the folder that it is in"));
         }
         if !is_run(path) {
-            let cure = match runs_below(path).first() {
+            let hint = match runs_below(path).first() {
                 Some(run) => {
                     format!("name one of the runs below it, such as {}; `conserva list {}` shows them", run.display(), path.display())
                 }
                 None => "name a folder that `conserva run` has written, such as out/bearing".into(),
             };
-            return Err(ReadError::new(path, "holds no run: there is neither history.csv nor summary.json in it", cure));
+            return Err(ReadError::new(path, "holds no run: there is neither history.csv nor summary.json in it", hint));
         }
         let summary = path.join("summary.json");
         let summary = if summary.is_file() { Some(read_summary(&summary)?) } else { None };
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!((run.further(), run.outcome()), (vec!["a-2".to_string()], "no summary: killed, or still running".into()));
         assert!(run.file("history.csv").is_none());
         let error = RunFolder::open(&directory).unwrap_err();
-        assert!(error.to_string().contains("holds no run") && error.cure.contains("conserva list"), "{error} {}", error.cure);
+        assert!(error.to_string().contains("holds no run") && error.hint.contains("conserva list"), "{error} {}", error.hint);
         assert!(RunFolder::open(&directory.join("none")).unwrap_err().to_string().ends_with("does not exist"));
         assert!(RunFolder::open(&directory.join("b/history.csv")).unwrap_err().to_string().contains("is a file"));
         files.write("a/summary.json", "{\n  \"steps\": ").unwrap();

@@ -3,7 +3,6 @@
 use crate::script::language::function::Function;
 
 pub mod arrays;
-pub mod asides;
 pub mod checks;
 pub mod contacts;
 pub mod examples;
@@ -12,6 +11,7 @@ pub mod materials;
 pub mod meshes;
 pub mod models;
 pub mod motion;
+pub mod nested_runs;
 pub mod numbers;
 pub mod parameters;
 pub mod simulations;

@@ -23,7 +23,6 @@ use super::record::{ANSWER, Record, lexemes, positions};
 use super::session::{Report, Session};
 use super::shown::{kind_of, shown};
 use crate::machine::files;
-use crate::script::language::crew::{Program, Unit};
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
 use crate::script::language::failure::Class;
@@ -34,6 +33,7 @@ use crate::script::language::sandbox::reason;
 use crate::script::language::settings::Settings;
 use crate::script::language::sources::offset;
 use crate::script::language::wording::listed;
+use crate::script::language::worker_pool::{Program, Unit};
 
 /// Name of the source in which all entries stand.
 const SOURCE: &str = "prompt";

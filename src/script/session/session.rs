@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use super::compile::{compile, constants};
 use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
-use super::worker::hire;
+use super::worker::start_worker;
 use crate::machine::files;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{COMPLETED, RunLock};
@@ -24,7 +24,6 @@ use crate::script::api::parameters::{Overrides, check_overrides};
 use crate::script::api::simulations::ending;
 use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
 use crate::script::api::simulations::journal::Journal;
-use crate::script::language::crew::{Hiring, Program, Unit};
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::{explain, explain_failure};
 use crate::script::language::failure::Class;
@@ -35,6 +34,7 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::{Sandbox, reason};
 use crate::script::language::scan;
 use crate::script::language::settings::Settings;
+use crate::script::language::worker_pool::{MakeWorker, Program, Unit};
 
 /// How a script ended.
 #[derive(Clone, Debug)]
@@ -111,7 +111,7 @@ impl Session {
         let sandbox = Sandbox::new(home, &settings.allow_read).map_err(|failure| Box::new(explain_failure(&failure)))?;
         let host = Rc::new(Host::new(settings, sandbox, observer));
         host.slots.set(Rc::new(Overrides::new(&host.settings.overrides)));
-        host.slots.set(Rc::new(Hiring(Some(hire))));
+        host.slots.set(Rc::new(MakeWorker(Some(start_worker))));
         let engine = Rc::new(RefCell::new(engine(&host)));
         host.attach(&engine);
         Ok(Session { engine, scope: constants(), host, begun, idle: Duration::ZERO })

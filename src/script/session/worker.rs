@@ -15,10 +15,9 @@ use rhai::{AST, Dynamic, Engine, ImmutableString, NativeCallContextStore};
 use super::compile::constants;
 use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
-use crate::script::api::asides::{Aside, begin_study};
+use crate::script::api::nested_runs::{NestedRun, begin_study};
 use crate::script::api::parameters::Overrides;
 use crate::script::language::callback::Callback;
-use crate::script::language::crew::{Blueprint, Carried, Computed, Hand, Hiring, Outcome, Program, Told, Unit, outcome_of};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Class;
 use crate::script::language::handle::Types;
@@ -28,6 +27,7 @@ use crate::script::language::observer::{Observer, Progress};
 use crate::script::language::plain::Plain;
 use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::Sandbox;
+use crate::script::language::worker_pool::{Blueprint, Carried, Computed, Hand, MakeWorker, Outcome, Program, Told, Unit, outcome_of};
 
 /// Under what the host keeps the context of the program itself.
 const PROGRAM: &str = "the program";
@@ -39,11 +39,11 @@ struct Worker {
     program: Vec<Unit>,
     notes: Rc<Notes>,
     context: Rc<NativeCallContextStore>,
-    aside: Option<Aside>,
+    aside: Option<NestedRun>,
 }
 
 /// Makes a session on this thread that works for another one; `None` where its folder or an import cannot be read any more.
-pub fn hire(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
+pub fn start_worker(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
     let notes = Rc::new(Notes::default());
     let sandbox = Sandbox::new(&blueprint.home, &blueprint.settings.allow_read).ok()?;
     let host = Rc::new(Host::new(blueprint.settings.clone(), sandbox, notes.clone()));
@@ -99,7 +99,7 @@ impl Worker {
         slots.set(types);
         slots.set(registry);
         slots.set(Rc::new(Overrides::new(&self.host.settings.overrides)));
-        slots.set(Rc::new(Hiring(Some(hire))));
+        slots.set(Rc::new(MakeWorker(Some(start_worker))));
         slots.set(Rc::new(Program(RefCell::new(self.program.clone()))));
         self.host.forget_told();
         self.notes.told.take();

@@ -107,7 +107,7 @@ impl Scene {
         };
         let mut draft = Draft { random, scene, outlines: Vec::new() };
         draft.fill();
-        draft.throw();
+        draft.set_initial_velocity();
         draft.choose_step();
         let turn = if draft.random.chance(0.3) { draft.random.between(0.0, TAU) } else { 0.0 };
         if turn == 0.0 { draft.scene } else { draft.scene.turned(turn) }
@@ -314,7 +314,7 @@ impl Draft {
     }
 
     /// Velocities and spins.
-    fn throw(&mut self) {
+    fn set_initial_velocity(&mut self) {
         if self.scene.kind == Kind::Stack {
             return;
         }

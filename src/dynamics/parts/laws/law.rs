@@ -45,7 +45,7 @@ pub struct RowStart {
     /// `Phi` there.
     pub gap: f64,
     /// `Phi` as the row's potential had it at the end of the step before.
-    pub felt: f64,
+    pub penalty_gap: f64,
     /// `Phi` of a closed row.
     pub held: f64,
     /// `Phi` above that which counts as closed.

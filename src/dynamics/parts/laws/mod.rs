@@ -57,7 +57,7 @@ mod tests {
     #[test]
     fn demands_never_drive_apart_what_overlaps() {
         for (gap, keeps) in [(-0.3, false), (-0.3, true), (0.2, false), (0.2, true)] {
-            let start = RowStart { gap, felt: gap, held: 0.0, closed: 1e-6, keeps, end_point: false };
+            let start = RowStart { gap, penalty_gap: gap, held: 0.0, closed: 1e-6, keeps, end_point: false };
             for law in LAWS.into_iter().filter(|law| !law.is_bilateral()) {
                 let demand = law.demand(&start);
                 assert!(!law.has_multiplier() || demand.target <= demand.gap);
@@ -66,7 +66,7 @@ mod tests {
             assert_eq!(Bilateral.demand(&start).target, if keeps { gap } else { 0.0 });
         }
         // What pairs find late has no potential.
-        let start = RowStart { gap: -0.3, felt: -0.1, held: 0.0, closed: 1e-6, keeps: false, end_point: false };
+        let start = RowStart { gap: -0.3, penalty_gap: -0.1, held: 0.0, closed: 1e-6, keeps: false, end_point: false };
         let demand = Penalty.demand(&start);
         assert!((demand.shift - 0.2).abs() < 1e-15 && (demand.gap + 0.1).abs() < 1e-15);
     }

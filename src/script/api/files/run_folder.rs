@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use crate::output::checkpoint::{self, Checkpoint};
 use crate::output::{CountedFile, OutputError, RunFiles, RunLock};
-use crate::script::api::asides::is_study;
+use crate::script::api::nested_runs::is_study;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
 

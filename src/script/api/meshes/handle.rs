@@ -83,7 +83,7 @@ pub fn describe_mesh(mesh: &Mesh) -> String {
 
 /// The failure of a mesh operation.
 pub fn mesh_failure(call: &Call, error: &MeshError) -> Failure {
-    call.fail(error.to_string()).hint(error.cure())
+    call.fail(error.to_string()).hint(error.hint())
 }
 
 /// A mesh that was made, as a value of a script.

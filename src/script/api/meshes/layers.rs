@@ -65,7 +65,7 @@ pub fn failure(options: &Options, error: &MeshError) -> Failure {
     let argument = options.argument("layers");
     match error {
         UnknownLayers { .. } | LayersCollide { .. } | LayersCramped { .. } | LayerCorner { .. } | OddLayers { .. } => {
-            argument.fail(error.to_string()).hint(error.cure())
+            argument.fail(error.to_string()).hint(error.hint())
         }
         _ => mesh_failure(argument.call(), error),
     }

@@ -52,7 +52,7 @@ fn reader() -> Function {
                             None => failure.cause(format!("it shows in line {number} of the file")),
                         },
                     };
-                    Err(failure.hint(error.cure()).into())
+                    Err(failure.hint(error.hint()).into())
                 }
             }
         }),

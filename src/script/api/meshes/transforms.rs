@@ -236,7 +236,7 @@ fn part() -> Function {
             let name = argument.text()?;
             match mesh.part(&name) {
                 Ok(part) => Ok(Dynamic::from(MeshHandle::new(part))),
-                Err(error) => Err(argument.fail(error.to_string()).hint(error.cure()).into()),
+                Err(error) => Err(argument.fail(error.to_string()).hint(error.hint()).into()),
             }
         }),
     }

@@ -41,8 +41,8 @@ pub fn functions() -> Vec<Function> {
             "number",
             |call| {
                 let body = call.receiver::<BodyHandle>().definition();
-                let is_round = body.formulation.plane == Plane::Axisymmetric;
-                let measure = if is_round { body.mesh.volume_of_revolution() } else { body.mesh.measure() };
+                let is_axisymmetric = body.formulation.plane == Plane::Axisymmetric;
+                let measure = if is_axisymmetric { body.mesh.volume_of_revolution() } else { body.mesh.measure() };
                 Dynamic::from(measure * body.material.density())
             },
         ),

@@ -77,10 +77,10 @@ pub fn add_body() -> Function {
             }
             if let Err(error) = mesh.check() {
                 let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
-                return Err(failure.hint(error.cure()).into());
+                return Err(failure.hint(error.hint()).into());
             }
             if let Err(error) = formulation.check(&mesh, &material) {
-                return Err(call.argument("formulation").fail(error.to_string()).hint(error.cure()).into());
+                return Err(call.argument("formulation").fail(error.to_string()).hint(error.hint()).into());
             }
             change(call, &model, |data| data.model.bodies.push(BodyDefinition { name, mesh, material, formulation }))?;
             let index = model.0.borrow().model.bodies.len() - 1;
@@ -248,9 +248,9 @@ pub fn check() -> Function {
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let model = &model.0.borrow().model;
-            model.check().map_err(|error| call.fail(error.to_string()).hint(error.cure()))?;
-            let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.cure());
-            let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.cure()));
+            model.check().map_err(|error| call.fail(error.to_string()).hint(error.hint()))?;
+            let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.hint());
+            let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.hint()));
             Ok(model.findings().into_iter().map(sentence).chain(locking).map(Dynamic::from).collect::<Array>().into())
         }),
     }

@@ -20,7 +20,7 @@ use crate::script::language::tables::table;
 pub struct FailedStepHandle {
     report: Option<Rc<FailureReport>>,
     simulation: String,
-    cure: String,
+    hint: String,
 }
 
 impl Handle for FailedStepHandle {
@@ -82,8 +82,8 @@ impl Handle for FailedStepHandle {
             );
         }
         parts.push(format!("cause: {}", report.explanation()));
-        if !self.cure.is_empty() {
-            parts.push(format!("hint:  {}", self.cure));
+        if !self.hint.is_empty() {
+            parts.push(format!("hint:  {}", self.hint));
         }
         parts.join("\n")
     }
@@ -139,8 +139,8 @@ fn why() -> Function {
         body: body(|call| {
             let handle = call.receiver::<SimulationHandle>();
             let report = handle.with(call, |simulation| simulation.failure().cloned().map(Rc::new))?;
-            let (simulation, cure) = (handle.0.name.clone(), handle.0.cure.borrow().clone());
-            Ok(Dynamic::from(FailedStepHandle { report, simulation, cure }))
+            let (simulation, hint) = (handle.0.name.clone(), handle.0.hint.borrow().clone());
+            Ok(Dynamic::from(FailedStepHandle { report, simulation, hint }))
         }),
     }
 }

@@ -52,7 +52,7 @@ pub struct SimulationData {
     /// What is kept of its run.
     pub keeping: Keeping,
     /// How the failure of the last step that failed is mended.
-    pub cure: RefCell<String>,
+    pub hint: RefCell<String>,
     /// States before the last steps, to go back to.
     pub past: RefCell<VecDeque<Past>>,
     /// Points that are followed.

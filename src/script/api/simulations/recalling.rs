@@ -74,7 +74,7 @@ impl Journal {
         told.iter().for_each(|error| {
             let warning = Diagnostic::warning("the run cannot be resumed from here: a checkpoint could not be written", None);
             // Not in the files of the run: what it computes is as it would be.
-            host.observer.warn(&warning.cause(error.to_string()).hint(format!("the run goes on; {}", error.cure())));
+            host.observer.warn(&warning.cause(error.to_string()).hint(format!("the run goes on; {}", error.hint())));
         });
         Ok(())
     }
@@ -219,8 +219,8 @@ impl SimulationHandle {
             (None, journal) => {
                 let known = journal.map_or(Ok(None), |(journal, number)| journal.next_state(Some(*number)))?;
                 let missing = || call.fail("the state to go back to is not in the checkpoint from which the run was resumed");
-                let cure = "keep a state with `sim.save()` and go back to it with `sim.restore(state)`, or run the script anew";
-                known.map(|(_, state)| state).ok_or_else(|| missing().hint(cure))
+                let hint = "keep a state with `sim.save()` and go back to it with `sim.restore(state)`, or run the script anew";
+                known.map(|(_, state)| state).ok_or_else(|| missing().hint(hint))
             }
         }
     }

@@ -17,13 +17,13 @@ use crate::integrators::{self, Scheme};
 use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
-use crate::script::api::asides::{current_motion, is_study};
 use crate::script::api::examples::FLIGHT;
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::models::change::keep_model;
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::ModelHandle;
 use crate::script::api::motion::Motion;
+use crate::script::api::nested_runs::{current_motion, is_study};
 use crate::script::api::parameters::check_overrides;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Diagnostic;
@@ -154,11 +154,11 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     for (contact, finding) in model.model.findings() {
         let what = if matches!(finding, Finding::Untied { .. }) { "tie" } else { "contact" };
         if finding.is_void() {
-            let failure = Failure::script(format!("{what} \"{contact}\" holds nothing: {finding}")).hint(finding.cure());
+            let failure = Failure::script(format!("{what} \"{contact}\" holds nothing: {finding}")).hint(finding.hint());
             return Err(failure.placed(model.place_of_contact(&contact)));
         }
         let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
-        call.host.warn(warning.hint(finding.cure()));
+        call.host.warn(warning.hint(finding.hint()));
     }
     for found in simulation.redundant_constraints() {
         let RedundantConstraints { tie, count, of, node: (body, number), place } = found;
@@ -170,7 +170,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         );
     }
     for body in model.model.locking() {
-        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.cure()));
+        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.hint()));
     }
     for body in &model.model.bodies {
         // Laws of the catalogue are sound at rest.
@@ -234,7 +234,7 @@ fn warn_of_units(call: &Call, model: &Model, dt: f64) {
 pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Options) -> Result<Simulation, Failure> {
     let moved = motion.map(|motion| motion.model(model)).transpose().map_err(|cause| call.fail(cause))?;
     let simulation = Simulation::new(moved.as_ref().unwrap_or(model), options);
-    simulation.map_err(|error| call.fail(error.to_string()).hint(error.cure()))
+    simulation.map_err(|error| call.fail(error.to_string()).hint(error.hint()))
 }
 
 /// What a simulation has behind it when it is made.
@@ -284,7 +284,7 @@ pub fn create(
         simulation: RefCell::new(simulation),
         history: RefCell::new(history),
         keeping,
-        cure: RefCell::default(),
+        hint: RefCell::default(),
         past: RefCell::default(),
         probes: RefCell::new(probes),
         callbacks: RefCell::default(),

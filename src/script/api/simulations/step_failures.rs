@@ -15,21 +15,21 @@ pub(super) fn overlap_text(depth: f64, facets: f64, at: [f64; 2]) -> String {
 impl SimulationHandle {
     /// The failure of a call that took the step.
     pub(super) fn step_failure(&self, call: &Call, error: StepError) -> Failure {
-        let (title, cure) = (error.to_string(), error.cure());
+        let (title, hint) = (error.to_string(), error.hint());
         match error {
-            StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(cure),
-            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, at)).hint(cure),
-            StepError::OutOfMemory { .. } => Failure::new(Class::Numerics, title).hint(cure),
+            StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
+            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, at)).hint(hint),
+            StepError::OutOfMemory { .. } => Failure::new(Class::Numerics, title).hint(hint),
             StepError::Amplitude { source, .. } => match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
                 Some(inner) => call.fail(title).caused_by(inner),
-                None => call.fail(title).cause(source.to_string()).hint(cure),
+                None => call.fail(title).cause(source.to_string()).hint(hint),
             },
             // A failure without a step size comes from `settle`.
-            StepError::NotConverged { dt: 0.0, cause, .. } => self.no_equilibrium(cause, cure),
+            StepError::NotConverged { dt: 0.0, cause, .. } => self.no_equilibrium(cause, hint),
             StepError::NotConverged { time, step, dt, halvings, cause, .. } => {
                 let (time, dt) = (brief(time), brief(dt));
                 let title = format!("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings)");
-                let failure = self.not_converged(title, cause, cure);
+                let failure = self.not_converged(title, cause, hint);
                 if call.host.settings.interactive { failure.hint("`sim.why()` shows the iterations") } else { failure }
             }
         }
@@ -42,14 +42,14 @@ impl SimulationHandle {
             return None;
         }
         let error = self.0.simulation.try_borrow().ok()?.check_apart().err()?;
-        let (title, cure) = (error.to_string(), error.cure());
+        let (title, hint) = (error.to_string(), error.hint());
         let StepError::StillOverlaps { contact, depth, facets, at, .. } = error else { return None };
-        let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, at)).hint(cure);
+        let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, at)).hint(hint);
         Some(failure.placed(self.0.model.place_of_contact(&contact)))
     }
 
-    fn no_equilibrium(&self, cause: String, cure: String) -> Failure {
-        let failure = self.not_converged("no static equilibrium was found".into(), cause, cure);
+    fn no_equilibrium(&self, cause: String, hint: String) -> Failure {
+        let failure = self.not_converged("no static equilibrium was found".into(), cause, hint);
         // The gaps of this method jump where a node passes the end of the other surface or settles in one of its corners.
         let by_nodes = |contact: &&Interaction| self.is_lost() && contact.method.is_nodal;
         match self.0.model.model.interactions.iter().find(by_nodes) {
@@ -62,9 +62,9 @@ impl SimulationHandle {
     }
 
     /// A failure of the numerics; how it is mended is kept for `sim.why()`.
-    fn not_converged(&self, title: String, cause: String, cure: String) -> Failure {
-        *self.0.cure.borrow_mut() = cure.clone();
-        Failure::new(Class::Numerics, title).cause(cause).hint(cure)
+    fn not_converged(&self, title: String, cause: String, hint: String) -> Failure {
+        *self.0.hint.borrow_mut() = hint.clone();
+        Failure::new(Class::Numerics, title).cause(cause).hint(hint)
     }
 
     /// Whether the iterations of the last failure went astray, while supports and loads seem to be in order.

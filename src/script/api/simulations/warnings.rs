@@ -74,7 +74,7 @@ impl SimulationHandle {
         let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
         let which = self.prefix(host);
         let cause = format!("{explanation} ({which}t = {}, step {step})", brief(*time));
-        host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.cure()));
+        host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.hint()));
     }
 
     /// Warns of a prescribed motion that does not begin where the bodies are, before the first step.

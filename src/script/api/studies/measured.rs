@@ -43,9 +43,9 @@ fn read(call: &Call) -> Result<Map, Failure> {
         let again = failure.causes.iter().fold(argument.fail(failure.title.clone()), |again, cause| again.cause(cause.clone()));
         failure.hints.iter().fold(again, |again, hint| again.hint(hint.clone()))
     })?;
-    let columns = read_columns(&file).map_err(|ReadError { what, cause, cure, .. }| {
+    let columns = read_columns(&file).map_err(|ReadError { what, cause, hint, .. }| {
         let failure = argument.fail(format!("\"{path}\" {what}"));
-        cause.into_iter().fold(failure, |failure, cause| failure.cause(cause)).hint(cure)
+        cause.into_iter().fold(failure, |failure, cause| failure.cause(cause)).hint(hint)
     })?;
     let mut table = Map::new();
     for column in &columns {

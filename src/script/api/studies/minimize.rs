@@ -5,15 +5,14 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
 
-use super::crew::{Crew, Results};
 use super::record::{FAILURE, Record, name_parameter};
 use super::sweep::{not_in_check, threads, threads_parameter};
 use super::vary::{Point, described, map, unknown};
+use super::worker_pool::{Results, WorkerPool};
 use crate::math::catalogue::Interval;
 use crate::math::minimize::{End, Search, beginnings};
 use crate::math::tolerances::MINIMIZED;
 use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::crew::{Computed, Outcome};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::{Class, Failure};
@@ -23,6 +22,7 @@ use crate::script::language::plain::Plain;
 use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::listed;
+use crate::script::language::worker_pool::{Computed, Outcome};
 
 /// Most evaluations, for each variable, where the script does not say.
 const EVALUATIONS: usize = 100;
@@ -81,11 +81,11 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let threads = threads(call, &options)?.min(first.len());
     not_in_check(call, format!("would search for the least value over {}", listed(&names, "and")))?;
     let record = Record::begin(call, &options)?;
-    let mut crew = Crew::new(call, callback, read, threads);
-    let is_apart = crew.is_apart();
+    let mut worker_pool = WorkerPool::new(call, callback, read, threads);
+    let is_apart = worker_pool.is_apart();
     let mut evaluations = Evaluations { call, names: &names, record, is_apart, rows: Vec::new(), pending: Vec::new() };
     let mut failed = None;
-    evaluations.compute(&mut crew, &first)?;
+    evaluations.compute(&mut worker_pool, &first)?;
     if evaluations.best().is_none() {
         return Err(evaluations.failure().into());
     }
@@ -97,7 +97,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         if evaluations.value(&point).is_none() {
             let least = evaluations.best().map_or(f64::NAN, |row| row.value);
             observer.began(&format!("minimize: evaluation {}, least value {}", evaluations.rows.len() + 1, brief(least)));
-            failed = evaluations.compute(&mut crew, std::slice::from_ref(&point)).err();
+            failed = evaluations.compute(&mut worker_pool, std::slice::from_ref(&point)).err();
         }
         if failed.is_some() { None } else { evaluations.value(&point) }
     });
@@ -105,7 +105,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     if let Some(failure) = failed {
         return Err(failure.into());
     }
-    drop(crew);
+    drop(worker_pool);
     let end = end?.ok_or_else(|| call.fail("these numbers make no search").hint("choose a `tolerance` below `step`"))?;
     evaluations.warn(end, &search);
     Ok(evaluations.found(end, &search).into())
@@ -237,10 +237,10 @@ impl Results for Evaluations<'_> {
 }
 
 impl Evaluations<'_> {
-    fn compute(&mut self, crew: &mut Crew, points: &[Vec<f64>]) -> Result<(), Failure> {
+    fn compute(&mut self, worker_pool: &mut WorkerPool, points: &[Vec<f64>]) -> Result<(), Failure> {
         self.pending = points.to_vec();
         let arguments: Vec<Vec<Plain>> = points.iter().map(|point| vec![map(&self.named(point))]).collect();
-        crew.compute("minimize", &arguments, self)
+        worker_pool.compute("minimize", &arguments, self)
     }
 
     fn named(&self, point: &[f64]) -> Point {

@@ -7,7 +7,6 @@ use crate::script::api::files::results;
 use crate::script::language::function::Function;
 
 pub mod compare;
-pub mod crew;
 pub mod invariance;
 pub mod measured;
 pub mod minimize;
@@ -16,6 +15,7 @@ pub mod record;
 pub mod sweep;
 pub mod tables;
 pub mod vary;
+pub mod worker_pool;
 
 /// The checks of this topic.
 pub fn functions() -> Vec<Function> {

@@ -2,14 +2,13 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult};
 
-use super::crew::{Crew, Results};
+use super::worker_pool::{Results, WorkerPool};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::ORDER_ROUND_OFF;
-use crate::script::api::asides::begin_study;
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
+use crate::script::api::nested_runs::begin_study;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::crew::{Computed, Outcome};
 use crate::script::language::digits::{brief, number_text, significant};
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -17,6 +16,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::plain::Plain;
 use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
+use crate::script::language::worker_pool::{Computed, Outcome};
 
 /// The function `expect_order`.
 pub fn expect_order() -> Function {
@@ -165,11 +165,11 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 
 /// The results for the first step sizes, computed side by side where that can be, up to the first one that is none.
 fn side_by_side(call: &Call, sizes: &[f64], length: Option<usize>) -> Result<Vec<Vec<f64>>, Failure> {
-    let mut crew = Crew::new(call, call.callback("action")?, read, call.host.settings.workers.min(sizes.len()));
+    let mut worker_pool = WorkerPool::new(call, call.callback("action")?, read, call.host.settings.workers.min(sizes.len()));
     let mut found = Found { results: Vec::new(), length, is_over: false };
-    if crew.is_apart() {
+    if worker_pool.is_apart() {
         let points: Vec<Vec<Plain>> = sizes.iter().map(|&dt| vec![Plain::Number(dt)]).collect();
-        match crew.compute("expect_order", &points, &mut found) {
+        match worker_pool.compute("expect_order", &points, &mut found) {
             Err(failure) if !found.is_over => return Err(failure),
             _ => {}
         }

@@ -11,12 +11,12 @@ use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::simulations::journal::{Journal, is_kept};
 use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::crew::Computed;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
 use crate::script::language::host::Host;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::plain::Plain;
+use crate::script::language::worker_pool::Computed;
 
 /// Name of the column, and of the key, that says why a point failed.
 pub const FAILURE: &str = "failure";

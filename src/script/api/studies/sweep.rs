@@ -2,13 +2,12 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, Map};
 
-use super::crew::{Crew, Results};
 use super::record::{FAILURE, Record, name_parameter};
 use super::vary::{Point, described, map, points};
+use super::worker_pool::{Results, WorkerPool};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::callback::Callback;
-use crate::script::language::crew::{Computed, Outcome};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -19,6 +18,7 @@ use crate::script::language::scan::Target;
 use crate::script::language::settings::worthwhile;
 use crate::script::language::values::describe;
 use crate::script::language::wording::listed;
+use crate::script::language::worker_pool::{Computed, Outcome};
 
 /// Threads of a study at most.
 const MOST_THREADS: f64 = 1024.0;
@@ -113,12 +113,12 @@ fn run_sweep(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     }
     not_in_check(call, format!("would compute {} points of {}", points.len(), listed(&names, "and")))?;
     let record = Record::begin(call, &options)?;
-    let mut crew = Crew::new(call, callback, read, threads.min(points.len()));
-    let is_apart = crew.is_apart();
+    let mut worker_pool = WorkerPool::new(call, callback, read, threads.min(points.len()));
+    let is_apart = worker_pool.is_apart();
     let mut rows = Rows { call, options: &options, points: &points, record, is_apart, stops, rows: Vec::new(), failed: Vec::new() };
     let arguments: Vec<Vec<Plain>> = points.iter().map(|point| vec![map(point)]).collect();
-    crew.compute("sweep", &arguments, &mut rows)?;
-    drop(crew);
+    worker_pool.compute("sweep", &arguments, &mut rows)?;
+    drop(worker_pool);
     rows.warn_of_failures();
     Ok(rows.value())
 }

@@ -7,15 +7,15 @@ use super::hulls::{Hull, Inside, hull_ends};
 pub type Names = [String; 2];
 
 /// The pairs of bodies of a model without an interaction between them.
-pub struct Strangers {
+pub struct UnpairedBodies {
     /// Name, first node among those of all bodies, and hull of each body.
     bodies: Vec<(String, usize, Vec<[u32; 2]>)>,
     pairs: Vec<[usize; 2]>,
 }
 
-impl Strangers {
+impl UnpairedBodies {
     /// Those of a model.
-    pub fn of(model: &Model) -> Strangers {
+    pub fn of(model: &Model) -> UnpairedBodies {
         let mut pairs = Vec::new();
         if model.dimension() == 2 {
             for first in 0..model.bodies.len() {
@@ -30,7 +30,7 @@ impl Strangers {
             bodies.push((body.name.clone(), first, if is_one { hull_ends(&body.mesh) } else { Vec::new() }));
             first += body.mesh.points.len();
         }
-        Strangers { bodies, pairs }
+        UnpairedBodies { bodies, pairs }
     }
 
     /// Those that are inside each other with the nodes of all bodies at `q`, with the deepest place of each two.
@@ -53,9 +53,9 @@ impl Model {
     /// Pairs of bodies without an interaction between them of which the first one moves straight towards the second one: by its velocity
     /// at the start, or by gravity where it has none and only the second one is held. Whether they meet depends on how far the run goes.
     pub fn meetings(&self) -> Vec<Names> {
-        let strangers = Strangers::of(self);
+        let unpaired = UnpairedBodies::of(self);
         let mut met: Vec<[usize; 2]> = Vec::new();
-        if strangers.pairs.is_empty() {
+        if unpaired.pairs.is_empty() {
             return Vec::new();
         }
         let hulls: Vec<Hull> = (0..self.bodies.len()).map(|body| self.hull(body)).collect();
@@ -159,13 +159,13 @@ mod tests {
     #[test]
     fn strangers_are_found_where_they_are() {
         let model = scene();
-        let strangers = Strangers::of(&model);
+        let unpaired = UnpairedBodies::of(&model);
         let mut q: Vec<f64> = model.bodies.iter().flat_map(|body| &body.mesh.points).flat_map(|point| [point[0], point[1]]).collect();
-        assert!(strangers.inside(&q).is_empty());
+        assert!(unpaired.inside(&q).is_empty());
         let first = 2 * model.bodies[0].mesh.points.len();
         let end = first + 2 * model.bodies[1].mesh.points.len();
         q[first..end].iter_mut().skip(1).step_by(2).for_each(|y| *y -= 0.75);
-        let found = strangers.inside(&q);
+        let found = unpaired.inside(&q);
         assert!(found.len() == 1 && found[0].0 == ["table", "cube"] && (found[0].1.depth - 0.25).abs() < 1e-12);
     }
 }

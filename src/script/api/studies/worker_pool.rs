@@ -13,10 +13,9 @@ use std::sync::{Arc, Mutex};
 use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 
-use crate::script::api::asides::begin_study;
+use crate::script::api::nested_runs::begin_study;
 use crate::script::api::parameters::Overrides;
 use crate::script::language::callback::Callback;
-use crate::script::language::crew::{Blueprint, Carried, Computed, Hand, Hire, Hiring, Outcome, Program, Reading, Told, outcome_of};
 use crate::script::language::diagnostics::defect;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::Call;
@@ -25,6 +24,9 @@ use crate::script::language::limits::STACK;
 use crate::script::language::message::Message;
 use crate::script::language::plain::Plain;
 use crate::script::language::settings::{Checkpoints, Settings};
+use crate::script::language::worker_pool::{
+    Blueprint, Carried, Computed, Hand, MakeWorker, NewWorker, Outcome, Program, Reading, Told, outcome_of,
+};
 
 /// How long an interrupt may go unnoticed.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -53,7 +55,7 @@ pub trait Results {
 }
 
 /// Those who compute points.
-pub struct Crew<'a> {
+pub struct WorkerPool<'a> {
     call: &'a Call<'a>,
     form: Form,
 }
@@ -63,18 +65,18 @@ enum Form {
     Here { callback: Callback, captured: Vec<Option<Plain>>, reading: Reading },
 }
 
-impl<'a> Crew<'a> {
-    /// A crew for a closure, of so many threads at most.
+impl<'a> WorkerPool<'a> {
+    /// A worker pool for a closure, of so many threads at most.
     pub fn new(call: &'a Call<'a>, callback: Callback, reading: Reading, threads: usize) -> Self {
         let captured: Vec<Option<Plain>> = callback.captured().map(Plain::of).collect();
-        let hire = call.host.slots.get::<Hiring>().0;
+        let start_worker = call.host.slots.get::<MakeWorker>().0;
         let carried = captured.iter().cloned().collect::<Option<Vec<Plain>>>();
-        let found = carried.zip(hire).and_then(|(captured, hire)| {
+        let found = carried.zip(start_worker).and_then(|(captured, start_worker)| {
             let closure = Carried { name: callback.name().into(), captured, reading };
-            Threads::begin(hire, &blueprint(call, threads)?, &closure, threads)
+            Threads::begin(start_worker, &blueprint(call, threads)?, &closure, threads)
         });
         let form = found.map_or(Form::Here { callback, captured, reading }, Form::Threads);
-        Crew { call, form }
+        WorkerPool { call, form }
     }
 
     /// Whether points are computed by themselves, so that they can be kept for a run that is resumed.
@@ -213,31 +215,31 @@ struct Threads {
 
 impl Threads {
     /// Begins so many threads; `None` where they do not find the closure.
-    fn begin(hire: Hire, blueprint: &Blueprint, closure: &Carried, count: usize) -> Option<Self> {
+    fn begin(start_worker: NewWorker, blueprint: &Blueprint, closure: &Carried, count: usize) -> Option<Self> {
         let (jobs, queue) = channel();
         let (sender, news) = channel();
         let (queue, last) = (Arc::new(Mutex::new(queue)), Arc::new(AtomicUsize::new(usize::MAX)));
-        let mut crew = Threads { jobs: Some(jobs), news, threads: Vec::new(), last };
+        let mut worker_pool = Threads { jobs: Some(jobs), news, threads: Vec::new(), last };
         for number in 0..count.max(1) {
             let (interrupt, index) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicUsize::new(usize::MAX)));
             let mut blueprint = blueprint.clone();
             blueprint.settings.interrupt = interrupt.clone();
             let work = Work {
-                hire,
+                start_worker,
                 blueprint,
                 closure: closure.clone(),
                 queue: queue.clone(),
                 news: sender.clone(),
-                last: crew.last.clone(),
+                last: worker_pool.last.clone(),
                 index: index.clone(),
             };
             let Ok(handle) = Builder::new().name(format!("study-{number}")).stack_size(STACK).spawn(move || work.run()) else { break };
-            crew.threads.push(Thread { handle: Some(handle), interrupt, index });
+            worker_pool.threads.push(Thread { handle: Some(handle), interrupt, index });
         }
         drop(sender);
         // All are alike, so the first one speaks for all.
-        match crew.news.recv() {
-            Ok(News::Begun(true)) => Some(crew),
+        match worker_pool.news.recv() {
+            Ok(News::Begun(true)) => Some(worker_pool),
             _ => None,
         }
     }
@@ -328,7 +330,7 @@ impl Drop for Threads {
 
 /// What a thread does.
 struct Work {
-    hire: Hire,
+    start_worker: NewWorker,
     blueprint: Blueprint,
     closure: Carried,
     queue: Arc<Mutex<Receiver<Job>>>,
@@ -339,7 +341,7 @@ struct Work {
 
 impl Work {
     fn hand(&self) -> Option<Box<dyn Hand>> {
-        let hand = catch_unwind(AssertUnwindSafe(|| (self.hire)(&self.blueprint)));
+        let hand = catch_unwind(AssertUnwindSafe(|| (self.start_worker)(&self.blueprint)));
         hand.ok()?.filter(|hand| hand.knows(&self.closure))
     }
 

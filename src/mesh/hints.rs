@@ -4,7 +4,7 @@ use super::error::MeshError;
 
 impl MeshError {
     /// How to mend it, one sentence.
-    pub fn cure(&self) -> String {
+    pub fn hint(&self) -> String {
         use MeshError::*;
         match self {
             NotPositive { what: "a scale factor", .. } => "scale by positive numbers; a mirrored mesh would be inside out".into(),
@@ -80,7 +80,7 @@ impl MeshError {
             CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
-            File(error) => error.problem.cure(),
+            File(error) => error.problem.hint(),
         }
     }
 }
@@ -101,8 +101,8 @@ mod tests {
     fn an_unknown_part_suggests_the_nearest() {
         let error = MeshError::UnknownPart { name: "body1".into(), available: vec!["body_1".into(), "ring".into()] };
         assert_eq!(error.to_string(), "the mesh has no part \"body1\"; its parts are \"body_1\", \"ring\"");
-        assert_eq!(error.cure(), "did you mean \"body_1\"?");
+        assert_eq!(error.hint(), "did you mean \"body_1\"?");
         let unlike = MeshError::UnknownPart { name: "x".into(), available: vec!["body_1".into()] };
-        assert_eq!(unlike.cure(), "use one of these names");
+        assert_eq!(unlike.hint(), "use one of these names");
     }
 }

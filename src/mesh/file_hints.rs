@@ -4,7 +4,7 @@ use super::file_error::FileProblem;
 
 impl FileProblem {
     /// How to mend it, one sentence.
-    pub fn cure(&self) -> String {
+    pub fn hint(&self) -> String {
         use FileProblem::*;
         match self {
             Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script",

@@ -2,7 +2,7 @@
 //!
 //! Engines, closures and objects stay on their thread. A closure whose captured values are plain data can be carried over by its name: the
 //! other session compiles the same texts and finds it there. The language knows neither sessions nor studies, so who makes a session
-//! ([`Hire`]) is put into a slot by the room above.
+//! ([`NewWorker`]) is put into a slot by the room above.
 
 use std::path::PathBuf;
 
@@ -120,11 +120,11 @@ pub trait Hand {
 }
 
 /// Makes a session on the thread that calls it; `None` where the texts do not make one, such as a module that is gone by now.
-pub type Hire = fn(&Blueprint) -> Option<Box<dyn Hand>>;
+pub type NewWorker = fn(&Blueprint) -> Option<Box<dyn Hand>>;
 
 /// How a session hires, where it can.
 #[derive(Default)]
-pub struct Hiring(pub Option<Hire>);
+pub struct MakeWorker(pub Option<NewWorker>);
 
 /// What came of a call of a closure.
 pub fn outcome_of(host: &Host, engine: &Engine, value: Result<Result<Dynamic, Failure>, Box<EvalAltResult>>, reading: Reading) -> Outcome {

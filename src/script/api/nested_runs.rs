@@ -17,12 +17,12 @@ struct Study {
 struct Current(Cell<Option<Study>>);
 
 /// Ends a study when it goes out of scope.
-pub struct Aside {
+pub struct NestedRun {
     current: Rc<Current>,
     before: Option<Study>,
 }
 
-impl Drop for Aside {
+impl Drop for NestedRun {
     fn drop(&mut self) {
         self.current.0.set(self.before);
     }
@@ -30,10 +30,10 @@ impl Drop for Aside {
 
 /// While the returned value lives, simulations are aside of the run: no files, no summary, and moved if a motion is given (or was
 /// already).
-pub fn begin_study(host: &Host, motion: Option<Motion>) -> Aside {
+pub fn begin_study(host: &Host, motion: Option<Motion>) -> NestedRun {
     let current = host.slots.get::<Current>();
     let before = current.0.replace(Some(Study { motion: motion.or(current_motion(host)) }));
-    Aside { current, before }
+    NestedRun { current, before }
 }
 
 /// Whether simulations are made for a check only.
