@@ -1,7 +1,7 @@
 //! What the law of a constraint row is.
 //!
-//! A row has a constraint function `Phi` (a weighted gap) and a multiplier `lambda`, which presses with `lambda grad Phi`. The law says what
-//! a step demands of the two, by how much an iterate is off, and which equation a row that holds has in Newton's system,
+//! A row has a constraint function `Phi` (a weighted gap) and a multiplier `lambda`, which presses with `lambda grad Phi`. The law says
+//! what a step demands of the two, by how much an iterate is off, and which equation a row that holds has in Newton's system,
 //!
 //! ```text
 //! A G_1 dq + B lambda = r,
