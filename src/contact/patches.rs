@@ -55,6 +55,12 @@ impl Patches {
         self.starts.len() - 1
     }
 
+    /// Bytes of the blocks of one evaluation.
+    pub fn bytes(&self) -> u64 {
+        let last = self.starts[self.starts.len() - 1];
+        (size_of::<f64>() as u64).saturating_mul((2 * last.gradient + last.tangent) as u64)
+    }
+
     /// Whether there is no patch.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

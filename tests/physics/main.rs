@@ -14,6 +14,7 @@ mod crushed_hose;
 mod fields;
 mod free_fall;
 mod node_to_segment;
+mod point_masses;
 mod reactions;
 mod ring_on_ring;
 mod schemes;

@@ -3,6 +3,7 @@
 
 #[path = "../common/browser.rs"]
 mod browser;
+mod markup;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -105,6 +105,14 @@ pub enum ModelError {
         /// Name of the spring.
         spring: String,
     },
+    /// A mass that is negative or no number.
+    #[error("the mass of \"{part}\" is {mass}")]
+    NoMass {
+        /// The part.
+        part: String,
+        /// Its mass.
+        mass: f64,
+    },
     /// The equations do not fit into memory.
     #[error("the model is too large: {reason}")]
     TooLarge {
@@ -190,6 +198,7 @@ impl ModelError {
                     .into()
             }
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
+            ModelError::NoMass { .. } => "give a mass of 0 or more".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::Formulation { source, .. } => source.hint(),
             ModelError::RepeatedContact { .. } => "define one contact for each pair of surfaces".into(),

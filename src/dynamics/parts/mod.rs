@@ -9,6 +9,7 @@ pub mod loads;
 pub mod nodal;
 pub mod nodes;
 pub mod pairing;
+pub mod point_mass;
 pub mod spring;
 pub mod supports;
 pub mod viscosity;

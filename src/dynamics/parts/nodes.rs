@@ -37,8 +37,8 @@ pub struct Nodes<const D: usize> {
 }
 
 impl<const D: usize> Nodes<D> {
-    /// The nodes of a model's bodies, at rest at `reference`.
-    pub fn new(model: &Model, bodies: &[Body<D>], reference: Vec<f64>, fixed: &[bool], pattern: &Pattern) -> Self {
+    /// The nodes of a model's bodies, at rest at `reference`; `masses` are those of other parts at nodes.
+    pub fn new(model: &Model, bodies: &[Body<D>], reference: Vec<f64>, fixed: &[bool], pattern: &Pattern, masses: &[(u32, f64)]) -> Self {
         let count = reference.len() / D;
         let (pieces, number) = connected_pieces(count, bodies.iter().flat_map(|body| body.elements.cliques()));
         let mut piece_is_free = vec![true; number];
@@ -53,6 +53,7 @@ impl<const D: usize> Nodes<D> {
         for body in bodies {
             body.elements.add_mass(&mut mass);
         }
+        masses.iter().for_each(|&(node, value)| mass.add(node, node, value));
         let nodal_mass = mass.row_sums();
         let mut lumped_mass = nodal_mass.clone();
         for (row, _, diagonal) in mass.entries().filter(|(row, column, _)| row == column) {

@@ -92,10 +92,8 @@ where
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
 
-        let pressing: Vec<f64> = match &jump {
-            Some(jump) => lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect(),
-            None => lambda.clone(),
-        };
+        let pressed = |jump: &Jump| lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
+        let pressing: Vec<f64> = jump.as_ref().map_or_else(|| lambda.clone(), pressed);
         row.contacts = self.contact_totals(&at.q_1, &at.pairs, &pressing, &active);
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);

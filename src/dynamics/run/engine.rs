@@ -76,7 +76,9 @@ where
         inverted_at_start(&system, model, &displacements)?;
         let velocities = initial_velocities(&system, model, &positions);
         if D == 2 {
-            system.survey(&positions);
+            system
+                .survey(&positions)
+                .map_err(|shortage| ModelError::TooLarge { reason: format!("whose contacts couple many nodes: {shortage}") })?;
         }
         let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
         let memory = system.memory_at_rest();

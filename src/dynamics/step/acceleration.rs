@@ -33,7 +33,7 @@ where
             pair.rows.clone().for_each(|row| hold[row] = !self.redundant[row]);
         }
         let mut values = vec![0.0; self.matrix.pattern.values()];
-        self.bodies.iter().for_each(|body| body.elements.add_material_stiffness(&at.u_1, 0.0, &mut values));
+        self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
         // Masses as large as gradients.
         let gradient = at.pairs.iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
         let scale = if gradient > 0.0 { gradient } else { 1.0 } / self.nodes.largest_nodal_mass;

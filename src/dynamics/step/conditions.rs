@@ -81,8 +81,8 @@ impl<const D: usize> System<D> {
         self.pairs.iter().flat_map(of).collect()
     }
 
-    /// The contact conditions of the step that has begun, by the pairs' update rules; `penalty_gap` are the weighted gaps that penalty potentials
-    /// felt at the end of the step before.
+    /// The contact conditions of the step that has begun, by the pairs' update rules; `penalty_gap` are the weighted gaps of which penalty
+    /// potentials were functions at the end of the step before.
     pub fn conditions(&self, start: &StepStart, penalty_gap: &[f64]) -> Conditions {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         let held = self.closed_gaps();

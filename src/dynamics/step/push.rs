@@ -36,9 +36,7 @@ where
         let clock = Instant::now();
         let (q_1, pairs) = (&at.q_1, &at.pairs);
         let mut values = vec![0.0; self.matrix.pattern.values()];
-        for body in &self.bodies {
-            body.elements.add_material_stiffness(&at.u_1, beta, &mut values);
-        }
+        self.add_mass_and_stiffness(&at.u_1, beta, &mut values);
         let free_values = self.supports.fixed.contains(&true).then(|| values.clone());
         // Masses as large as gradients, or the round-off of the constraints would be felt as momentum.
         let gradient = pairs.iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);

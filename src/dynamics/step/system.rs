@@ -31,7 +31,8 @@ use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
 use crate::dynamics::parts::supports::Supports;
 use crate::dynamics::parts::viscosity::ViscousBody;
-use crate::linear::{LinearError, Watch, Work};
+use crate::linear::{Block, LinearError, Watch, Work};
+use crate::machine::memory::{self, Shortage};
 use crate::math::workers::Workers;
 
 /// The equations of a model in `D` dimensions.
@@ -46,6 +47,8 @@ pub struct System<const D: usize> {
     pub loads: Vec<NodalLoad<D>>,
     /// What pushes on nodes besides.
     pub others: Vec<Box<dyn Part>>,
+    /// Masses that these have at nodes.
+    pub(super) point_masses: Vec<PointInertia>,
     /// Contacts, obstacles and ties, then the corners that belong to them.
     pub pairs: Vec<ContactPair>,
     /// Number of their rows.
@@ -102,7 +105,8 @@ where
         let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &middles, &reference, default_rule);
         let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
         let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
-        let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern);
+        let masses: Vec<(u32, f64)> = others.iter().flat_map(|part| part.point_masses()).collect();
+        let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern, &masses);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
         let matrix = Matrix::new(pattern, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
@@ -112,6 +116,7 @@ where
             bodies,
             loads,
             others,
+            point_masses: masses.into_iter().map(|(node, mass)| PointInertia { node, mass, place: Block::default() }).collect(),
             pairs,
             multipliers,
             redundant: vec![false; multipliers],
@@ -146,6 +151,13 @@ where
     pub fn strain_energy(&self, u: &[f64]) -> f64 {
         self.bodies.iter().map(|body| body.elements.strain_energy(u)).sum()
     }
+}
+
+/// A mass at a node, with the node's block in the matrix.
+pub(super) struct PointInertia {
+    pub(super) node: u32,
+    pub(super) mass: f64,
+    pub(super) place: Block,
 }
 
 /// The bodies of a model, and the positions of their nodes at rest.
@@ -293,6 +305,7 @@ impl<const D: usize> System<D> {
         self.bodies.iter_mut().for_each(|body| body.place(pattern));
         self.loads.iter_mut().for_each(|load| load.place(pattern));
         self.others.iter_mut().for_each(|part| part.place(pattern));
+        self.point_masses.iter_mut().for_each(|point| point.place = pattern.block(point.node, point.node));
         self.pairs.iter_mut().for_each(|pair| pair.place(pattern, nodes));
         self.matrix.place::<D>(&self.supports.fixed, self.multipliers);
     }
@@ -372,6 +385,9 @@ impl<const D: usize> System<D> {
         self.counters.times.search += clock.elapsed();
         if changed || self.matrix.is_stale {
             let clock = Instant::now();
+            let out_of_memory =
+                |shortage: Shortage| LinearError::OutOfMemory { unknowns: self.nodes.reference.len(), needed: shortage.needed };
+            self.ensure_patches().map_err(out_of_memory)?;
             self.matrix.renew(pattern_of::<D>(
                 &self.supports.fixed,
                 self.multipliers,
@@ -390,11 +406,21 @@ impl<const D: usize> System<D> {
     }
 
     /// What contacts see at `q` before there is a step: gaps are known from the start.
-    pub fn survey(&mut self, q: &[f64]) {
+    ///
+    /// # Errors
+    /// The contacts do not fit into memory.
+    pub fn survey(&mut self, q: &[f64]) -> Result<(), Shortage> {
         for pair in &mut self.pairs {
             self.matrix.is_stale |= pair.kernel.update_candidates(&Outlook::within(q, 0.0));
-            pair.kernel.begin_step(q);
         }
+        self.ensure_patches()?;
+        self.pairs.iter_mut().for_each(|pair| pair.kernel.begin_step(q));
         self.redundant = self.redundant_rows();
+        Ok(())
+    }
+
+    /// Whether there is memory for what contacts couple: a patch of a coarse side and many fine facets grows with the square of these.
+    fn ensure_patches(&self) -> Result<(), Shortage> {
+        memory::ensure(self.pairs.iter().map(|pair| pair.kernel.patches().bytes()).fold(0, u64::saturating_add))
     }
 }

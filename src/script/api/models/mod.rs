@@ -10,6 +10,7 @@ pub mod data;
 pub mod description;
 pub mod handle;
 pub mod loads;
+pub mod masses;
 pub mod properties;
 pub mod springs;
 pub mod supports;
@@ -28,7 +29,7 @@ pub fn functions() -> Vec<Function> {
     ];
     all.extend(properties::functions());
     all.extend(loads::functions());
-    all.push(springs::add_spring());
+    all.extend([springs::add_spring(), masses::add_mass()]);
     all.extend(bodies::functions());
     all.extend(bodies::boundary_functions());
     all
