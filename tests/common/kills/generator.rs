@@ -129,7 +129,7 @@ impl Writer {
             }
         };
         let dt = *self.random.pick(&[0.004, 0.01, 0.007]);
-        let integrator = *self.random.pick(&["energy_momentum", "energy_momentum", "midpoint"]);
+        let integrator = *self.random.pick(&["energy_momentum", "energy_momentum", "midpoint", "trapezoidal", "newmark"]);
         let mut options = format!("integrator: {integrator}(), dt: {dt:?}");
         if self.chance(80) {
             let _ = write!(options, ", fields_every: {:?}", dt * *self.random.pick(&[1.0, 2.0, 3.5, 8.0]));
