@@ -93,8 +93,8 @@ pub trait Part: Send {
     /// What it stores where the nodes are, remembering `memory` `[energy]`; 0 for what pushes from outside.
     fn energy(&self, at: Pose, memory: &[f64]) -> f64;
 
-    /// Masses of its own at nodes, which move and weigh as those of bodies do: node and mass `[mass]`, per thickness in the plane and of the
-    /// whole circumference around an axis.
+    /// Masses of its own at nodes, which move and weigh as those of bodies do: node and mass `[mass]`, per thickness in the plane and of
+    /// the whole circumference around an axis.
     fn point_masses(&self) -> Vec<(u32, f64)> {
         Vec::new()
     }

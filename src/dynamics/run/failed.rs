@@ -21,6 +21,14 @@ where
         self.given_up(report)
     }
 
+    /// The error of a failure that no smaller step mends: the end of the run, or a report on it.
+    pub fn error_of(&mut self, failure: Failure) -> StepError {
+        match failure.or_end(self.state.row.time) {
+            Failure::Fatal(error) => error,
+            failure => self.failed(&failure, 0.0, 0),
+        }
+    }
+
     /// What is left of the step.
     pub fn evidence(&self, dt: f64, halvings: usize) -> Evidence<'_, D> {
         let Engine { model, system, state, trace, tries, .. } = self;

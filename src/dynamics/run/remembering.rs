@@ -30,20 +30,13 @@ where
         let course = Course::Rest { damping: &undamped, velocities: Some(&state.velocities) };
         let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, course };
         self.system.move_obstacles(state.row.time, 0.0)?;
-        if let Err(error) = self.system.begin_step(&Outlook::within(&state.positions, 0.0)) {
-            return Err(self.failed(&Failure::Linear(error), 0.0, 0));
-        }
-        let at = self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda);
+        let begun = self.system.begin_step(&Outlook::within(&state.positions, 0.0)).map_err(Failure::Linear);
+        let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));
         let remembered = at.and_then(|at| self.memory_at(&at).map(|memory| (at, memory)));
-        match remembered {
-            Ok((at, remembered)) => {
-                Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
-                self.system.recycle(at);
-                Ok(())
-            }
-            Err(Failure::Fatal(error)) => Err(error),
-            Err(failure) => Err(self.failed(&failure, 0.0, 0)),
-        }
+        let (at, remembered) = remembered.map_err(|failure| self.error_of(failure))?;
+        Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
+        self.system.recycle(at);
+        Ok(())
     }
 
     /// What the time integrator remembers of the forces at an iterate at rest.

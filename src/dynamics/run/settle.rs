@@ -357,7 +357,7 @@ where
 
     fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
         self.system.move_obstacles(self.state.row.time, 0.0)?;
-        self.system.begin_deep_step(outlook, reaches).map_err(|error| self.failed(&Failure::Linear(error), 0.0, 0))
+        self.system.begin_deep_step(outlook, reaches).map_err(|error| self.error_of(Failure::Linear(error)))
     }
 
     /// At rest every rule closes the gaps.
