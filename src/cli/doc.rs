@@ -53,8 +53,8 @@ pub fn doc(arguments: Arguments) -> u8 {
         Some((_, Ok(entries))) => Some(entries),
         Some((name, Err(suggestion))) => {
             let error = Diagnostic::error(Class::Script, format!("the reference has no entry `{name}`"));
-            let suggestion =
-                suggestion.unwrap_or_else(|| format!("`conserva doc --search \"{name}\"` searches all texts; `conserva doc` lists everything"));
+            let suggestion = suggestion
+                .unwrap_or_else(|| format!("`conserva doc --search \"{name}\"` searches all texts; `conserva doc` lists everything"));
             complain(&error.hint(suggestion).render(ink()));
             return exit_code(Class::Script);
         }

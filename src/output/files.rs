@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::counted::{Counted, CountedFile};
+use super::counted::{self, Counted, CountedFile};
 use super::file_record::{self, FileRecord};
 use super::inputs::Inputs;
 use crate::machine::files::read;
@@ -129,6 +129,11 @@ struct Run {
 }
 
 impl RunFiles {
+    /// Whether a folder holds files of a run: their record, a summary, or checkpoints to go on from.
+    pub fn are_in(folder: &Path) -> bool {
+        [file_record::NAME, counted::FOLDER, "summary.json"].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
+    }
+
     /// Opens the output directory, made with its parents where missing. What is in it stays until a file of the same name is written.
     ///
     /// # Errors

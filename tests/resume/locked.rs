@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::program::{folder, stderr};
 use super::splitmix::SplitMix;
-use super::{LOOKS, assert_same, begun, run, signal, wait_for_lines};
+use super::{LOOKS, assert_same, begun, interrupted, run, signal, wait_for_lines};
 
 /// Begins both at once; how many of them said that a run is under way.
 fn both(home: &Path, first: &[&str], second: &[&str]) -> usize {
@@ -56,4 +56,17 @@ fn who_is_under_way_is_told() {
     }
     assert_eq!(child.wait().unwrap().code(), Some(0));
     assert!(!home.join("k/.lock").exists());
+}
+
+#[test]
+fn a_script_that_fails_at_once_leaves_a_killed_run_as_it_is() {
+    let home = interrupted("failing");
+    assert_eq!(run(&home, &["run", "main.rhai", "--quiet", "--out", "whole"]).status.code(), Some(0));
+    for script in ["let x = ;", "throw \"no\";", "let m = model(\"m\"); m.bodies[0];"] {
+        std::fs::write(home.join("fails.rhai"), script).unwrap();
+        assert_eq!(run(&home, &["run", "fails.rhai", "--quiet", "--out", "k"]).status.code(), Some(2), "{script}");
+    }
+    let output = run(&home, &["resume", "k", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_same(&home.join("whole"), &home.join("k"), "after scripts that failed");
 }

@@ -18,6 +18,8 @@ use crate::script::language::settings::Mode;
 pub struct RunFolder {
     files: RefCell<Option<RunFiles>>,
     lock: RefCell<Option<RunLock>>,
+    /// The process that had the folder when this one asked for it: what was refused once is no more this run's when the other has ended.
+    refused: RefCell<Option<String>>,
     /// Files on which the checkpoints of an earlier program count, where this one goes on with its run.
     resumed: RefCell<Option<Vec<Vec<CountedFile>>>>,
 }
@@ -56,9 +58,17 @@ impl RunFolder {
     pub fn files(&self, host: &Host) -> Result<Option<RunFiles>, OutputError> {
         let Some(folder) = output_folder(host) else { return Ok(None) };
         if !self.is_begun() {
+            if let Some(process) = self.refused.borrow().clone() {
+                return Err(OutputError::UnderWay { directory: folder.into(), process });
+            }
             RunFiles::create(folder)?;
             if self.lock.borrow().is_none() {
-                self.lock.replace(Some(RunLock::take(folder)?));
+                let taken = RunLock::take(folder).inspect_err(|error| {
+                    if let OutputError::UnderWay { process, .. } = error {
+                        self.refused.replace(Some(process.clone()));
+                    }
+                });
+                self.lock.replace(Some(taken?));
             }
             let inputs = host.sandbox.inputs();
             let files = match self.resumed.take() {

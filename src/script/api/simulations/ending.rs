@@ -7,7 +7,7 @@ use super::handle::{SimulationHandle, Simulations};
 use super::recalling::go_on;
 use super::reports::{Ending, json, write_at_end};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
-use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
+use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
 use crate::script::api::files::run_folder::{RunFolder, output_folder};
@@ -41,8 +41,8 @@ pub fn last_frames(host: &Host) -> Result<(), Failure> {
 pub fn finish(host: &Host, begun: Instant, outcome: &str) -> Result<(), Failure> {
     let Some(folder) = output_folder(host) else { return Ok(()) };
     let run = RunFolder::of(host);
-    // What fails before it has come to write anything leaves the record of an earlier run as it is.
-    if outcome != COMPLETED && !run.is_begun() && folder.join(SUMMARY).is_file() {
+    // What fails before it has come to write anything leaves an earlier run as it is, or one that is under way.
+    if outcome != COMPLETED && !run.is_begun() && RunFiles::are_in(folder) {
         return Ok(());
     }
     let simulations = Simulations::of(host);
