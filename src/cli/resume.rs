@@ -11,7 +11,7 @@ use super::process::exit_code;
 use super::run::{CourseArguments, Watch};
 use super::signals::interrupt;
 use crate::output::checkpoint::{self, Checkpoint, CheckpointError, Origin};
-use crate::output::{CountedFile, OutputError, RunLock};
+use crate::output::{CountedFile, OutputError, RunLock, SUMMARY};
 use crate::script::{Class, Diagnostic, Mode, Session, Settings, home, processors};
 
 /// Arguments of `conserva resume`.
@@ -77,7 +77,7 @@ fn nothing_to_resume(run: &Path) -> Diagnostic {
         return refusal(format!("there is no folder {}", run.display())).hint("name the folder of a run's results, such as `out/bearing`");
     }
     let error = refusal(format!("there is nothing to resume in {}", run.display()));
-    if run.join("summary.json").exists() {
+    if run.join(SUMMARY).exists() {
         return error
             .cause("it has no checkpoint: the run came to its end, or ended before the first one was written")
             .hint("run the script anew with `conserva run`");

@@ -5,7 +5,7 @@
 //! candidate pair: nodes `(x_1, x_2, y_1, y_2)`, rows `(x_1, x_2)`.
 //!
 //! The correction of the discrete gradient is taken per pair. Where vertices of both meshes meet at rest, kinks of neighboring pairs cancel
-//! in the sum but not in their corrections; one correction for each node would hint that, at the price of coupling all its pairs.
+//! in the sum but not in their corrections; one correction for each node would mend that, at the price of coupling all its pairs.
 
 use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;

@@ -17,6 +17,7 @@ use thiserror::Error;
 use super::counted::{self, Counted, CountedFile};
 use super::file_record::{self, FileRecord};
 use super::inputs::Inputs;
+use super::summary::SUMMARY;
 use crate::machine::files::read;
 
 /// A result that could not be written.
@@ -131,7 +132,7 @@ struct Run {
 impl RunFiles {
     /// Whether a folder holds files of a run: their record, a summary, or checkpoints to go on from.
     pub fn are_in(folder: &Path) -> bool {
-        [file_record::NAME, counted::FOLDER, "summary.json"].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
+        [file_record::NAME, counted::FOLDER, SUMMARY].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
     }
 
     /// Opens the output directory, made with its parents where missing. What is in it stays until a file of the same name is written.

@@ -74,7 +74,7 @@ pub use response::Response;
 pub use rows_csv::{RowsCsv, read_rows, rows_csv};
 pub use run_lock::RunLock;
 pub use summary::{
-    COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, Summary, WallSeconds, drifts, peak_memory_bytes,
+    COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, SUMMARY, Summary, WallSeconds, drifts, peak_memory_bytes,
 };
 pub use table::{Column, Table, TextColumn, is_count};
 pub use vtu::{Frame, Grid};

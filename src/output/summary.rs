@@ -10,6 +10,8 @@ use serde::{Serialize, Serializer};
 
 use crate::dynamics::{EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
 
+/// Name of the file.
+pub const SUMMARY: &str = "summary.json";
 /// Outcome of a run that came to its end.
 pub const COMPLETED: &str = "completed";
 /// Outcome of a run that came to its end with an energy that its integrator has changed.

@@ -13,7 +13,7 @@ use super::record::{BALANCE, Record, RecordOutcome, Yield};
 use super::transcript::Transcript;
 use super::watchdog::Watchdog;
 use crate::output::checkpoint::{self, Checkpoint, Origin};
-use crate::output::{CountedFile, NOT_CONSERVING, OutputError, RunFiles, RunLock, read_summary};
+use crate::output::{CountedFile, NOT_CONSERVING, OutputError, RunFiles, RunLock, SUMMARY, read_summary};
 use crate::script::{Class, Diagnostic, Ink, Mode, Report, Session, Settings, home};
 
 /// What came of the wish to compute a point.
@@ -153,7 +153,7 @@ fn told(error: &Diagnostic) -> String {
 
 /// What the run has told of itself in `summary.json`; `energy` is where its energy came from and went to.
 fn filled(mut record: Record, folder: &Path, energy: &[String]) -> Record {
-    let Ok(summary) = read_summary(&folder.join("summary.json")) else { return record };
+    let Ok(summary) = read_summary(&folder.join(SUMMARY)) else { return record };
     if record.outcome == RecordOutcome::Completed && summary.get("outcome").and_then(Value::as_str) == Some(NOT_CONSERVING) {
         record.outcome = RecordOutcome::NotConserving;
         record.cause = Some(energy.join("; "));

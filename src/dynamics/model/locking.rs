@@ -1,7 +1,7 @@
 //! Bodies whose cells cannot follow what their law asks for.
 //!
 //! A law that hardly changes its volume leaves no freedom to cells that keep the volume at every quadrature point: they lock (Nagtegaal,
-//! Parks and Rice, CMAME 4, 1974). One mean dilatation for each cell hints that, but not in triangles and tetrahedra of first order, which
+//! Parks and Rice, CMAME 4, 1974). One mean dilatation for each cell mends that, but not in triangles and tetrahedra of first order, which
 //! have one point anyway.
 
 use super::definitions::{BodyDefinition, Model};
@@ -20,7 +20,7 @@ pub struct Locking {
     pub cells: CellKind,
     /// Bulk modulus over shear modulus at rest.
     pub ratio: f64,
-    /// Whether a mean dilatation would hint it.
+    /// Whether a mean dilatation would prevent it.
     pub is_curable: bool,
     /// Whether the law has a form that takes one.
     pub has_mean: bool,

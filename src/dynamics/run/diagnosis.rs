@@ -237,7 +237,7 @@ where
 
     /// Mean size of the cells around a node and their Young's modulus.
     fn cell_of(&self, node: usize) -> (f64, f64) {
-        let index = self.system.bodies.iter().position(|body| body.nodes.contains(&node)).unwrap_or(0);
+        let index = self.system.body_of(node);
         let body = &self.model.bodies[index];
         let size = (body.mesh.measure() / body.mesh.cell_count() as f64).powf(1.0 / D as f64);
         (size, body.material.youngs_modulus())

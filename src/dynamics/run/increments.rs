@@ -3,7 +3,7 @@
 //! Loads, prescribed motions and obstacles take the way that their functions of time describe. An increment that fails is cut back, one
 //! that does not lets the next one be longer; equilibria on the way are found less exactly than the last one. Where even a small
 //! increment fails, a limit point may have been reached: then damped steps may find what lies beyond (a snap-through). Obstacles go by no
-//! more than a facet in an increment: what they jumped over would not be penalty_gap.
+//! more than a facet in an increment: what they jumped over would not be felt.
 
 use std::sync::Arc;
 

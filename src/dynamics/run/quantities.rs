@@ -168,7 +168,7 @@ where
         let reference = &self.system.nodes.reference;
         let place = |node: u32| {
             let node = node as usize;
-            let body = self.system.bodies.iter().position(|body| body.nodes.contains(&node)).unwrap_or(0);
+            let body = self.system.body_of(node);
             (body, node - self.system.bodies[body].nodes.start)
         };
         let of = |(index, pair): (usize, &ContactPair)| {

@@ -15,7 +15,7 @@ use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
 use super::state::{Clock, State};
 use super::steps::Steps;
-use super::substeps::Pieces;
+use super::substeps::Substeps;
 use super::tally::Tally;
 use super::validity::Excess;
 use crate::bodies::{Elements, Space};
@@ -268,22 +268,22 @@ where
 
     /// Goes on to a time, in pieces where the step there must be halved; `clock`: from where steps are counted afterwards, and how many.
     fn stretch(&mut self, target: f64, dt: f64, clock: (f64, usize), accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        let mut pieces = Pieces::new(self.state.row.time, dt, self.state.level);
+        let mut substeps = Substeps::new(self.state.row.time, dt, self.state.level);
         let (mut halvings, mut booked) = (0, self.work());
-        while !pieces.are_done() {
+        while !substeps.are_done() {
             if self.options.interrupted() {
                 return Err(StepError::Interrupted { time: self.state.row.time });
             }
-            let (size, may_be_halved) = (pieces.size(), pieces.level() < self.options.max_halvings);
+            let (size, may_be_halved) = (substeps.size(), substeps.level() < self.options.max_halvings);
             match self.piece(size, may_be_halved) {
                 Ok(mut state) => {
-                    let between = pieces.accepted();
+                    let between = substeps.accepted();
                     state.row.time = between.unwrap_or(target);
                     state.row.halvings = std::mem::take(&mut halvings);
                     let [iterations, factorizations] = std::mem::replace(&mut booked, self.work());
                     state.row.newton_iterations = booked[0] - iterations;
                     state.row.factorizations = booked[1] - factorizations;
-                    state.level = pieces.next_level();
+                    state.level = substeps.next_level();
                     let (origin, count) = between.map_or(clock, |time| (time, 0));
                     state.clock = Clock { origin, count, dt: self.options.dt };
                     self.statistics.steps += 1;
@@ -296,13 +296,13 @@ where
                     if !matches!(failure, Failure::Foreseen(_)) {
                         self.tries.push(tried(&failure, size, &self.trace));
                         if !may_be_halved {
-                            return Err(self.failed(&failure, size, pieces.level()));
+                            return Err(self.failed(&failure, size, substeps.level()));
                         }
                         halvings += 1;
                         self.statistics.halvings += 1;
                     }
                     self.halvings.count(&failure, size, &self.state.row);
-                    pieces.halve();
+                    substeps.halve();
                 }
             }
         }

@@ -87,7 +87,7 @@ where
         let mut sums = Sums { internal: &mut internal, load: &mut forces.load, tangent, workers: &self.workers };
         self.parts().zip(start.memory).try_for_each(|(part, memory)| part.linearize(&iterate, memory, &mut sums))?;
         if let Some(values) = sums.tangent {
-            self.add_point_inertia(&told.inertia, values);
+            self.add_point_inertia(|body| told.inertia[body], values);
             *tangent_of = generation;
         }
 
@@ -120,15 +120,14 @@ where
     /// Adds the mass and `beta` times the material stiffness to values of the matrix.
     pub fn add_mass_and_stiffness(&self, u: &[f64], beta: f64, values: &mut [f64]) {
         self.bodies.iter().for_each(|body| body.elements.add_material_stiffness(u, beta, values));
-        self.add_point_inertia(&vec![1.0; self.bodies.len()], values);
+        self.add_point_inertia(|_| 1.0, values);
     }
 
-    /// Adds the inertia of the masses that other parts have at nodes.
-    fn add_point_inertia(&self, inertia: &[f64], values: &mut [f64]) {
+    /// Adds the masses that other parts have at nodes, by a factor for each body.
+    fn add_point_inertia(&self, factor: impl Fn(usize) -> f64, values: &mut [f64]) {
         for point in &self.point_masses {
-            let body = self.bodies.iter().position(|body| body.nodes.contains(&(point.node as usize)));
-            let factor = body.map_or(0.0, |body| inertia[body]);
-            (0..D).for_each(|i| values[point.place.at(i, i)] += factor * point.mass);
+            let inertia = factor(self.body_of(point.node as usize)) * point.mass;
+            (0..D).for_each(|i| values[point.place.at(i, i)] += inertia);
         }
     }
 

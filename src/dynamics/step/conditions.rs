@@ -63,8 +63,7 @@ impl<const D: usize> System<D> {
             stiffness.extend(pair.rows.clone().zip(pair.kernel.weights()).map(|(row, weight)| {
                 let inertia = pair.node_of(row).map_or(0.0, |node| {
                     let node = node as usize;
-                    let body = self.bodies.iter().position(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
-                    start.inertia(body) * self.nodes.lumped_mass[node] / weight.powi(2)
+                    start.inertia(self.body_of(node)) * self.nodes.lumped_mass[node] / weight.powi(2)
                 });
                 pair.c + inertia
             }));

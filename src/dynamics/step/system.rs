@@ -272,9 +272,14 @@ impl<const D: usize> System<D> {
         self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
     }
 
+    /// The body that owns a node.
+    pub fn body_of(&self, node: usize) -> usize {
+        self.bodies.iter().position(|body| body.nodes.contains(&node)).expect("every node belongs to a body")
+    }
+
     /// Name of the body that owns a node, and the node's number in the body's mesh.
     pub fn owner(&self, node: usize) -> (&str, usize) {
-        let body = self.bodies.iter().find(|body| body.nodes.contains(&node)).expect("every node belongs to a body");
+        let body = &self.bodies[self.body_of(node)];
         (&body.name, node - body.nodes.start)
     }
 

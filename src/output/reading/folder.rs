@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::error::{ReadError, bytes_of};
+use crate::output::summary::SUMMARY;
 
 /// Folders below each other that are searched for runs.
 const DEPTH: usize = 32;
@@ -37,7 +38,7 @@ impl RunFolder {
             };
             return Err(ReadError::new(path, "holds no run: there is neither history.csv nor summary.json in it", hint));
         }
-        let summary = path.join("summary.json");
+        let summary = path.join(SUMMARY);
         let summary = if summary.is_file() { Some(read_summary(&summary)?) } else { None };
         Ok(RunFolder { path: path.into(), summary })
     }
@@ -90,7 +91,7 @@ pub fn read_summary(path: &Path) -> Result<Value, ReadError> {
 
 /// Whether a folder holds a run.
 pub fn is_run(path: &Path) -> bool {
-    ["history.csv", "summary.json"].iter().any(|name| path.join(name).is_file())
+    ["history.csv", SUMMARY].iter().any(|name| path.join(name).is_file())
 }
 
 /// Folders in a folder in the order of their names, hidden ones and links left out.

@@ -74,11 +74,11 @@ pub struct Row {
     pub gap: f64,
     /// Multiplier.
     pub lambda: f64,
-    /// The step's demand.
+    /// `Phi` at the start of the step, as [`Demand::gap`].
     pub gap_n: f64,
-    /// The step's demand.
+    /// `Phi` at the end of the step where the row holds.
     pub target: f64,
-    /// The step's demand.
+    /// By how much the law takes `gap` larger than it is.
     pub shift: f64,
     /// Whether forces are those of the end of the step.
     pub end_point: bool,

@@ -7,16 +7,15 @@ use super::handle::{SimulationHandle, Simulations};
 use super::recalling::go_on;
 use super::reports::{Ending, json, write_at_end};
 use crate::dynamics::{EnergyAccount, PhaseTimes};
-use crate::output::{COMPLETED, Inertia, NOT_CONSERVING, RunFiles, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg};
+use crate::output::{
+    COMPLETED, Inertia, NOT_CONSERVING, RunFiles, SUMMARY, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg,
+};
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
 use crate::script::api::files::run_folder::{RunFolder, output_folder};
 use crate::script::api::parameters::Overrides;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
-
-/// Name of the summary of a run.
-const SUMMARY: &str = "summary.json";
 
 /// Writes the last frames of all simulations and waits until every frame is in its file.
 ///
