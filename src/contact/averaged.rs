@@ -18,6 +18,7 @@ use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::patches::Evaluation;
 use super::search::PairSearch;
+use super::slip::{self, Number, SlipRows, SlipStep};
 use super::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 use crate::math::tolerances::{FACING, SMOOTH};
@@ -132,13 +133,13 @@ fn neighbors(surface: &Surface, facet: usize, reference: &[f64]) -> [Option<u32>
 
 impl Pair {
     /// The differences at the positions of the patch's nodes.
-    fn differences(self, z: &[f64]) -> [f64; VARIABLES] {
-        let mut differences = [0.0; VARIABLES];
+    fn differences<T: DualNumCopy<Primitive = f64>>(self, z: &[T]) -> [T; VARIABLES] {
+        let mut differences = [T::from(0.0); VARIABLES];
         for (role, shares) in self.roles.iter().zip(SHARES) {
             let Some(place) = role else { continue };
             for (k, share) in shares.into_iter().enumerate() {
                 for i in 0..2 {
-                    differences[2 * k + i] += share * z[2 * *place as usize + i];
+                    differences[2 * k + i] += z[2 * *place as usize + i] * share;
                 }
             }
         }
@@ -244,47 +245,118 @@ fn normal<T: DualNumCopy<Primitive = f64>>(own: Vector<T>, other: Vector<T>, has
     [y, -x]
 }
 
+/// Where the facets of a pair lie opposite each other.
+struct Opposite<T> {
+    /// The secondary facet, and the primary nodes from its first one.
+    t: Vector<T>,
+    y: [Vector<T>; 2],
+    /// Normal at the first secondary node, and its change along the facet.
+    normal: Vector<T>,
+    turn: Vector<T>,
+    length: T,
+    /// Middle and half length of the overlap in the secondary coordinate.
+    middle: T,
+    half: T,
+}
+
+/// A point of the secondary facet with the one opposite.
+struct Point<T> {
+    /// Part of the area.
+    measure: T,
+    shapes: Values<T>,
+    /// Averaged normal, and the distance of the opposite point along it, over its length.
+    normal: Vector<T>,
+    alpha: T,
+    /// Coordinate of the opposite point between the primary nodes.
+    opposite: T,
+}
+
+impl<T: DualNumCopy<Primitive = f64>> Opposite<T> {
+    /// From the differences of a pair; `None` where facets do not face each other or do not overlap.
+    fn new(z: &[T; VARIABLES], has: [bool; 2]) -> Option<Self> {
+        let vector = |k: usize| [z[2 * k], z[2 * k + 1]];
+        let [before, t, after, y_1, y_2] = std::array::from_fn(vector);
+        let (n_1, n_2) = (normal(t, before, has[0]), normal(t, after, has[1]));
+        let turn = [n_2[0] - n_1[0], n_2[1] - n_1[1]];
+        // (y - s t) x (n_1 + s turn) = 0, the root that tends to the linear one as the normals become parallel.
+        let opposite = |y: Vector<T>| {
+            let (a, b, c) = (-cross(t, turn), cross(y, turn) - cross(t, n_1), cross(y, n_1));
+            let discriminant = b * b - (a * c) * 4.0;
+            let admissible = b.re() > 0.0 && discriminant.re() > 0.0;
+            admissible.then(|| -(c * 2.0) / (b + discriminant.sqrt()))
+        };
+        let (s_1, s_2) = (opposite(y_1)?, opposite(y_2)?);
+        if s_1.re() - s_2.re() <= FACING {
+            return None;
+        }
+        let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
+        let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
+        if b.re() <= a.re() {
+            return None;
+        }
+        let length = (t[0] * t[0] + t[1] * t[1]).sqrt();
+        Some(Opposite { t, y: [y_1, y_2], normal: n_1, turn, length, middle: (a + b) * 0.5, half: (b - a) * 0.5 })
+    }
+
+    /// The Gauss points of the overlap.
+    fn points(&self) -> impl Iterator<Item = Point<T>> {
+        let [y_1, y_2] = self.y;
+        let along = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
+        GAUSS.into_iter().map(move |(place, weight)| {
+            let s = self.middle + self.half * place;
+            let n = [self.normal[0] + s * self.turn[0], self.normal[1] + s * self.turn[1]];
+            let from = [y_1[0] - s * self.t[0], y_1[1] - s * self.t[1]];
+            let facing = cross(n, along);
+            Point {
+                measure: (self.length * self.half) * weight,
+                shapes: [T::from(1.0) - s, s],
+                normal: n,
+                // y(s) = x(s) + alpha n(s).
+                alpha: cross(from, along) / facing,
+                opposite: -cross(n, from) / facing,
+            }
+        })
+    }
+}
+
 /// The functions of a pair from its differences; `None` where facets do not face each other or do not overlap.
 fn weighted_gaps<T: DualNumCopy<Primitive = f64>>(z: &[T; VARIABLES], has: [bool; 2]) -> Option<WeightedGaps<T>> {
-    let vector = |k: usize| [z[2 * k], z[2 * k + 1]];
-    let [before, t, after, y_1, y_2] = std::array::from_fn(vector);
-    let (n_1, n_2) = (normal(t, before, has[0]), normal(t, after, has[1]));
-    let turn = [n_2[0] - n_1[0], n_2[1] - n_1[1]];
-    // (y - s t) x (n_1 + s turn) = 0, the root that tends to the linear one as the normals become parallel.
-    let opposite = |y: Vector<T>| {
-        let (a, b, c) = (-cross(t, turn), cross(y, turn) - cross(t, n_1), cross(y, n_1));
-        let discriminant = b * b - (a * c) * 4.0;
-        let admissible = b.re() > 0.0 && discriminant.re() > 0.0;
-        admissible.then(|| -(c * 2.0) / (b + discriminant.sqrt()))
-    };
-    let (s_1, s_2) = (opposite(y_1)?, opposite(y_2)?);
-    if s_1.re() - s_2.re() <= FACING {
-        return None;
-    }
-    let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
-    let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
-    if b.re() <= a.re() {
-        return None;
-    }
-    let length = (t[0] * t[0] + t[1] * t[1]).sqrt();
-    let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
-    let along = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
     let zero = T::from(0.0);
     let mut gaps = WeightedGaps { gap: [zero; 2], covered: [zero; 2] };
-    for (place, weight) in GAUSS {
-        let s = middle + half * place;
-        let n = [n_1[0] + s * turn[0], n_1[1] + s * turn[1]];
-        let from = [y_1[0] - s * t[0], y_1[1] - s * t[1]];
-        // y(s) = x(s) + alpha n(s).
-        let alpha = cross(from, along) / cross(n, along);
+    for Point { measure, shapes, normal: n, alpha, .. } in Opposite::new(z, has)?.points() {
         let gap = alpha * (n[0] * n[0] + n[1] * n[1]);
-        let measure = (length * half) * weight;
-        for (k, shape) in [T::from(1.0) - s, s].into_iter().enumerate() {
+        for (k, shape) in shapes.into_iter().enumerate() {
             gaps.gap[k] += measure * shape * gap;
             gaps.covered[k] += measure * shape;
         }
     }
     Some(gaps)
+}
+
+/// Slip over the overlap of the averaged normals, along the tangent across them.
+impl SlipRows for AveragedMortar {
+    fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
+        places.extend(0..self.sides.patches.nodes(p).len());
+        self.search.near[p]
+    }
+
+    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+        let (pair, width) = (self.pairs[p], z.len());
+        let Some(opposite) = Opposite::new(&pair.differences(z), pair.has_neighbors()) else { return false };
+        let places = [1, 2, 4, 5].map(|role| usize::from(pair.roles[role].expect("both facets have their nodes")));
+        for Point { measure, shapes, normal: n, opposite, .. } in opposite.points() {
+            let [x, y] = unit(n);
+            let (along, shares) = ([-y, x], [shapes[0], shapes[1], opposite - 1.0, -opposite]);
+            for (k, shape) in shapes.into_iter().enumerate() {
+                let weight = measure * shape;
+                covered[k] += weight.re();
+                for (place, share) in places.into_iter().zip(shares) {
+                    (0..2).for_each(|i| rows[k * width + 2 * place + i] += along[i] * weight * share);
+                }
+            }
+        }
+        true
+    }
 }
 
 impl PatchFunctions for AveragedMortar {
@@ -379,6 +451,11 @@ impl PatchFunctions for AveragedMortar {
             }
         }
         self.sides.cover(&mut out.coverage, q_1);
+    }
+
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate(self, &self.sides.patches, step, lambda, out);
+        self.sides.cover(&mut out.coverage, step.q_1);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

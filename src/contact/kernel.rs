@@ -2,6 +2,7 @@
 
 use super::patches::{Evaluation, Patches};
 use super::search::{Candidates, PairSearch};
+use super::slip::SlipStep;
 use super::surface::{Sides, Surface};
 use super::window::Outlook;
 use crate::integrators::Derivative;
@@ -95,6 +96,14 @@ pub trait PatchFunctions {
 
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
+
+    /// Slips of a step with their gradients and tangent, row by row as [`Self::evaluate`] gives gaps: what friction works on. `lambda` are
+    /// the tangential multipliers; coverage is that in mid-step. A kernel without slips clears everything.
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        let (patches, _) = (self.patches(), step);
+        out.prepare(patches, lambda.len());
+        (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
+    }
 
     /// Constraint functions `Phi_A(q)` of the present candidates (an obstacle where the step ends), one per secondary node (mortar:
     /// weighted gap `[length^2]`).

@@ -12,9 +12,10 @@ use super::method::ContactMethod;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
 use super::patches::Evaluation;
 use super::search::PairSearch;
+use super::slip::{self, Number, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};
-use crate::math::tolerances::{INVARIANT_INCREMENT, REMAINDER, WHOLE};
+use crate::math::tolerances::{FACING, INVARIANT_INCREMENT, REMAINDER, WHOLE};
 
 /// Mortar method with standard Lagrange multipliers on the secondary nodes.
 pub static MORTAR: ContactMethod = ContactMethod {
@@ -416,6 +417,11 @@ impl PatchFunctions for Mortar {
         self.sides.cover(&mut out.coverage, q_1);
     }
 
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate(self, &self.sides.patches, step, lambda, out);
+        self.sides.cover(&mut out.coverage, step.q_1);
+    }
+
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         self.sum(q, |p, _, overlap| combined(self.shape(p), &overlap.value()))
     }
@@ -447,6 +453,48 @@ impl CandidateSearch for Mortar {
 }
 
 impl RigidObstacle for Mortar {}
+
+/// Slip weighted as the gap is: the facet's own shape functions against those of the facet opposite, over the overlap.
+impl SlipRows for Mortar {
+    fn places(&self, _p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
+        places.extend(0..4);
+        true
+    }
+
+    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+        let from = |k: usize| [z[2 * k] - z[0], z[2 * k + 1] - z[1]];
+        let [t, d_1, d_2] = [1, 2, 3].map(from);
+        let square = t[0] * t[0] + t[1] * t[1];
+        let [s_1, s_2] = [d_1, d_2].map(|d| (t[0] * d[0] + t[1] * d[1]) / square);
+        let extent = s_1 - s_2;
+        if extent.re() <= FACING || s_1.re() <= 0.0 || s_2.re() >= 1.0 {
+            return false;
+        }
+        let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
+        let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
+        let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
+        // Two Gauss points are exact.
+        let mut standard = [[T::from(0.0); 4]; 2];
+        for place in [-1.0, 1.0].map(|sign: f64| sign / 3f64.sqrt()) {
+            let s = middle + half * place;
+            let opposite = (s_1 - s) / extent;
+            let shares = [-s + 1.0, s, opposite - 1.0, -opposite];
+            for (weights, shape) in standard.iter_mut().zip([-s + 1.0, s]) {
+                weights.iter_mut().zip(shares).for_each(|(weight, share)| *weight += half * shape * share);
+            }
+        }
+        let length = square.re().sqrt();
+        for (k, shape) in self.shape(p).iter().enumerate() {
+            for node in 0..4 {
+                let weight = standard[0][node] * shape[0] + standard[1][node] * shape[1];
+                (0..2).for_each(|i| rows[8 * k + 2 * node + i] = t[i] * weight);
+            }
+            let area = |standard: &[T; 4]| (standard[0] + standard[1]).re();
+            covered[k] = length * (shape[0] * area(&standard[0]) + shape[1] * area(&standard[1]));
+        }
+        true
+    }
+}
 
 #[cfg(test)]
 mod tests {

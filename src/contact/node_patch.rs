@@ -3,6 +3,7 @@
 
 use super::chain::{Chain, Measure};
 use super::patches::Evaluation;
+use super::slip::{self, Number, SlipRows};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
@@ -172,6 +173,46 @@ pub fn coverage(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
     let mut coverage = vec![0.0; sides.weights.len()];
     for_each_measure(sides, starts, q, |row, measure| coverage[row] = f64::from(u8::from(measure.covered)));
     coverage
+}
+
+/// Slips of points on the facets that measure their gaps in mid-step.
+pub struct Slips<'a> {
+    pub sides: &'a Sides,
+    pub starts: &'a [Start],
+}
+
+impl SlipRows for Slips<'_> {
+    fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool {
+        let start = &self.starts[p];
+        let z: Vec<f64> = start.places.iter().flat_map(|&place| z[2 * place as usize..][..2].iter().copied()).collect();
+        // One slip for each row: what lies in a pocket slides on both of its facets.
+        places.push(0);
+        for measure in start.measures(&z).into_iter().take(self.sides.patches.rows(p).len()) {
+            let Some(Measure { facet, covered: true, .. }) = measure else { return places.len() > 1 };
+            places.extend(start.chain.facets()[facet as usize].map(|node| start.places[node as usize] as usize));
+        }
+        places.len() > 1
+    }
+
+    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+        let width = z.len();
+        for (m, row) in self.sides.patches.rows(p).iter().enumerate().take((width / 2 - 1) / 2) {
+            let at = |k: usize| [z[2 * k], z[2 * k + 1]];
+            let of_row = &mut rows[m * width..(m + 1) * width];
+            let mut own = [T::from(0.0); 6];
+            let nodes = [at(0), at(1 + 2 * m), at(2 + 2 * m)];
+            slip::point_on_facet(nodes.as_flattened(), self.sides.weights[*row as usize], self.starts[p].round.is_some(), &mut own);
+            of_row[..2].copy_from_slice(&own[..2]);
+            of_row[2 + 4 * m..6 + 4 * m].copy_from_slice(&own[2..]);
+            covered[m] = 1.0;
+        }
+        true
+    }
+
+    fn are_relative(&self) -> bool {
+        // A disk does not turn with the facets on it.
+        self.starts.iter().all(|start| start.round.is_none())
+    }
 }
 
 /// Values, gradients and tangent of a step that ends at `q_1`.

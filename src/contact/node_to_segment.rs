@@ -17,6 +17,7 @@ use super::method::ContactMethod;
 use super::node_patch::{self, Start};
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
+use super::slip::{self, SlipStep};
 use super::surface::{Sides, Surface};
 use super::tips::{Parting, Tip};
 use super::window::{Outlook, Travel, Window};
@@ -399,6 +400,11 @@ impl PatchFunctions for NodeToSegment {
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
+    }
+
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        let slips = node_patch::Slips { sides: &self.sides, starts: &self.start };
+        slip::evaluate(&slips, &self.sides.patches, step, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

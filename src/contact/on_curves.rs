@@ -11,6 +11,7 @@ use super::combinations::Combinations;
 use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 use super::patches::{Evaluation, Patches};
 use super::search::{Candidates, PairSearch};
+use super::slip::SlipStep;
 use super::surface::Sides;
 use super::window::{Outlook, Travel};
 use crate::integrators::Derivative;
@@ -173,6 +174,25 @@ impl OnCurves {
             }
         }
     }
+
+    /// An evaluation of the method as one on the nodes; `pressing` are its multipliers.
+    fn on_nodes(&self, inner: &Evaluation, pressing: &[f64], half: &mut Vec<f64>, out: &mut Evaluation) {
+        let of = self.inner.patches();
+        out.prepare(&self.sides.patches, self.sides.weights.len());
+        self.rows.add_values_back(&inner.gap, &mut out.gap);
+        self.cover(&inner.coverage, &mut out.coverage);
+        for (p, members) in self.members.iter().enumerate() {
+            out.clear_patch(&self.sides.patches, p);
+            for &member in members.iter().filter(|member| inner.live[member.patch]) {
+                out.live[p] = true;
+                self.gradients_into(p, member, &inner.gradient_end, &mut out.gradient_end);
+                self.gradients_into(p, member, &inner.gradient_bar, &mut out.gradient_bar);
+                if of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0) {
+                    self.tangent_into(p, member, &inner.tangent, half, &mut out.tangent);
+                }
+            }
+        }
+    }
 }
 
 /// The place of an item in a list, at whose end it is put if it is not there.
@@ -242,21 +262,19 @@ impl PatchFunctions for OnCurves {
         self.points.points_into(q_1, seen);
         self.rows.values_into(lambda, pressing);
         self.inner.evaluate(derivative, seen, pressing, inner);
-        let of = self.inner.patches();
-        out.prepare(&self.sides.patches, self.sides.weights.len());
-        self.rows.add_values_back(&inner.gap, &mut out.gap);
-        self.cover(&inner.coverage, &mut out.coverage);
-        for (p, members) in self.members.iter().enumerate() {
-            out.clear_patch(&self.sides.patches, p);
-            for &member in members.iter().filter(|member| inner.live[member.patch]) {
-                out.live[p] = true;
-                self.gradients_into(p, member, &inner.gradient_end, &mut out.gradient_end);
-                self.gradients_into(p, member, &inner.gradient_bar, &mut out.gradient_bar);
-                if of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0) {
-                    self.tangent_into(p, member, &inner.tangent, half, &mut out.tangent);
-                }
-            }
-        }
+        self.on_nodes(inner, pressing, half, out);
+    }
+
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let Scratch { inner, lambda: pressing, half, .. } = &mut *scratch;
+        let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.points.points(values));
+        let mut live = vec![false; self.inner.patches().len()];
+        let lives = self.members.iter().zip(step.live).filter(|(_, live)| **live);
+        lives.flat_map(|(members, _)| members).for_each(|member| live[member.patch] = true);
+        self.rows.values_into(lambda, pressing);
+        self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, live: &live, ..step }, pressing, inner);
+        self.on_nodes(inner, pressing, half, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

@@ -18,6 +18,7 @@ use rstar::{AABB, RTree};
 use super::chain::Chain;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
+use super::slip::{self, Number, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{CROSSING, PASSING, PROJECTED_INCREMENT, REMAINDER};
@@ -390,6 +391,10 @@ impl PatchFunctions for RigidContact {
         }
     }
 
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate(self, &self.sides.patches, step, lambda, out);
+    }
+
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         self.gaps(|_| &self.shape, self.translations[2], |row| self.position(row, q, [0.0; 2]))
     }
@@ -400,6 +405,39 @@ impl PatchFunctions for RigidContact {
             f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
         };
         (0..self.sides.weights.len()).map(covered).collect()
+    }
+}
+
+/// Slip of nodes on the obstacle, as it translates.
+impl SlipRows for RigidContact {
+    fn places(&self, _p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
+        places.push(0);
+        true
+    }
+
+    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+        let x: [T; 2] = std::array::from_fn(|i| z[i] - self.translations[1][i]);
+        let shape = self.felt(p);
+        let Some(Distance { normal, covered: true, .. }) = shape.distance(x.map(|x| x.re())) else { return false };
+        let normal = match shape {
+            Shape::Circle { center, sign, .. } => {
+                let r: [T; 2] = std::array::from_fn(|i| x[i] - center[i]);
+                let inverse = (r[0] * r[0] + r[1] * r[1]).sqrt().recip() * *sign;
+                r.map(|r| r * inverse)
+            }
+            _ => normal.map(T::from),
+        };
+        (rows[0], rows[1], covered[0]) = (normal[1] * self.sides.weights[p], -normal[0] * self.sides.weights[p], 1.0);
+        true
+    }
+
+    fn are_relative(&self) -> bool {
+        false
+    }
+
+    fn other_side(&self) -> [f64; 2] {
+        let [start, _, end] = self.translations;
+        std::array::from_fn(|i| end[i] - start[i])
     }
 }
 

@@ -9,6 +9,7 @@ use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};
 use super::rigid::Obstacle;
 use super::round::RoundContact;
+use super::slip::SlipStep;
 use super::surface::Sides;
 use super::window::{Outlook, Travel};
 use super::{CandidateSearch, Candidates, ContactKernel, PatchFunctions, RigidObstacle};
@@ -94,6 +95,30 @@ impl RigidCorners {
             self.sides.patches.push(&self.inner.patches().nodes(p)[1..], self.inner.patches().rows(p));
         }
     }
+
+    /// What is left of an evaluation with the points.
+    fn without_points(&self, all: &Evaluation, out: &mut Evaluation) {
+        out.prepare(&self.sides.patches, self.sides.weights.len());
+        out.gap.copy_from_slice(&all.gap);
+        out.coverage.copy_from_slice(&all.coverage);
+        let (inner, outer) = (self.inner.patches(), &self.sides.patches);
+        for p in 0..outer.len() {
+            if !all.live[p] {
+                out.clear_patch(outer, p);
+                continue;
+            }
+            out.live[p] = true;
+            // The point is the first node of a patch.
+            let width = inner.unknowns(p);
+            for (from, to) in [(&all.gradient_end, &mut out.gradient_end), (&all.gradient_bar, &mut out.gradient_bar)] {
+                let rows = to[outer.gradient_range(p)].chunks_exact_mut(width - 2).zip(from[inner.gradient_range(p)].chunks_exact(width));
+                rows.for_each(|(to, from)| to.copy_from_slice(&from[2..]));
+            }
+            let rows = out.tangent[outer.tangent_range(p)].chunks_exact_mut(width - 2);
+            let from = all.tangent[inner.tangent_range(p)].chunks_exact(width).skip(2);
+            rows.zip(from).for_each(|(to, from)| to.copy_from_slice(&from[2..]));
+        }
+    }
 }
 
 impl PatchFunctions for RigidCorners {
@@ -122,26 +147,15 @@ impl PatchFunctions for RigidCorners {
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         let mut all = Evaluation::default();
         self.inner.evaluate(derivative, &self.positions(q_1, 2), lambda, &mut all);
-        out.prepare(&self.sides.patches, self.sides.weights.len());
-        out.gap.copy_from_slice(&all.gap);
-        out.coverage.copy_from_slice(&all.coverage);
-        let (inner, outer) = (self.inner.patches(), &self.sides.patches);
-        for p in 0..outer.len() {
-            if !all.live[p] {
-                out.clear_patch(outer, p);
-                continue;
-            }
-            out.live[p] = true;
-            // The point is the first node of a patch.
-            let width = inner.unknowns(p);
-            for (from, to) in [(&all.gradient_end, &mut out.gradient_end), (&all.gradient_bar, &mut out.gradient_bar)] {
-                let rows = to[outer.gradient_range(p)].chunks_exact_mut(width - 2).zip(from[inner.gradient_range(p)].chunks_exact(width));
-                rows.for_each(|(to, from)| to.copy_from_slice(&from[2..]));
-            }
-            let rows = out.tangent[outer.tangent_range(p)].chunks_exact_mut(width - 2);
-            let from = all.tangent[inner.tangent_range(p)].chunks_exact(width).skip(2);
-            rows.zip(from).for_each(|(to, from)| to.copy_from_slice(&from[2..]));
-        }
+        self.without_points(&all, out);
+    }
+
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        let ([from, _, to], mut all) = (self.translations, Evaluation::default());
+        let (q_0, q_1) = (self.positions(step.q_0, 0), self.positions(step.q_1, 2));
+        let moved = self.extended(step.moved, |_| [to[0] - from[0], to[1] - from[1]]);
+        self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, ..step }, lambda, &mut all);
+        self.without_points(&all, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

@@ -9,6 +9,7 @@ use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::node_patch::{self, Round, Start};
 use super::patches::Evaluation;
 use super::search::Candidates;
+use super::slip::{self, SlipStep};
 use super::surface::Sides;
 use super::window::Outlook;
 use crate::integrators::Derivative;
@@ -88,6 +89,11 @@ impl PatchFunctions for RoundContact {
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         node_patch::evaluate(&self.sides, &self.start, derivative, q_1, lambda, out);
+    }
+
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        let slips = node_patch::Slips { sides: &self.sides, starts: &self.start };
+        slip::evaluate(&slips, &self.sides.patches, step, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

@@ -8,7 +8,7 @@ mod step;
 pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
 pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Prescription, Support};
 pub use model::error::{ModelError, StepError};
-pub use model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};

@@ -265,6 +265,13 @@ pub const SMALL_TIME: f64 = 1e-3;
 /// Distance of two moments, relative to the step, within which they are one: sums of some thousand steps.
 pub const SAME_MOMENT: f64 = 1e-9;
 
+/// Multiplier per slip of tangential rows over that per gap of those that press: it decides whether a row sticks or slides in an iteration.
+/// With 1 steps are halved near rest, with 0.01 none is.
+pub const TANGENTIAL: f64 = 0.01;
+
+/// Part of a tangential row's gradient that supports must leave free, or they hold it.
+pub const HELD_ROW: f64 = 1e-8;
+
 /// Part of the gap tolerance by which an inactive constraint must be violated on the frozen linearisation to become active.
 pub const CLEARLY: f64 = 1e-3;
 

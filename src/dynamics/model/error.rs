@@ -230,6 +230,16 @@ pub enum StepError {
         /// What it failed with.
         source: super::amplitude::TimeFunctionError,
     },
+    /// A coefficient of friction failed.
+    #[error("the friction of contact \"{contact}\" failed at t = {time}")]
+    Friction {
+        /// Name of the contact.
+        contact: String,
+        /// Time at which it was asked.
+        time: f64,
+        /// What it failed with.
+        source: super::amplitude::TimeFunctionError,
+    },
     /// Newton's method failed in spite of all halvings.
     #[error("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings): {cause}")]
     NotConverged {
@@ -296,6 +306,7 @@ impl StepError {
     pub fn hint(&self) -> String {
         match self {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
+            StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),
             StepError::NotConverged { hint, .. } => hint.clone(),
             StepError::StillOverlaps { .. } => {
                 "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it \

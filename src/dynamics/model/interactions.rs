@@ -1,10 +1,11 @@
 //! What touches what, as it is defined: one list for contacts, obstacles, surfaces that touch themselves, and ties.
 
 use std::slice;
+use std::sync::Arc;
 
-use super::amplitude::Amplitude;
+use super::amplitude::{Amplitude, TimeFunctionError};
 use super::update_rules::UpdateRule;
-use crate::contact::{ContactMethod, MORTAR, Obstacle};
+use crate::contact::{ContactMethod, FrictionLaw, MORTAR, Obstacle};
 use crate::mesh::Boundary;
 
 /// A boundary of a body.
@@ -37,6 +38,38 @@ pub enum Enforcement {
     },
 }
 
+/// Friction of an interaction.
+#[derive(Clone)]
+pub struct Friction {
+    /// How large the shear stress is.
+    pub law: Arc<dyn FrictionLaw>,
+    /// Coefficient that the law is given.
+    pub coefficient: Coefficient,
+}
+
+/// A coefficient of friction, never negative.
+#[derive(Clone)]
+pub enum Coefficient {
+    /// The same everywhere.
+    Constant(f64),
+    /// By time, that of the middle of a step.
+    OverTime(Amplitude),
+    /// By place, that of a contact's point at the start of a step.
+    OverPlace(Arc<dyn PlaceFunction>),
+}
+
+/// A scalar function of the place. Script closures implement it, too, so a value may fail.
+pub trait PlaceFunction: Send + Sync {
+    /// Value at a point.
+    ///
+    /// # Errors
+    /// Whatever a user's function fails with; the step that asked is not taken.
+    fn value(&self, point: [f64; 3]) -> Result<f64, TimeFunctionError>;
+
+    /// How it prints.
+    fn describe(&self) -> String;
+}
+
 /// A boundary with what it may touch, or is tied to.
 #[derive(Clone)]
 pub struct Interaction {
@@ -54,6 +87,8 @@ pub struct Interaction {
     pub enforcement: Enforcement,
     /// The paper's bilateral constraints: every covered node is closed, tension is allowed.
     pub equality: bool,
+    /// Friction; `None`: surfaces slide freely.
+    pub friction: Option<Friction>,
 }
 
 /// What the secondary side of an interaction meets.
@@ -83,7 +118,7 @@ impl Interaction {
     /// An interaction by mortar contact with multipliers and the rule of the time integrator; change the fields for anything else.
     pub fn new(name: &str, secondary: BodyBoundary, partner: Partner) -> Self {
         let (enforcement, equality) = (Enforcement::Multiplier, false);
-        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: None, enforcement, equality }
+        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: None, enforcement, equality, friction: None }
     }
 
     /// Contact with another boundary.

@@ -6,10 +6,12 @@
 
 use std::ops::Range;
 
+use super::friction_rows::FrictionRows;
 use super::laws::{Bilateral, Penalty, RowLaw, Unilateral};
 use crate::contact::{ContactKernel, Evaluation};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::interactions::Interaction;
 use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
@@ -57,8 +59,10 @@ pub struct ContactPair {
     pub augmentation: Option<f64>,
     /// Whether its bodies are bodies of revolution, and multipliers pressures times circumferences.
     pub is_axisymmetric: bool,
-    /// Range of its rows among all rows.
+    /// Range of its rows that press among all rows.
     pub rows: Range<usize>,
+    /// Its tangential rows, if it has friction.
+    pub friction: Option<FrictionRows>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
     pub c: f64,
     /// Stiffness of the penalty potential of each of its rows, if it has them.
@@ -75,6 +79,21 @@ struct Places {
     tangent: Vec<Block>,
     rows: Vec<Block>,
     columns: Vec<Block>,
+    /// The same of tangential rows.
+    slip_rows: Vec<Block>,
+    slip_columns: Vec<Block>,
+}
+
+/// The rows of a pair that press, or its tangential ones, at an iterate.
+pub struct RowBlock<'a> {
+    /// The pair.
+    pub pair: &'a ContactPair,
+    /// Range of the rows among all rows.
+    pub rows: Range<usize>,
+    /// What they are there.
+    pub evaluation: &'a Evaluation,
+    /// Blocks of rows and columns in the matrix.
+    places: [&'a [Block]; 2],
 }
 
 /// A constraint row of a patch with its nodes.
@@ -87,6 +106,14 @@ pub struct PatchRow<'a> {
     pub nodes: &'a [u32],
     /// Where its gradient stands in [`Evaluation::gradient_end`] and [`Evaluation::gradient_bar`].
     pub gradient: Range<usize>,
+}
+
+impl PatchRow<'_> {
+    /// The unknowns of its nodes in `D` dimensions, each with the entry of its gradient.
+    pub fn unknowns<const D: usize>(&self) -> impl Iterator<Item = (usize, usize)> {
+        let components = self.nodes.iter().flat_map(|&node| (0..D).map(move |i| node as usize * D + i));
+        components.zip(self.gradient.clone())
+    }
 }
 
 impl ContactPair {
@@ -105,12 +132,18 @@ impl ContactPair {
             augmentation: None,
             is_axisymmetric: false,
             rows: 0..kernel.rows(),
+            friction: None,
             c: modulus / (size * size),
             penalties: Vec::new(),
             gap_tolerance: (tolerances::GAP * size * size).max(tolerances::GAP_FLOOR * reach * size),
             kernel,
             places: Places::default(),
         }
+    }
+
+    /// Gives its rows the friction of its contact, if that has any.
+    pub fn add_friction(&mut self, interaction: &Interaction) {
+        self.friction = interaction.friction.as_ref().map(|friction| FrictionRows::new(friction, self.kernel.rows(), self.c));
     }
 
     /// What a length of the section at a node stands for: one, or the circumference there `[length]`.
@@ -187,14 +220,38 @@ impl ContactPair {
         Ok(())
     }
 
+    /// Where its rows begin, those that press and the tangential ones.
+    fn first_rows(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.rows.start).chain(self.friction.iter().map(|friction| friction.rows.start))
+    }
+
+    /// Its rows at an iterate, those that press and the tangential ones.
+    pub fn blocks<'a>(&'a self, [pressing, slip]: [&'a Evaluation; 2]) -> impl Iterator<Item = RowBlock<'a>> {
+        let places = &self.places;
+        let own = RowBlock { pair: self, rows: self.rows.clone(), evaluation: pressing, places: [&places.rows, &places.columns] };
+        let tangential = self.friction.iter().map(move |friction| RowBlock {
+            pair: self,
+            rows: friction.rows.clone(),
+            evaluation: slip,
+            places: [&places.slip_rows, &places.slip_columns],
+        });
+        std::iter::once(own).chain(tangential)
+    }
+
     /// Tells groups of vertices that it couples; its rows follow `nodes` nodes.
     pub fn for_each_coupling(&self, nodes: usize, tell: &mut dyn FnMut(&[u32])) {
         let (patches, mut clique) = (self.kernel.patches(), Vec::new());
         for p in 0..patches.len() {
             clique.clear();
             clique.extend_from_slice(patches.nodes(p));
-            clique.extend(patches.rows(p).iter().map(|row| (nodes + self.rows.start) as u32 + row));
+            for first in self.first_rows() {
+                clique.extend(patches.rows(p).iter().map(|row| (nodes + first) as u32 + row));
+            }
             tell(&clique);
+        }
+        if let Some(friction) = &self.friction {
+            // What no patch holds has a row of its own, too.
+            self.rows.clone().zip(friction.rows.clone()).for_each(|(row, slip)| tell(&[row, slip].map(|row| (nodes + row) as u32)));
         }
     }
 
@@ -206,32 +263,78 @@ impl ContactPair {
             for &u in patches.nodes(p) {
                 places.tangent.extend(patches.nodes(p).iter().map(|&v| pattern.block(u, v)));
             }
-            for &row in patches.rows(p) {
-                let multiplier = (nodes + self.rows.start + row as usize) as u32;
-                for &node in patches.nodes(p) {
-                    places.rows.push(pattern.block(multiplier, node));
-                    places.columns.push(pattern.block(node, multiplier));
+            let of_rows = [(&mut places.rows, &mut places.columns), (&mut places.slip_rows, &mut places.slip_columns)];
+            for (first, (rows, columns)) in self.first_rows().zip(of_rows) {
+                for &row in patches.rows(p) {
+                    let multiplier = (nodes + first + row as usize) as u32;
+                    for &node in patches.nodes(p) {
+                        rows.push(pattern.block(multiplier, node));
+                        columns.push(pattern.block(node, multiplier));
+                    }
                 }
             }
         }
         self.places = places;
+        if let Some(friction) = &mut self.friction {
+            let rows = self.rows.clone().zip(friction.rows.clone());
+            friction.couplings = rows.map(|(row, slip)| pattern.block((nodes + slip) as u32, (nodes + row) as u32)).collect();
+        }
     }
 
-    /// The rows of the patches that hold anything.
+    /// The rows of the patches that hold anything, those that press.
     pub fn live_rows<'a>(&'a self, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
+        self.live_rows_from(self.rows.start, evaluation)
+    }
+
+    fn live_rows_from<'a>(&'a self, first_row: usize, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
         let patches = self.kernel.patches();
         (0..patches.len()).filter(|&p| evaluation.live[p]).flat_map(move |p| {
             let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
             patches.rows(p).iter().enumerate().map(move |(m, &row)| {
                 let start = first + m * count;
-                PatchRow { patch: p, row: self.rows.start + row as usize, nodes: patches.nodes(p), gradient: start..start + count }
+                PatchRow { patch: p, row: first_row + row as usize, nodes: patches.nodes(p), gradient: start..start + count }
             })
         })
     }
 
+    /// Whether a node owns a row of a patch.
+    pub fn owns_row(&self, patch: usize, node: u32) -> bool {
+        self.kernel.owns(patch, node)
+    }
+
+    /// The node that owns a row of the model, if a node does.
+    pub fn node_of(&self, row: usize) -> Option<u32> {
+        self.kernel.row_nodes().get((row - self.rows.start) / self.kernel.rows_per_node()).copied()
+    }
+}
+
+/// Which rows are written into the matrix: those whose multiplier acts, with the factor of the increment in their equation.
+pub struct Written<'a> {
+    /// Whether the multiplier acts.
+    pub acts: &'a [bool],
+    /// Factor of the increment.
+    pub gradient: &'a [f64],
+}
+
+impl<'a> RowBlock<'a> {
+    /// Whether its rows are tangential.
+    pub fn is_slip(&self) -> bool {
+        self.rows.start != self.pair.rows.start
+    }
+
+    /// Work of its multipliers on its slips `[energy]`.
+    pub fn work(&self, lambda: &[f64]) -> f64 {
+        lambda[self.rows.clone()].iter().zip(&self.evaluation.gap).map(|(tau, slip)| tau * slip).sum()
+    }
+
+    /// Its rows of the patches that hold anything.
+    pub fn live_rows(&self) -> impl Iterator<Item = PatchRow<'a>> {
+        self.pair.live_rows_from(self.rows.start, self.evaluation)
+    }
+
     /// Subtracts `weight` times the derivative of the contact forces at fixed multipliers.
-    pub fn tangent_into<const D: usize>(&self, evaluation: &Evaluation, weight: f64, values: &mut [f64]) {
-        let patches = self.kernel.patches();
+    pub fn tangent_into<const D: usize>(&self, weight: f64, values: &mut [f64]) {
+        let (patches, evaluation) = (self.pair.kernel.patches(), self.evaluation);
         let mut block = 0;
         for p in 0..patches.len() {
             let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
@@ -239,7 +342,7 @@ impl ContactPair {
                 let tangent = &evaluation.tangent[patches.tangent_range(p)];
                 for u in 0..nodes {
                     for v in 0..nodes {
-                        let place = self.places.tangent[block + u * nodes + v];
+                        let place = self.pair.places.tangent[block + u * nodes + v];
                         for i in 0..D {
                             for k in 0..D {
                                 values[place.at(i, k)] -= weight * tangent[(u * D + i) * count + v * D + k];
@@ -254,7 +357,8 @@ impl ContactPair {
 
     /// Clears the rows and columns of its constraints.
     pub fn clear_constraints<const D: usize>(&self, values: &mut [f64]) {
-        for (row, column) in self.places.rows.iter().zip(&self.places.columns) {
+        let [rows, columns] = self.places;
+        for (row, column) in rows.iter().zip(columns) {
             for i in 0..D {
                 values[row.at(0, i)] = 0.0;
                 values[column.at(i, 0)] = 0.0;
@@ -262,27 +366,23 @@ impl ContactPair {
         }
     }
 
-    /// Adds rows `G_1` and columns `-weight columns^T` of its active constraints.
-    pub fn constraints_into<const D: usize>(
-        &self,
-        evaluation: &Evaluation,
-        active: &[bool],
-        columns: &[f64],
-        weight: f64,
-        values: &mut [f64],
-    ) {
-        let patches = self.kernel.patches();
+    /// Adds rows `factor G_1` and columns `-weight columns^T` of those that press or slide.
+    pub fn constraints_into<const D: usize>(&self, written: &Written, columns: &[f64], weight: f64, values: &mut [f64]) {
+        let (patches, evaluation) = (self.pair.kernel.patches(), self.evaluation);
+        let [row_places, column_places] = self.places;
         let mut place = 0;
         for p in 0..patches.len() {
             let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
             let first = patches.gradient_range(p).start;
             for (m, &row) in patches.rows(p).iter().enumerate() {
-                if active[self.rows.start + row as usize] && evaluation.live[p] {
+                let row = self.rows.start + row as usize;
+                if written.acts[row] && evaluation.live[p] {
+                    let factor = written.gradient[row];
                     for u in 0..nodes {
-                        let (row_place, column_place) = (self.places.rows[place + u], self.places.columns[place + u]);
+                        let (row_place, column_place) = (row_places[place + u], column_places[place + u]);
                         for i in 0..D {
                             let entry = first + m * count + u * D + i;
-                            values[row_place.at(0, i)] += evaluation.gradient_end[entry];
+                            values[row_place.at(0, i)] += factor * evaluation.gradient_end[entry];
                             values[column_place.at(i, 0)] -= weight * columns[entry];
                         }
                     }
@@ -290,15 +390,5 @@ impl ContactPair {
                 place += nodes;
             }
         }
-    }
-
-    /// Whether a node owns a row of a patch.
-    pub fn owns_row(&self, patch: usize, node: u32) -> bool {
-        self.kernel.owns(patch, node)
-    }
-
-    /// The node that owns a row of the model, if a node does.
-    pub fn node_of(&self, row: usize) -> Option<u32> {
-        self.kernel.row_nodes().get((row - self.rows.start) / self.kernel.rows_per_node()).copied()
     }
 }

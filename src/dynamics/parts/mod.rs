@@ -4,6 +4,7 @@
 
 pub mod body;
 pub mod contact_pair;
+pub mod friction_rows;
 pub mod laws;
 pub mod loads;
 pub mod nodal;

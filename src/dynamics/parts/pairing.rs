@@ -28,6 +28,10 @@ pub fn contact_pairs(
         pair.rows = first..first + pair.rows.end;
         first = pair.rows.end;
     }
+    for friction in pairs.iter_mut().filter_map(|pair| pair.friction.as_mut()) {
+        friction.rows = first..first + friction.rows.end;
+        first = friction.rows.end;
+    }
     pairs
 }
 
@@ -101,6 +105,7 @@ impl Pairing<'_> {
             }
             Enforcement::AugmentedLagrange { factor } => pair.augmentation = Some(factor),
         }
+        pair.add_friction(interaction);
         pair
     }
 
@@ -116,6 +121,7 @@ impl Pairing<'_> {
             let mut pair = self.pair(&owner.name, kind, body, kernel);
             (pair.corners, pair.augmentation) = (Some(belongs), Some(factor));
             (pair.update, pair.motion) = (owner.update, owner.motion.clone());
+            pair.add_friction(&self.model.interactions[of]);
             corners.push(pair);
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {

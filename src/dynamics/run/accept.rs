@@ -8,6 +8,7 @@ use super::ledger::LedgerRow;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::contact_pair::{PairKind, RowBlock};
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
@@ -53,9 +54,10 @@ where
         let Solution { at, active, preferred } = solution;
         let search = self.system.search();
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
-        let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.is_closed() { lambda } else { 0.0 }).collect();
+        let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.acts() { lambda } else { 0.0 }).collect();
         let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
-        let penalty_gap: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
+        let mut penalty_gap: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
+        penalty_gap.resize(lambda.len(), 0.0);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let remembered = self.remembered(motion, &at, &v_1);
         let outside = self.outside(start, motion, &at, &lambda, &v_1)?;
@@ -89,12 +91,16 @@ where
             row.load_work += outside.prescribed_work;
         }
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
-        row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work + row.dissipation;
+        let frictional = self.friction_work(scheme.weight, &at, &lambda);
+        // No zero with a sign where there is no friction.
+        row.friction_work = frictional.iter().sum::<f64>() + 0.0;
+        row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
 
         let pressed = |jump: &Jump| lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
         let pressing: Vec<f64> = jump.as_ref().map_or_else(|| lambda.clone(), pressed);
         row.contacts = self.contact_totals(&at.q_1, &at.pairs, &pressing, &active);
+        row.contacts.iter_mut().zip(frictional).for_each(|(contact, work)| contact.friction_work = work);
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
@@ -160,9 +166,34 @@ where
             let (lambda_n, lambda) = (shares(&self.state.lambda, before), shares(lambda, scheme.weight));
             obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
         }
+        for block in system.blocks(&at.pairs, &at.slips).filter(|block| block.is_slip() && block.pair.kind == PairKind::Obstacle) {
+            let on_nodes = |entry: usize| block.evaluation.gradient_bar[entry];
+            for row in block.live_rows() {
+                let tau = scheme.weight * lambda[row.row];
+                for (k, entry) in row.unknowns::<D>() {
+                    obstacles[k] += tau * on_nodes(entry);
+                    obstacle_work += tau * on_nodes(entry) * at.moved[k];
+                }
+            }
+            // Of that the slip is friction's, the rest that of the obstacle's motion.
+            obstacle_work -= scheme.weight * block.work(&lambda);
+        }
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
         Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment })
+    }
+
+    /// Work of friction, contact by contact `[energy]`.
+    fn friction_work(&self, weight: f64, at: &Linearization, lambda: &[f64]) -> Vec<f64> {
+        let system = &self.system;
+        let mut work = vec![0.0; system.contacts().count()];
+        for (index, (pair, blocks)) in
+            system.pairs.iter().enumerate().map(|(index, pair)| (index, (pair, [&at.pairs[index], &at.slips[index]])))
+        {
+            let contact = pair.corners.map_or(index, |corners| corners.pair);
+            work[contact] += pair.blocks(blocks).filter(RowBlock::is_slip).map(|block| weight * block.work(lambda)).sum::<f64>();
+        }
+        work
     }
 
     /// Work of contact that the update rules lose or gain on purpose `[energy]`, `reserve` that of the new state.

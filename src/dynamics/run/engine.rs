@@ -46,6 +46,8 @@ pub struct Engine<const D: usize> {
     pub halvings: Halvings,
     /// Times at which what acts has kinks, in their order.
     pub corners: Vec<f64>,
+    /// Whether friction acts in equilibria.
+    pub rest_friction: bool,
 }
 
 /// Bytes that a simulation takes for an unknown, with its matrix and without the factors of it (measured: 700 to 900 before the first step,
@@ -120,6 +122,7 @@ where
             failure: None,
             halvings: Halvings::default(),
             corners: model.corners(),
+            rest_friction: true,
         })
     }
 

@@ -61,7 +61,7 @@ where
         let (state, count) = (&self.state, self.system.multipliers);
         let mut rows = Rows {
             ours: vec![false; count],
-            hold: solution.active.iter().map(|row| row.is_closed()).collect(),
+            hold: solution.active.iter().enumerate().map(|(row, state)| row < self.system.pressing && state.is_closed()).collect(),
             reserve: state.reserve.clone(),
             is_closing: false,
         };

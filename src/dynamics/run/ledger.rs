@@ -23,9 +23,11 @@ pub struct LedgerRow {
     pub load_work: f64,
     /// Work of contact in this step that the update rule loses or gains on purpose `[energy]`.
     pub contact_work: f64,
+    /// Work of friction in this step `[energy]`, never positive: what it turns into heat.
+    pub friction_work: f64,
     /// What viscous materials turned into heat in this step `[energy]`, never negative.
     pub dissipation: f64,
-    /// `change of total - load_work - contact_work + dissipation` of this step `[energy]`: round-off when the scheme conserves.
+    /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme conserves.
     pub energy_defect: f64,
     /// Linear momentum `[mass * length/time]`.
     pub momentum: [f64; 3],
@@ -71,18 +73,27 @@ pub struct ContactTotals {
     pub pressure: f64,
     /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
     pub penetration: f64,
+    /// Work of friction in the step `[energy]`, never positive.
+    pub friction_work: f64,
+    /// Number of secondary nodes that slide.
+    pub sliding: usize,
 }
 
 impl ContactTotals {
     /// Names of its columns in a history for a space dimension.
     pub fn columns(dimension: usize) -> Vec<&'static str> {
         let force = &["force_x", "force_y", "force_z"][..dimension];
-        force.iter().copied().chain(["normal_force", "area", "max_pressure", "active", "max_penetration"]).collect()
+        force
+            .iter()
+            .copied()
+            .chain(["normal_force", "area", "max_pressure", "active", "max_penetration", "friction_work", "sliding"])
+            .collect()
     }
 
     /// Its columns' values, in their order.
     pub fn values(&self, dimension: usize) -> Vec<f64> {
-        let further = [self.normal_force, self.area, self.pressure, self.active as f64, self.penetration];
+        let counts = [self.active, self.sliding].map(|count| count as f64);
+        let further = [self.normal_force, self.area, self.pressure, counts[0], self.penetration, self.friction_work, counts[1]];
         self.force[..dimension].iter().copied().chain(further).collect()
     }
 }
@@ -167,6 +178,7 @@ impl LedgerRow {
             "reserve",
             "dissipation",
             "factorizations",
+            "friction_work",
         ]);
         names
     }
@@ -185,6 +197,7 @@ impl LedgerRow {
             "contact_work" => self.contact_work,
             "energy_defect" => self.energy_defect,
             "dissipation" => self.dissipation,
+            "friction_work" => self.friction_work,
             "momentum_x" => self.momentum[0],
             "momentum_y" => self.momentum[1],
             "momentum_z" => self.momentum[2],

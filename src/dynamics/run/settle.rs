@@ -357,7 +357,8 @@ where
 
     fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
         self.system.move_obstacles(self.state.row.time, 0.0)?;
-        self.system.begin_deep_step(outlook, reaches).map_err(|error| self.error_of(Failure::Linear(error)))
+        self.system.begin_deep_step(outlook, reaches).map_err(|error| self.error_of(Failure::Linear(error)))?;
+        self.system.begin_friction(self.state.row.time, outlook.q)
     }
 
     /// At rest every rule closes the gaps.
@@ -366,10 +367,11 @@ where
         Conditions {
             gap_n: vec![0.0; count],
             targets: self.system.closed_gaps(),
-            members: self.system.redundant.iter().map(|is_redundant| !is_redundant).collect(),
+            members: (0..count).map(|row| !self.system.redundant[row] && (row < self.system.pressing || self.rest_friction)).collect(),
             compliance: self.system.compliance(start),
             end_point: true,
             shift: vec![0.0; count],
+            dt: 0.0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The set of active rows, finished on the frozen linearisation of one iteration.
 
-use super::contact_set::{constraint_rows, has_row, pairs_at};
+use super::contact_set::{constraint_rows, first_state, has_row, pairs_at, slips_at};
 use super::failure::Failure;
 use super::frozen::{Frozen, RowValues};
 use super::iterate::Linearization;
@@ -67,8 +67,10 @@ where
             if one_at_a_time {
                 // Without a worst one, what would change is round-off.
                 let Some(worst) = worst else { break true };
+                let changed = next[worst];
                 next.clone_from(set);
-                next[worst] = set[worst].switched();
+                next[worst] = changed;
+                self.follow(at, set, &mut next);
                 if seen.contains(&next) {
                     break false;
                 }
@@ -97,7 +99,8 @@ where
             Some(values) => values,
             None => frozen.insert(self.system.freeze(self.task.start, at, &rows)?).base().clone(),
         };
-        let evaluated = at.pairs.iter().flat_map(|pair| &pair.gap);
+        let slips = self.system.pairs.iter().zip(&at.slips).filter(|(pair, _)| pair.friction.is_some()).flat_map(|(_, slip)| &slip.gap);
+        let evaluated = at.pairs.iter().flat_map(|pair| &pair.gap).chain(slips);
         values.gaps.iter_mut().zip(evaluated).for_each(|(change, gap)| *change += gap);
         if let Some(terms) = proximal {
             values.gaps.iter_mut().zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
@@ -113,7 +116,17 @@ where
                 *term = factor * coverage * coverage / *term;
             }
         }
+        self.system.copy_to_slips(&mut terms);
         terms
+    }
+
+    /// Opens tangential rows whose pressing row opens from one set to the next, and lets those of rows that close begin.
+    fn follow(&self, at: &Linearization, set: &[RowState], next: &mut [RowState]) {
+        for place in slips_at(self.system, at).filter(|place| !self.dropped[place.row]) {
+            if next[place.pressing] != set[place.pressing] {
+                next[place.row] = first_state(&place, self.task.conditions, at, next);
+            }
+        }
     }
 
     /// The set that the solution of Newton's system asks for, and the constraint that asks most.
@@ -130,6 +143,15 @@ where
                 }
             }
         }
+        for place in slips_at(self.system, at).filter(|place| place.exists && !self.dropped[place.row] && set[place.pressing].is_closed()) {
+            let row = place.with(self.task.conditions, gaps[place.row], lambda);
+            let Some((state, violation)) = row.change(set[place.row]) else { continue };
+            next[place.row] = state;
+            if violation > largest {
+                (largest, worst) = (violation, Some(place.row));
+            }
+        }
+        self.follow(at, set, &mut next);
         (next, worst)
     }
 }

@@ -10,11 +10,12 @@ use super::iterate::Linearization;
 use super::start::{StepStart, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
-use crate::contact::Evaluation;
+use crate::contact::{Evaluation, SlipStep};
 use crate::dynamics::model::part::{Remembered, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
+use crate::math::tolerances;
 
 impl<const D: usize> System<D>
 where
@@ -157,15 +158,22 @@ where
     fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
         let clock = Instant::now();
         let (derivative, weight) = (start.derivative(), start.weight());
-        let Linearization { q_1, lambda, forces, pairs, .. } = at;
+        let Linearization { q_1, moved, lambda, forces, pairs, slips, held, .. } = at;
         pairs.resize_with(self.pairs.len(), Evaluation::default);
+        slips.resize_with(self.pairs.len(), Evaluation::default);
         forces.contact.clear();
         forces.contact.resize(q_1.len(), 0.0);
-        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
+        for ((pair, evaluation), slip) in self.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
             pair.kernel.evaluate(derivative, q_1, &lambda[pair.rows.clone()], evaluation);
-            for row in pair.live_rows(evaluation) {
+            if let Some(friction) = &pair.friction {
+                let step = SlipStep { q_0: start.q_0, q_1, moved, test: derivative.placement().test, live: &evaluation.live };
+                pair.kernel.evaluate_slips(step, &lambda[friction.rows.clone()], slip);
+            }
+        }
+        for block in self.blocks(pairs, slips) {
+            for row in block.live_rows() {
                 let pressure = weight * lambda[row.row];
-                let gradient = &evaluation.gradient_bar[row.gradient];
+                let gradient = &block.evaluation.gradient_bar[row.gradient];
                 for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
                     for i in 0..D {
                         forces.contact[node as usize * D + i] += pressure * gradient[i];
@@ -173,8 +181,31 @@ where
                 }
             }
         }
+        self.find_held(pairs, slips, held);
         forces.scale = forces.scale.max(largest_size(&forces.contact));
         self.counters.times.contact += clock.elapsed();
+    }
+
+    /// Finds tangential rows whose nodes supports hold.
+    fn find_held(&self, pairs: &[Evaluation], slips: &[Evaluation], held: &mut Vec<bool>) {
+        held.clear();
+        if self.multipliers == self.pressing {
+            return;
+        }
+        let mut sizes = vec![[0.0; 2]; self.multipliers - self.pressing];
+        for block in self.blocks(pairs, slips).filter(|block| block.rows.start >= self.pressing) {
+            for row in block.live_rows() {
+                let [all, free] = &mut sizes[row.row - self.pressing];
+                let gradient = &block.evaluation.gradient_end[row.gradient];
+                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                    for i in 0..D {
+                        *all += gradient[i].abs();
+                        *free += if self.supports.fixed[node as usize * D + i] { 0.0 } else { gradient[i].abs() };
+                    }
+                }
+            }
+        }
+        held.extend(sizes.iter().map(|[all, free]| *free <= tolerances::HELD_ROW * all));
     }
 
     fn add_contact_tangent(&mut self, start: &StepStart, at: &mut Linearization) {
@@ -182,8 +213,8 @@ where
             return;
         }
         let clock = Instant::now();
-        for (pair, evaluation) in self.pairs.iter().zip(&at.pairs) {
-            pair.tangent_into::<D>(evaluation, start.weight(), &mut at.tangent);
+        for block in self.blocks(&at.pairs, &at.slips) {
+            block.tangent_into::<D>(start.weight(), &mut at.tangent);
         }
         self.counters.times.contact += clock.elapsed();
     }

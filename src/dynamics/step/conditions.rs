@@ -2,8 +2,10 @@
 
 use super::start::StepStart;
 use super::system::System;
+use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::update_rules::Holds;
 use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::friction_rows::{FrictionRows, SlipRow};
 use crate::dynamics::parts::laws::{Row, RowStart};
 use crate::integrators::Derivative;
 
@@ -22,6 +24,8 @@ pub struct Conditions {
     /// By how much a penalty potential feels the weighted gaps larger than they are: an overlap that no motion has made, but that pairs
     /// find which take part in this step and took none in the one before, has no potential.
     pub shift: Vec<f64>,
+    /// Size of the step, 0 at rest.
+    pub dt: f64,
 }
 
 impl Conditions {
@@ -42,6 +46,45 @@ impl Conditions {
     }
 }
 
+impl Conditions {
+    /// A tangential row of a pair at an iterate with those multipliers, that slip and that covered share.
+    pub fn slip_row<'a>(&self, friction: &'a FrictionRows, pair: &ContactPair, at: SlipAt) -> SlipRow<'a> {
+        let SlipAt { local, normal, lambda, slip, covered, around, is_held } = at;
+        let length = covered * pair.kernel.weights()[local];
+        SlipRow {
+            law: &*friction.law,
+            coefficient: friction.coefficients[local],
+            normal,
+            lambda,
+            slip,
+            speed: if self.dt > 0.0 && length > 0.0 { 1.0 / (length * self.dt) } else { 0.0 },
+            around,
+            compliance: self.compliance[friction.rows.start + local],
+            c: friction.c,
+            tolerance: pair.gap_tolerance,
+            is_held,
+        }
+    }
+}
+
+/// Where a tangential row of a pair is.
+pub struct SlipAt {
+    /// The row among those of its pair.
+    pub local: usize,
+    /// Multiplier of the row that presses.
+    pub normal: f64,
+    /// Its own.
+    pub lambda: f64,
+    /// Slip of the step.
+    pub slip: f64,
+    /// What it has opposite in mid-step.
+    pub covered: f64,
+    /// Multiplier per stress.
+    pub around: f64,
+    /// Whether supports hold it.
+    pub is_held: bool,
+}
+
 impl<const D: usize> System<D> {
     /// Inverse augmentation of every constraint row in a step.
     pub fn compliance(&self, start: &StepStart) -> Vec<f64> {
@@ -53,6 +96,7 @@ impl<const D: usize> System<D> {
             let rows = &mut compliance[pair.rows.clone()];
             rows.iter_mut().for_each(|row| *row = pair.augmentation.map_or(0.0, |factor| 1.0 / (factor * *row)));
         }
+        self.copy_to_slips(&mut compliance);
         compliance
     }
 
@@ -68,7 +112,39 @@ impl<const D: usize> System<D> {
                 pair.c + inertia
             }));
         }
+        stiffness.resize(self.multipliers, 0.0);
+        self.copy_to_slips(&mut stiffness);
         stiffness
+    }
+
+    /// Gives tangential rows what the rows have that press beside them.
+    pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
+        for pair in &self.pairs {
+            if let Some(friction) = &pair.friction {
+                values.copy_within(pair.rows.clone(), friction.rows.start);
+            }
+        }
+    }
+
+    /// Finds the coefficients of friction of a step that begins at `q`, with that time in its middle.
+    ///
+    /// # Errors
+    /// A function failed, or returned no coefficient.
+    pub fn begin_friction(&mut self, time: f64, q: &[f64]) -> Result<(), StepError> {
+        for pair in &mut self.pairs {
+            let ContactPair { name, friction, kernel, .. } = pair;
+            let Some(friction) = friction else { continue };
+            let (nodes, stride) = (kernel.row_nodes(), kernel.rows_per_node());
+            let place = |row: usize| {
+                let mut point = [0.0; 3];
+                if let Some(&node) = nodes.get(row / stride) {
+                    point[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
+                }
+                point
+            };
+            friction.begin_step(time, place).map_err(|source| StepError::Friction { contact: name.clone(), time, source })?;
+        }
+        Ok(())
     }
 
     /// Weighted gaps of closed constraints: zero, but for corners.
@@ -84,6 +160,7 @@ impl<const D: usize> System<D> {
     /// potentials were functions at the end of the step before.
     pub fn conditions(&self, start: &StepStart, penalty_gap: &[f64]) -> Conditions {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
+        gap_n.resize(self.multipliers, 0.0);
         let held = self.closed_gaps();
         let mut targets = vec![0.0; gap_n.len()];
         let mut members: Vec<bool> = self.redundant.iter().map(|is_redundant| !is_redundant).collect();
@@ -98,6 +175,7 @@ impl<const D: usize> System<D> {
                 members[row] &= demand.is_member;
             }
         }
-        Conditions { gap_n, targets, members, compliance: self.compliance(start), end_point, shift }
+        self.copy_to_slips(&mut members);
+        Conditions { gap_n, targets, members, compliance: self.compliance(start), end_point, shift, dt: start.dt() }
     }
 }

@@ -8,22 +8,58 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock, Written};
+use crate::dynamics::parts::laws::Equation;
 
-/// The constraint rows of Newton's system: `gradient_A G_1A dq + diagonal_A lambda_A = right_A`.
+/// The constraint rows of Newton's system: `gradient_A G_1A dq + diagonal_A lambda_A + normal_A lambda_n = right_A`.
+#[derive(Clone)]
 pub struct ConstraintRows {
-    /// 1, or 0 for `lambda = right`.
-    pub gradient: Vec<bool>,
+    /// Whether the multiplier acts.
+    pub acts: Vec<bool>,
+    /// Factors of the increment.
+    pub gradient: Vec<f64>,
     /// Diagonals.
     pub diagonal: Vec<f64>,
+    /// Of tangential rows, factors of the multipliers that press.
+    pub normal: Vec<f64>,
     /// Right-hand sides.
     pub right: Vec<f64>,
 }
 
 impl ConstraintRows {
+    /// All of `count` open: `lambda = 0`.
+    pub fn open(count: usize) -> Self {
+        let zeros = vec![0.0; count];
+        ConstraintRows {
+            acts: vec![false; count],
+            gradient: zeros.clone(),
+            diagonal: vec![1.0; count],
+            normal: zeros.clone(),
+            right: zeros,
+        }
+    }
+
+    /// Rows that `hold`: `G_1 dq = right`.
+    pub fn held(hold: &[bool]) -> Self {
+        let mut rows = ConstraintRows::open(hold.len());
+        (0..hold.len()).filter(|&row| hold[row]).for_each(|row| rows.set(row, Equation::held(0.0, 0.0)));
+        rows
+    }
+
+    /// The equation of a row.
+    pub fn set(&mut self, row: usize, Equation { acts, gradient, diagonal, normal, right }: Equation) {
+        (self.acts[row], self.gradient[row], self.diagonal[row], self.normal[row], self.right[row]) =
+            (acts, gradient, diagonal, normal, right);
+    }
+
+    /// Whether a row has the equation that it has in `other`, whatever its right-hand side.
+    pub fn is_as(&self, other: &ConstraintRows, row: usize) -> bool {
+        self.acts[row] == other.acts[row] && self.gradient[row] == other.gradient[row] && self.normal[row] == other.normal[row]
+    }
+
     /// Adds a proximal term to the rows that hold: their weighted gaps give way by so much per change of their multipliers from `lambda`.
     pub fn add_proximal(&mut self, terms: &[f64], lambda: &[f64]) {
-        for row in (0..terms.len()).filter(|&row| self.gradient[row]) {
+        for row in (0..terms.len()).filter(|&row| self.acts[row] && self.gradient[row] == 1.0 && self.normal[row] == 0.0) {
             self.diagonal[row] += terms[row];
             self.right[row] += terms[row] * lambda[row];
         }
@@ -52,8 +88,8 @@ where
     pub fn write_system(&mut self, start: &StepStart, at: &mut Linearization, rows: &ConstraintRows) -> Result<Vec<f64>, Failure> {
         self.complete_tangent(start, at)?;
         let clock = Instant::now();
-        let Linearization { forces, pairs, tangent, .. } = at;
-        self.write_constraints(pairs, &rows.gradient, start.weight(), |pair| &pair.gradient_bar, tangent);
+        let Linearization { forces, pairs, slips, tangent, .. } = at;
+        self.write_constraints([pairs, slips], rows, start.weight(), |pair| &pair.gradient_bar, tangent);
         let mut right: Vec<f64> = forces.without_contact.iter().map(|r| -r).collect();
         right.extend_from_slice(&rows.right);
         if !self.given.is_empty() {
@@ -82,19 +118,29 @@ impl<const D: usize> System<D> {
         outcome.map(drop).map_err(Failure::Linear)
     }
 
-    /// Writes rows `G_1` and columns `-weight columns^T` of the active constraints.
+    /// Writes rows `gradient G_1` and columns `-weight columns^T` of the constraints that act, and how tangential ones depend on those that
+    /// press.
     pub fn write_constraints(
         &self,
-        pairs: &[Evaluation],
-        active: &[bool],
+        [pairs, slips]: [&[Evaluation]; 2],
+        rows: &ConstraintRows,
         weight: f64,
         columns: fn(&Evaluation) -> &Vec<f64>,
         values: &mut [f64],
     ) {
-        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
-            pair.clear_constraints::<D>(values);
-            pair.constraints_into::<D>(evaluation, active, columns(evaluation), weight, values);
+        for block in self.blocks(pairs, slips) {
+            block.clear_constraints::<D>(values);
+            block.constraints_into::<D>(&Written { acts: &rows.acts, gradient: &rows.gradient }, columns(block.evaluation), weight, values);
         }
+        for friction in self.pairs.iter().filter_map(|pair| pair.friction.as_ref()) {
+            friction.couple(&rows.normal, values);
+        }
+    }
+
+    /// The rows of all pairs at an iterate, by what they are there and what their tangential rows are: of each pair those that press, then
+    /// the tangential ones.
+    pub fn blocks<'a>(&'a self, pairs: &'a [Evaluation], slips: &'a [Evaluation]) -> impl Iterator<Item = RowBlock<'a>> {
+        self.pairs.iter().zip(pairs).zip(slips).flat_map(|((pair, pressing), slip)| pair.blocks([pressing, slip]))
     }
 
     /// Rates `grad Phi_A(q_1).v` of all constraints at an iterate, as seen from obstacles that move.
@@ -106,7 +152,7 @@ impl<const D: usize> System<D> {
         rates
     }
 
-    /// Tells every entry of the gradients at the end of the step: pair, row, unknown, value.
+    /// Tells every entry of the gradients at the end of the step of the rows that press: pair, row, unknown, value.
     pub fn for_each_end_gradient(&self, pairs: &[Evaluation], mut tell: impl FnMut(&ContactPair, usize, usize, f64)) {
         for (pair, evaluation) in self.pairs.iter().zip(pairs) {
             for row in pair.live_rows(evaluation) {

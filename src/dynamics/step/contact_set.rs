@@ -1,12 +1,13 @@
 //! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's system gets from them.
 
-use super::conditions::Conditions;
+use super::conditions::{Conditions, SlipAt};
 use super::constraints::ConstraintRows;
 use super::iterate::Linearization;
 use super::system::System;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::laws::{Equation, RowState};
+use crate::dynamics::parts::friction_rows::SlipRow;
+use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
 /// Every pair with what it is at an iterate.
@@ -20,6 +21,48 @@ pub fn pairs_at<'a, const D: usize>(
 /// Whether constraint `local` of a pair can hold at all at this iterate: its node has an overlap. A penalty potential always counts.
 pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> bool {
     !pair.has_multipliers() || evaluation.coverage[local] > tolerances::ZERO_ROW
+}
+
+/// A tangential row of the model at an iterate.
+pub struct SlipPlace<'a> {
+    /// The row, and the one that presses, among all rows.
+    pub row: usize,
+    pub pressing: usize,
+    /// Its pair.
+    pub pair: &'a ContactPair,
+    /// Whether it can have a multiplier at all: both rows have something opposite.
+    pub exists: bool,
+    local: usize,
+    slip: &'a Evaluation,
+    around: f64,
+    is_held: bool,
+}
+
+impl<'a> SlipPlace<'a> {
+    /// The row with what a solution makes of its slip and of both multipliers.
+    pub fn with(&self, conditions: &Conditions, slip: f64, lambda: &[f64]) -> SlipRow<'a> {
+        let friction = self.pair.friction.as_ref().expect("the pair has tangential rows");
+        let (covered, normal, lambda) = (self.slip.coverage[self.local], lambda[self.pressing], lambda[self.row]);
+        let at = SlipAt { local: self.local, normal, lambda, slip, covered, around: self.around, is_held: self.is_held };
+        conditions.slip_row(friction, self.pair, at)
+    }
+
+    /// The row at the iterate.
+    pub fn at(&self, conditions: &Conditions, at: &Linearization) -> SlipRow<'a> {
+        self.with(conditions, self.slip.gap[self.local], &at.lambda)
+    }
+}
+
+/// All tangential rows at an iterate.
+pub fn slips_at<'a, const D: usize>(system: &'a System<D>, at: &'a Linearization) -> impl Iterator<Item = SlipPlace<'a>> {
+    pairs_at(system, at).zip(&at.slips).flat_map(move |((pair, evaluation), slip)| {
+        pair.friction.iter().flat_map(|friction| friction.rows.clone().enumerate()).map(move |(local, row)| {
+            let pressing = pair.rows.start + local;
+            let around = pair.node_of(pressing).map_or(1.0, |node| pair.circumference(node, &at.q_1));
+            let exists = has_row(pair, evaluation, local) && slip.coverage[local] > tolerances::SLIVER && around > 0.0;
+            SlipPlace { row, pressing, pair, exists, local, slip, around, is_held: at.held[row - system.pressing] }
+        })
+    })
 }
 
 /// Takes nodes with a sliver of overlap out of the step; returns whether a multiplier was lost.
@@ -62,6 +105,15 @@ pub fn worst_violation<const D: usize>(
             work += energy;
         }
     }
+    for place in slips_at(system, at).filter(|place| !dropped[place.row]) {
+        let row = place.at(conditions, at);
+        let (natural, energy) = if place.exists { row.residual() } else { (row.lambda / row.c, row.lambda * row.slip) };
+        let violation = natural.abs() / row.tolerance;
+        if violation > worst {
+            (worst, worst_row) = (violation, place.row);
+        }
+        work += energy;
+    }
     (worst, worst_row, work)
 }
 
@@ -82,6 +134,9 @@ pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, cond
             }
         }
     }
+    for place in slips_at(system, at).filter(|place| !dropped[place.row]) {
+        set[place.row] = first_state(&place, conditions, at, &set);
+    }
     set
 }
 
@@ -92,14 +147,20 @@ pub fn constraint_rows<const D: usize>(
     conditions: &Conditions,
     set: &[RowState],
 ) -> ConstraintRows {
-    let (diagonal, right) = (vec![1.0; system.multipliers], vec![0.0; system.multipliers]);
-    let mut rows = ConstraintRows { gradient: set.iter().map(|row| row.is_closed()).collect(), diagonal, right };
+    let mut rows = ConstraintRows::open(system.multipliers);
     for (pair, evaluation) in pairs_at(system, at) {
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
             let at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
-            let Equation { has_gradient, diagonal, right } = pair.law.equation(&at_iterate);
-            (rows.gradient[row], rows.diagonal[row], rows.right[row]) = (has_gradient, diagonal, right);
+            rows.set(row, pair.law.equation(&at_iterate));
         }
     }
+    for place in slips_at(system, at).filter(|place| set[place.row].acts()) {
+        rows.set(place.row, place.at(conditions, at).equation(set[place.row]));
+    }
     rows
+}
+
+/// The state with which an iteration begins for a tangential row, by the state of the row that presses: open without pressure.
+pub fn first_state(place: &SlipPlace, conditions: &Conditions, at: &Linearization, set: &[RowState]) -> RowState {
+    if place.exists && set[place.pressing].is_closed() { place.at(conditions, at).first_state() } else { RowState::Open }
 }

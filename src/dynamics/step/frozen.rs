@@ -22,14 +22,16 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
+use crate::dynamics::parts::contact_pair::RowBlock;
 
 /// Rows that may change before the matrix is factorised with another set: each costs a substitution.
 const MOST_CHANGES: usize = 64;
 
 /// Newton's system of one iterate with a set of active rows in its factors.
 pub struct Frozen {
-    /// Rows that are in the factors.
-    closed: Vec<bool>,
+    /// The rows in the factors, and those of the present set.
+    rows: ConstraintRows,
+    acts: Vec<bool>,
     /// Right-hand side and solution with that set.
     right: Vec<f64>,
     solution: Vec<f64>,
@@ -69,27 +71,36 @@ where
         let right = self.write_system(start, at, rows)?;
         let mut solution = right.clone();
         self.solve_with(&at.tangent, &mut solution, Instant::now())?;
-        let base = self.row_values(&at.pairs, &solution);
-        Ok(Frozen { closed: rows.gradient.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
+        let base = self.row_values([&at.pairs, &at.slips], &solution);
+        let (acts, rows) = (rows.acts.clone(), rows.clone());
+        Ok(Frozen { rows, acts, right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
     }
 
-    fn row_values(&self, pairs: &[Evaluation], solution: &[f64]) -> RowValues {
+    fn row_values(&self, [pairs, slips]: [&[Evaluation]; 2], solution: &[f64]) -> RowValues {
         let (increment, lambda) = solution.split_at(solution.len() - self.multipliers);
         let mut gaps = vec![0.0; self.multipliers];
-        self.for_each_end_gradient(pairs, |_, row, k, gradient| gaps[row] += gradient * increment[k]);
+        for block in self.blocks(pairs, slips) {
+            for row in block.live_rows() {
+                let gradient = &block.evaluation.gradient_end[row.gradient];
+                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                    (0..D).for_each(|i| gaps[row.row] += gradient[i] * increment[node as usize * D + i]);
+                }
+            }
+        }
         RowValues { gaps, lambda: lambda.to_vec() }
     }
 
     /// Adds to a right-hand side what a changed row brings.
-    fn add_brought(&self, frozen: &Frozen, weight: f64, pairs: &[Evaluation], amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
+    fn add_brought(&self, frozen: &Frozen, weight: f64, at: &Linearization, amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
         let unknowns = right.len() - self.multipliers;
         for (&row, amount) in amounts {
             right[unknowns + row] += amount;
         }
-        for (pair, evaluation) in self.pairs.iter().zip(pairs).filter(|(pair, _)| amounts.range(pair.rows.clone()).next().is_some()) {
-            for row in pair.live_rows(evaluation) {
-                let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.closed[row.row]) else { continue };
-                let gradient = &evaluation.gradient_bar[row.gradient];
+        let changed = |block: &RowBlock| amounts.range(block.rows.clone()).next().is_some();
+        for block in self.blocks(&at.pairs, &at.slips).filter(changed) {
+            for row in block.live_rows() {
+                let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.rows.acts[row.row]) else { continue };
+                let gradient = &block.evaluation.gradient_bar[row.gradient];
                 for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
                     for i in 0..D {
                         let unknown = node as usize * D + i;
@@ -111,23 +122,27 @@ where
 
     /// The rows with another set, whose equations are `rows`; nothing where the system should be factorised with that set instead.
     pub fn rows_with(&mut self, frozen: &mut Frozen, start: &StepStart, at: &Linearization, rows: &ConstraintRows) -> Option<RowValues> {
-        let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.gradient[row] != frozen.closed[row]).collect();
+        let changed: Vec<usize> = (0..self.multipliers).filter(|&row| !rows.is_as(&frozen.rows, row)).collect();
         let fresh: Vec<usize> = changed.iter().copied().filter(|row| !frozen.answers.contains_key(row)).collect();
         if frozen.answers.len() + fresh.len() > MOST_CHANGES {
             return None;
         }
         for row in fresh {
             let mut right = vec![0.0; frozen.right.len()];
-            self.add_brought(frozen, start.weight(), &at.pairs, &BTreeMap::from([(row, 1.0)]), &mut right);
+            self.add_brought(frozen, start.weight(), at, &BTreeMap::from([(row, 1.0)]), &mut right);
             self.substitute(&at.tangent, &mut right).ok()?;
-            frozen.answers.insert(row, self.row_values(&at.pairs, &right));
+            frozen.answers.insert(row, self.row_values([&at.pairs, &at.slips], &right));
         }
-        // What a changed row must have: the equation of one that closes, no multiplier of one that opens.
+        // What a changed row must have: its equation, or no multiplier where it opens.
         let of = |row: usize, values: &RowValues| {
-            if frozen.closed[row] { values.lambda[row] } else { values.gaps[row] + rows.diagonal[row] * values.lambda[row] }
+            if !rows.acts[row] {
+                return values.lambda[row];
+            }
+            let own = rows.gradient[row] * values.gaps[row] + rows.diagonal[row] * values.lambda[row];
+            if rows.normal[row] == 0.0 { own } else { own + rows.normal[row] * values.lambda[self.pressing_row(row)] }
         };
         let matrix = DMatrix::from_fn(changed.len(), changed.len(), |i, j| of(changed[i], &frozen.answers[&changed[j]]));
-        let wanted = |row: usize| if frozen.closed[row] { 0.0 } else { rows.right[row] };
+        let wanted = |row: usize| if rows.acts[row] { rows.right[row] } else { 0.0 };
         let right = DVector::from_iterator(changed.len(), changed.iter().map(|&row| wanted(row) - of(row, &frozen.base)));
         let amounts = matrix.lu().solve(&right).filter(|amounts| amounts.iter().all(|amount| amount.is_finite()))?;
         frozen.amounts = changed.iter().copied().zip(amounts.iter().copied()).collect();
@@ -138,7 +153,8 @@ where
             values.lambda.iter_mut().zip(&answer.lambda).for_each(|(value, answer)| *value += amount * answer);
         }
         // Open rows have no multiplier, not one of round-off.
-        values.lambda.iter_mut().zip(&rows.gradient).filter(|(_, closed)| !**closed).for_each(|(lambda, _)| *lambda = 0.0);
+        values.lambda.iter_mut().zip(&rows.acts).filter(|(_, acts)| !**acts).for_each(|(lambda, _)| *lambda = 0.0);
+        frozen.acts.clone_from(&rows.acts);
         Some(values)
     }
 
@@ -153,10 +169,10 @@ where
             solution = frozen.solution;
         } else {
             solution = frozen.right.clone();
-            self.add_brought(&frozen, start.weight(), &at.pairs, &amounts, &mut solution);
+            self.add_brought(&frozen, start.weight(), at, &amounts, &mut solution);
             self.substitute(&at.tangent, &mut solution)?;
             let unknowns = solution.len() - self.multipliers;
-            amounts.keys().filter(|&&row| frozen.closed[row]).for_each(|row| solution[unknowns + row] = 0.0);
+            amounts.keys().filter(|&&row| !frozen.acts[row]).for_each(|row| solution[unknowns + row] = 0.0);
         }
         let lambda = solution.split_off(solution.len() - self.multipliers);
         Ok((solution, lambda))

@@ -21,6 +21,10 @@ pub struct Linearization {
     pub forces: Forces,
     /// What every pair is there.
     pub pairs: Vec<Evaluation>,
+    /// What its tangential rows are, if it has any: slips as gaps, and what each has opposite in mid-step.
+    pub slips: Vec<Evaluation>,
+    /// Tangential rows that supports hold.
+    pub held: Vec<bool>,
     /// Values of the matrix without the rows and columns of constraints.
     pub tangent: Vec<f64>,
     /// Pattern that they are of; `None` while they are not computed.

@@ -6,7 +6,7 @@
 
 use super::attempts::{ATTEMPTS, Preferred, Strategy};
 use super::conditions::Conditions;
-use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, starting_set, worst_violation};
+use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, slips_at, starting_set, worst_violation};
 use super::convergence::{Convergence, Iteration, Judgement};
 use super::failure::Failure;
 use super::iterate::Linearization;
@@ -180,7 +180,11 @@ where
             Judgement::Done => {
                 // With a penalty every covered node is in the system: in contact are those that press.
                 let mut active = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
-                active.iter_mut().zip(&at.lambda).filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
+                let pressing = active.iter_mut().zip(&at.lambda).take(attempt.system.pressing);
+                pressing.filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
+                let idle: Vec<usize> =
+                    slips_at(attempt.system, &at).filter(|place| !active[place.pressing].is_closed()).map(|place| place.row).collect();
+                idle.into_iter().for_each(|row| active[row] = RowState::Open);
                 return Ok(Solution { at, active, preferred: Preferred::default() });
             }
             Judgement::GivesUp => {
@@ -394,6 +398,10 @@ where
                     size * pair.c * pair.law.residual(&self.task.conditions.row(pair, row, evaluation.gap[local], at.lambda[row])).0;
                 sum += natural * natural;
             }
+        }
+        for place in slips_at(self.system, at).filter(|place| place.exists && !self.dropped[place.row]) {
+            let natural = place.pair.kernel.facet_size() * place.pair.c * place.at(self.task.conditions, at).residual().0;
+            sum += natural * natural;
         }
         sum.sqrt()
     }

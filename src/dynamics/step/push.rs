@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::constraints::ConstraintRows;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::system::System;
@@ -43,7 +44,7 @@ where
         let scale = gradient / self.nodes.largest_nodal_mass;
         values.iter_mut().for_each(|value| *value *= scale);
         let diagonal: Vec<f64> = hold.iter().map(|hold| if *hold { 0.0 } else { 1.0 }).collect();
-        self.write_constraints(pairs, hold, 1.0, |pair| &pair.gradient_end, &mut values);
+        self.write_constraints([pairs, &at.slips], &ConstraintRows::held(hold), 1.0, |pair| &pair.gradient_end, &mut values);
         self.matrix.finish(&diagonal, self.nodes.modulus, &mut values);
         let mut right = vec![0.0; q_1.len()];
         self.for_each_end_gradient(pairs, |_, row, k, gradient| right[k] += scale * lambda[row] * gradient);

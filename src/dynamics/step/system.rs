@@ -51,8 +51,10 @@ pub struct System<const D: usize> {
     pub(super) point_masses: Vec<PointInertia>,
     /// Contacts, obstacles and ties, then the corners that belong to them.
     pub pairs: Vec<ContactPair>,
-    /// Number of their rows.
+    /// Number of their rows, those that press before the tangential ones.
     pub multipliers: usize,
+    /// Number of the rows that press.
+    pub pressing: usize,
     /// Rows of ties that follow from others and from supports, and take part in no step.
     pub redundant: Vec<bool>,
     /// The matrix of the steps.
@@ -103,7 +105,9 @@ where
         let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).chain(viscous).collect();
         let middles = middles(model, first);
         let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &middles, &reference, default_rule);
-        let multipliers = pairs.last().map_or(0, |pair| pair.rows.end);
+        let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
+        let multipliers =
+            pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);
         let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
         let masses: Vec<(u32, f64)> = others.iter().flat_map(|part| part.point_masses()).collect();
         let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern, &masses);
@@ -119,6 +123,7 @@ where
             point_masses: masses.into_iter().map(|(node, mass)| PointInertia { node, mass, place: Block::default() }).collect(),
             pairs,
             multipliers,
+            pressing,
             redundant: vec![false; multipliers],
             matrix,
             counters: Counters::default(),
@@ -270,6 +275,15 @@ impl<const D: usize> System<D> {
     /// The pairs that belong to a contact besides.
     pub fn corners_of(&self, index: usize) -> impl Iterator<Item = &ContactPair> {
         self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
+    }
+
+    /// The row that presses beside a tangential row.
+    pub fn pressing_row(&self, slip: usize) -> usize {
+        let of = |pair: &ContactPair| {
+            let friction = pair.friction.as_ref().filter(|friction| friction.rows.contains(&slip))?;
+            Some(pair.rows.start + slip - friction.rows.start)
+        };
+        self.pairs.iter().find_map(of).expect("every tangential row belongs to a pair")
     }
 
     /// The body that owns a node.

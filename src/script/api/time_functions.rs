@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rhai::{Dynamic, FnPtr};
 
-use crate::dynamics::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
+use crate::dynamics::{Amplitude, Constant, Hat, PlaceFunction, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::callback::Callback;
-use crate::script::language::digits::number_text;
+use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::failure::{Failure, ScriptError};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -42,8 +42,16 @@ fn constant(value: f64) -> Amplitude {
 
 /// A closure of time.
 fn closure(call: &Call, function: FnPtr) -> Amplitude {
-    let closure = Closure { callback: Callback::new(call, function), host: call.host.clone() };
-    Arc::new(ScriptFunction(ThreadBound::new(closure)))
+    Arc::new(kept(call, function))
+}
+
+fn kept(call: &Call, function: FnPtr) -> ScriptFunction {
+    ScriptFunction(ThreadBound::new(Closure { callback: Callback::new(call, function), host: call.host.clone() }))
+}
+
+/// A closure of a place in the plane.
+pub fn place_function(call: &Call, function: FnPtr) -> Arc<dyn PlaceFunction> {
+    Arc::new(kept(call, function))
 }
 
 /// The time function that an argument means: a number, one of the built-in ones, or a closure of time.
@@ -108,19 +116,20 @@ impl std::fmt::Display for ClosureError {
 
 impl std::error::Error for ClosureError {}
 
-/// A closure of time as the solver holds it.
+/// A closure of time, or of a place, as the solver holds it.
 struct ScriptFunction(ThreadBound<Closure>);
 
-impl TimeFunction for ScriptFunction {
-    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+impl ScriptFunction {
+    /// The number that it gives `at` these arguments.
+    fn number<const N: usize>(&self, arguments: [f64; N], at: impl Fn() -> String) -> Result<f64, TimeFunctionError> {
         let closure = self.0.get().ok_or("the closure belongs to another thread")?;
         let Closure { callback, host } = &*closure;
-        let value = callback.call([Dynamic::from(time)]).map_err(|error| ClosureError::boxed(callback.wrap(*error)))?;
+        let value = callback.call(arguments.map(Dynamic::from)).map_err(|error| ClosureError::boxed(callback.wrap(*error)))?;
         match as_number(&value) {
             Some(number) if number.is_finite() => Ok(number),
             _ => {
                 let given = host.engine().map_or(String::new(), |engine| describe(&engine.borrow(), &value));
-                let failure = Failure::script(format!("the closure must give a finite number at t = {}", number_text(time)))
+                let failure = Failure::script(format!("the closure must give a finite number at {}", at()))
                     .label("given here")
                     .cause(format!("it gives {given}"))
                     .hint("let its last expression be the number");
@@ -128,9 +137,25 @@ impl TimeFunction for ScriptFunction {
             }
         }
     }
+}
+
+impl TimeFunction for ScriptFunction {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        self.number([time], || format!("t = {}", number_text(time)))
+    }
 
     fn describe(&self) -> String {
         "|t| …".into()
+    }
+}
+
+impl PlaceFunction for ScriptFunction {
+    fn value(&self, [x, y, _]: [f64; 3]) -> Result<f64, TimeFunctionError> {
+        self.number([x, y], || vector_text(&[x, y]))
+    }
+
+    fn describe(&self) -> String {
+        "|x, y| …".into()
     }
 }
 

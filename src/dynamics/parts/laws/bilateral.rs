@@ -35,5 +35,5 @@ impl RowLaw for Bilateral {
 
 /// `Phi = target`, with the compliance of an augmentation.
 pub(super) fn held(row: &Row) -> Equation {
-    Equation { has_gradient: true, diagonal: row.compliance, right: row.target - row.gap + row.compliance * row.lambda }
+    Equation::held(row.compliance, row.target - row.gap + row.compliance * row.lambda)
 }

@@ -4,10 +4,11 @@
 //! what a step demands of the two, by how much an iterate is off, and which equation a row that holds has in Newton's system,
 //!
 //! ```text
-//! A G_1 dq + B lambda = r,
+//! A G_1 dq + B lambda + N lambda_n = r,
 //! ```
 //!
-//! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment. A law knows neither methods nor surfaces.
+//! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment; `lambda_n` is there for tangential rows
+//! (`friction_rows.rs`) alone. A law knows neither methods nor surfaces.
 
 use std::fmt;
 
@@ -19,8 +20,12 @@ pub enum RowState {
     /// Its multiplier is zero.
     #[default]
     Open,
-    /// Its condition holds, its multiplier may press.
+    /// Its condition holds, its multiplier may press; a tangential row sticks.
     Closed,
+    /// A tangential row slides, its multiplier is positive.
+    Forward,
+    /// A tangential row slides, its multiplier is negative.
+    Backward,
 }
 
 impl RowState {
@@ -34,7 +39,26 @@ impl RowState {
         self == RowState::Closed
     }
 
-    /// The other state.
+    /// Whether its multiplier may differ from zero.
+    pub fn acts(self) -> bool {
+        self != RowState::Open
+    }
+
+    /// The state of a tangential row that slides against a multiplier of that sign.
+    pub fn sliding(multiplier: f64) -> Self {
+        if multiplier > 0.0 { RowState::Forward } else { RowState::Backward }
+    }
+
+    /// Sign of the multiplier of a tangential row that slides.
+    pub fn sense(self) -> Option<f64> {
+        match self {
+            RowState::Forward => Some(1.0),
+            RowState::Backward => Some(-1.0),
+            RowState::Open | RowState::Closed => None,
+        }
+    }
+
+    /// The other state of a row that presses or is open.
     pub fn switched(self) -> Self {
         RowState::closed_if(!self.is_closed())
     }
@@ -92,14 +116,29 @@ pub struct Row {
     pub tolerance: f64,
 }
 
-/// The equation of a row that holds: `A G_1 dq + B lambda = r`, with `A` one or zero.
+/// The equation of a row: `A G_1 dq + B lambda + N lambda_n = r`, with the pressing multiplier `lambda_n` of a tangential row.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equation {
-    /// Whether the increment is in it.
-    pub has_gradient: bool,
+    /// Whether its multiplier presses.
+    pub acts: bool,
+    /// `A`.
+    pub gradient: f64,
     /// `B`.
     pub diagonal: f64,
+    /// `N`.
+    pub normal: f64,
     /// `r`.
     pub right: f64,
+}
+
+impl Equation {
+    /// `lambda = 0`.
+    pub const OPEN: Equation = Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, right: 0.0 };
+
+    /// `G_1 dq + compliance lambda = right`.
+    pub fn held(compliance: f64, right: f64) -> Equation {
+        Equation { acts: true, gradient: 1.0, diagonal: compliance, normal: 0.0, right }
+    }
 }
 
 /// The law of constraint rows.

@@ -37,11 +37,11 @@ mod tests {
         for law in LAWS {
             for (gap, lambda) in [(-0.3, 2.0), (-0.02, 0.4), (0.5, 0.0), (-0.1, -1.0)] {
                 let start = row(gap, lambda);
-                let Equation { has_gradient, diagonal, right } = law.equation(&start);
+                let Equation { acts, diagonal, right, .. } = law.equation(&start);
                 for pressed in [-3.0, 0.0, 3.0] {
                     // A multiplier is given; the gap follows, or, where a potential acts, the multiplier from the gap.
-                    let change = if has_gradient { right - diagonal * pressed } else { 0.0 };
-                    let solved = row(gap + change, if has_gradient { pressed } else { right });
+                    let change = if acts { right - diagonal * pressed } else { 0.0 };
+                    let solved = row(gap + change, if acts { pressed } else { right });
                     let asks = law.change(RowState::Closed, &solved).is_some();
                     let is_linear = law.has_multiplier() || solved.gap <= 0.0;
                     let residual = law.residual(&solved).0;

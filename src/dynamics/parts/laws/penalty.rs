@@ -30,8 +30,8 @@ impl RowLaw for Penalty {
     /// `lambda = p(Phi_1 + G_1 dq)`, divided by the slope so that all rows are of one size.
     fn equation(&self, row: &Row) -> Equation {
         match pressure_at(row) {
-            (_, 0.0) => Equation { has_gradient: false, diagonal: 1.0, right: 0.0 },
-            (pressure, slope) => Equation { has_gradient: true, diagonal: -1.0 / slope, right: -pressure / slope },
+            (_, 0.0) => Equation::OPEN,
+            (pressure, slope) => Equation::held(-1.0 / slope, -pressure / slope),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::script::language::function::Function;
 
+pub mod friction;
 pub mod methods;
 pub mod obstacles;
 pub mod pairs;
@@ -9,6 +10,7 @@ pub mod pairs;
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = methods::functions();
+    all.extend(friction::functions());
     all.extend(obstacles::functions());
     all.extend(pairs::functions());
     all

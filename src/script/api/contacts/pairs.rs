@@ -5,6 +5,7 @@
 
 use rhai::{Array, Dynamic};
 
+use super::friction::{friction_of, friction_parameter};
 use super::methods::{method_of, method_parameter, rule_parameters, rules_of};
 use super::obstacles::ObstacleHandle;
 use crate::dynamics::{BodyBoundary, Interaction, Partner};
@@ -32,7 +33,7 @@ fn add_contact() -> Function {
         name: "add_contact",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Contact,
-        summary: "lets a boundary touch others, or a rigid obstacle, without friction",
+        summary: "lets a boundary touch others, or a rigid obstacle, with friction or without",
         parameters: vec![
             name_parameter(),
             Parameter::new(
@@ -52,6 +53,7 @@ fn add_contact() -> Function {
                     update,
                     penalty,
                     augmented,
+                    friction_parameter(),
                     Parameter::new(
                         "equality",
                         Kind::Flag,
@@ -81,7 +83,8 @@ fn add_contact() -> Function {
                 let failure = failure.cause("an obstacle has no facets to integrate over: the gap of a node is its distance");
                 return Err(failure.hint("leave the option out").into());
             }
-            add(call, &model, Interaction { name, secondary, partner, method, update, enforcement, equality })?;
+            let friction = friction_of(&options)?;
+            add(call, &model, Interaction { name, secondary, partner, method, update, enforcement, equality, friction })?;
             Ok(Dynamic::UNIT)
         }),
     }
@@ -93,7 +96,7 @@ fn add_self_contact() -> Function {
         name: "add_self_contact",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Contact,
-        summary: "lets a boundary touch itself without friction where it folds",
+        summary: "lets a boundary touch itself where it folds, with friction or without",
         parameters: vec![
             name_parameter(),
             Parameter::new(
@@ -104,6 +107,7 @@ fn add_self_contact() -> Function {
                     update,
                     penalty,
                     augmented,
+                    friction_parameter(),
                 ]),
                 "surface and method",
             ),
@@ -116,7 +120,8 @@ fn add_self_contact() -> Function {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let surface = boundary_of(&options.argument("surface"), &model)?;
             let (method, (update, enforcement)) = (method_of(&options)?, rules_of(&options)?);
-            add(call, &model, Interaction { method, update, enforcement, ..Interaction::new(&name, surface, Partner::Itself) })?;
+            let friction = friction_of(&options)?;
+            add(call, &model, Interaction { method, update, enforcement, friction, ..Interaction::new(&name, surface, Partner::Itself) })?;
             Ok(Dynamic::UNIT)
         }),
     }

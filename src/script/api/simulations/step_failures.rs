@@ -20,10 +20,12 @@ impl SimulationHandle {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
             StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, at)).hint(hint),
             StepError::OutOfMemory { .. } => Failure::new(Class::Numerics, title).hint(hint),
-            StepError::Amplitude { source, .. } => match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
-                Some(inner) => call.fail(title).caused_by(inner),
-                None => call.fail(title).cause(source.to_string()).hint(hint),
-            },
+            StepError::Amplitude { source, .. } | StepError::Friction { source, .. } => {
+                match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
+                    Some(inner) => call.fail(title).caused_by(inner),
+                    None => call.fail(title).cause(source.to_string()).hint(hint),
+                }
+            }
             // A failure without a step size comes from `settle`.
             StepError::NotConverged { dt: 0.0, cause, .. } => self.no_equilibrium(cause, hint),
             StepError::NotConverged { time, step, dt, halvings, cause, .. } => {

@@ -1,0 +1,71 @@
+//! Coulomb's law and its kin.
+
+use super::law::{FrictionLaw, Limit, Sliding};
+
+/// ```text
+/// L = min(mu(v) p + adhesion(v), most) + viscosity v
+/// mu(v) = mu (1 + (static_ratio - 1) exp(-(v/transition_speed)^exponent)),    adhesion(v) = adhesion exp(-(v/transition_speed)^exponent)
+/// ```
+///
+/// with the pressure `p`, the speed `v` and the coefficient `mu` of sliding. Coulomb's law has `mu` alone; `static_ratio` is the coefficient
+/// at rest over it (Stribeck's curve with `exponent` 2 and a viscosity), `most` the shear stress that the material bears (Shaw, Orowan).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coulomb {
+    /// Coefficient at rest over that of sliding, 1 or more.
+    pub static_ratio: f64,
+    /// Speed that parts rest from sliding `[length/time]`.
+    pub transition_speed: f64,
+    /// Exponent of the transition, 1 or 2.
+    pub exponent: f64,
+    /// Shear stress that a point bears at rest without pressure, while it is in contact `[stress]`.
+    pub adhesion: f64,
+    /// The most that friction of either kind comes to `[stress]`.
+    pub most: f64,
+    /// Shear stress per speed of a film between the surfaces `[stress time/length]`.
+    pub viscosity: f64,
+}
+
+impl Default for Coulomb {
+    fn default() -> Self {
+        Coulomb { static_ratio: 1.0, transition_speed: f64::INFINITY, exponent: 1.0, adhesion: 0.0, most: f64::INFINITY, viscosity: 0.0 }
+    }
+}
+
+impl FrictionLaw for Coulomb {
+    fn limit(&self, Sliding { coefficient, pressure, speed }: Sliding) -> Limit {
+        let (rest, by_speed) = if self.transition_speed.is_finite() {
+            let ratio = speed / self.transition_speed;
+            let rest = (-ratio.powf(self.exponent)).exp();
+            (rest, -rest * self.exponent * ratio.powf(self.exponent - 1.0) / self.transition_speed)
+        } else {
+            (1.0, 0.0)
+        };
+        let has_rest = self.transition_speed.is_finite() || self.static_ratio == 1.0;
+        let over = if has_rest { self.static_ratio - 1.0 } else { 0.0 };
+        let mu = coefficient * (1.0 + over * rest);
+        let dry = mu * pressure + self.adhesion * rest;
+        let film = Limit { shear: self.viscosity * speed, by_pressure: 0.0, by_speed: self.viscosity };
+        if dry >= self.most {
+            return Limit { shear: self.most + film.shear, ..film };
+        }
+        Limit {
+            shear: dry + film.shear,
+            by_pressure: mu,
+            by_speed: (coefficient * over * pressure + self.adhesion) * by_speed + film.by_speed,
+        }
+    }
+}
+
+/// No slip where surfaces are pressed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rough;
+
+impl FrictionLaw for Rough {
+    fn limit(&self, _: Sliding) -> Limit {
+        Limit { shear: f64::INFINITY, ..Limit::default() }
+    }
+
+    fn is_rough(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,43 @@
+//! What a friction law is, and what it makes of the rows that slide: with `T` the tangential multiplier, which presses with `T grad u`, and
+//! the slip `u` of the step,
+//!
+//! ```text
+//! |T| <= L,    u = 0 where |T| < L (stick),    T = -L u/|u| where u != 0 (slip)
+//! ```
+//!
+//! The work of the step is `T u <= 0`, whatever `L >= 0` is.
+
+use std::fmt;
+
+/// How a point is pressed and slides.
+#[derive(Clone, Copy, Debug)]
+pub struct Sliding {
+    /// Coefficient of friction there, where the law has one.
+    pub coefficient: f64,
+    /// Pressure `[stress]`, never negative.
+    pub pressure: f64,
+    /// Speed of the slip `[length/time]`; 0 at rest.
+    pub speed: f64,
+}
+
+/// The largest shear stress, with its derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limit {
+    /// The shear stress with which a point slides at that speed, and up to which it sticks at none `[stress]`.
+    pub shear: f64,
+    /// Its derivative with respect to the pressure.
+    pub by_pressure: f64,
+    /// Its derivative with respect to the speed `[stress time/length]`.
+    pub by_speed: f64,
+}
+
+/// A law of friction: how large a shear stress is. Its direction, its stick and its work are no matter of the law.
+pub trait FrictionLaw: fmt::Debug + Send + Sync {
+    /// The largest shear stress; it is never negative.
+    fn limit(&self, at: Sliding) -> Limit;
+
+    /// Whether every pressed point sticks, whatever the shear stress.
+    fn is_rough(&self) -> bool {
+        false
+    }
+}

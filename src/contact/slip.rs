@@ -1,0 +1,237 @@
+//! The slip of constraint rows in a step: what friction works on.
+//!
+//! The slip of row `A` is a *linear* function of the displacement `d = q_1 - q_0` in the step, with the weights that the row's gap has:
+//!
+//! ```text
+//! u_A = G_A(q_mid) d,    G_A = sum_patches P g_A,    g_A d = int psi_A t.(dx - dy) ds          [length^2]
+//! ```
+//!
+//! `dx - dy` is the motion of the secondary side as seen from the primary one, `t` the tangent. `P` takes the rigid motions of `q_mid` out of
+//! the row of a patch, which changes terms of the size of the gap. So whatever a friction law makes of it, the force `G_A^T tau_A` has
+//! neither resultant nor moment about `q_mid`, it does the work `tau_A u_A`, and a rigid motion of everything, however large, has no slip:
+//! its displacement is an infinitesimal rigid motion of `q_mid` (Cayley: `R - 1 = W (R + 1)/2`).
+//!
+//! A kernel says what `g_A` is ([`SlipRows`]); projection and derivatives, exact by dual numbers, are made here for all of them.
+
+use num_dual::{DualNumCopy, DualSVec64};
+
+use super::patches::{Evaluation, Patches};
+use crate::integrators::Configuration;
+
+/// Unknowns with respect to which one pass differentiates.
+const LANES: usize = 8;
+
+/// A number with its derivatives with respect to some unknowns.
+type Jet = DualSVec64<LANES>;
+
+/// A step as slips see it.
+#[derive(Clone, Copy)]
+pub struct SlipStep<'a> {
+    /// Positions at the start.
+    pub q_0: &'a [f64],
+    /// Positions at the end.
+    pub q_1: &'a [f64],
+    /// Displacement in between, with the accuracy of its own size.
+    pub moved: &'a [f64],
+    /// Where the forces of the step act.
+    pub test: Configuration,
+    /// By patch, whether its rows hold anything; those of others have no slip.
+    pub live: &'a [bool],
+}
+
+/// A number, or one with derivatives.
+pub trait Number: DualNumCopy<Primitive = f64> {}
+
+impl<T: DualNumCopy<Primitive = f64>> Number for T {}
+
+/// What the slip rows of a kernel's patches are.
+pub trait SlipRows {
+    /// Places in patch `p` of the nodes that its slip rows move, at the positions `z` of its nodes; `false` where it has none.
+    fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool;
+
+    /// The rows of patch `p` at the positions `z` of those nodes, into `rows`, which are zero; and what each row has opposite, into
+    /// `covered`. `false` where it has none.
+    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool;
+
+    /// Whether rigid motions of the patch have no slip: not where the other side is no node.
+    fn are_relative(&self) -> bool {
+        true
+    }
+
+    /// Displacement of the other side in the step where it is no node `[length]`.
+    fn other_side(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+}
+
+/// Storage of one evaluation, used again from patch to patch.
+#[derive(Default)]
+struct Scratch {
+    places: Vec<usize>,
+    patch: Vec<f64>,
+    middle: Vec<f64>,
+    end: Vec<f64>,
+    moved: Vec<f64>,
+    covered: Vec<f64>,
+    jets: Vec<Jet>,
+    rows: Vec<Jet>,
+    values: Vec<f64>,
+    /// Derivatives of the rows, one block for each unknown.
+    slopes: Vec<f64>,
+}
+
+/// Slips (as gaps of the evaluation), their gradients at the end of the step, the rows that carry forces, and their tangent with the
+/// multipliers `lambda`; coverage as what each row has opposite in mid-step.
+pub fn evaluate(kernel: &impl SlipRows, patches: &Patches, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+    out.prepare(patches, lambda.len());
+    let mut scratch = Scratch::default();
+    for p in 0..patches.len() {
+        out.clear_patch(patches, p);
+        if step.live[p] && scratch.begin(kernel, patches, p, step) && scratch.differentiate(kernel, p, Configuration::Middle) {
+            out.live[p] = true;
+            scratch.write(kernel, patches, p, step, lambda, out);
+        }
+    }
+}
+
+impl Scratch {
+    /// Gathers the nodes of a patch; `false` where it has no slip.
+    fn begin(&mut self, kernel: &impl SlipRows, patches: &Patches, p: usize, step: SlipStep) -> bool {
+        let (nodes, by) = (patches.nodes(p), kernel.other_side());
+        self.patch.clear();
+        self.patch.extend(nodes.iter().flat_map(|&node| [0, 1].map(|i| 2 * node as usize + i)).map(|k| 0.5 * (step.q_0[k] + step.q_1[k])));
+        self.places.clear();
+        if !kernel.places(p, &self.patch, &mut self.places) {
+            return false;
+        }
+        for vector in [&mut self.middle, &mut self.end, &mut self.moved] {
+            vector.clear();
+        }
+        for &place in &self.places {
+            let node = 2 * nodes[place] as usize;
+            self.middle.extend_from_slice(&self.patch[2 * place..2 * place + 2]);
+            self.end.extend_from_slice(&step.q_1[node..node + 2]);
+            self.moved.extend([step.moved[node] - by[0], step.moved[node + 1] - by[1]]);
+        }
+        self.covered.clear();
+        self.covered.resize(patches.rows(p).len(), 0.0);
+        true
+    }
+
+    /// Rows and their derivatives at a configuration; `false` where there are none.
+    fn differentiate(&mut self, kernel: &impl SlipRows, p: usize, at: Configuration) -> bool {
+        let z = if at == Configuration::Middle { &self.middle } else { &self.end };
+        let (unknowns, count) = (z.len(), z.len() * self.covered.len());
+        self.values.clear();
+        self.slopes.clear();
+        self.slopes.resize(unknowns * count, 0.0);
+        for first in (0..unknowns).step_by(LANES) {
+            self.jets.clear();
+            self.jets.extend(z.iter().map(|&z| Jet::from_re(z)));
+            let lanes = LANES.min(unknowns - first);
+            (0..lanes).for_each(|lane| self.jets[first + lane] = self.jets[first + lane].derivative(lane));
+            self.rows.clear();
+            self.rows.resize(count, Jet::from_re(0.0));
+            self.covered.fill(0.0);
+            if !projected(kernel, p, &self.jets, &mut self.rows, &mut self.covered) {
+                return false;
+            }
+            for (entry, jet) in self.rows.iter().enumerate() {
+                if let num_dual::Derivative(Some(slope)) = &jet.eps {
+                    (0..lanes).for_each(|lane| self.slopes[(first + lane) * count + entry] = slope[lane]);
+                }
+            }
+        }
+        self.values.extend(self.rows.iter().map(|jet| jet.re));
+        true
+    }
+
+    /// Writes what was found in mid-step into the blocks of a patch, which are zero; a node may have several places.
+    fn write(&mut self, kernel: &impl SlipRows, patches: &Patches, p: usize, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        let (unknowns, width) = (self.middle.len(), patches.unknowns(p));
+        let column = |k: usize, places: &[usize]| 2 * places[k / 2] + k % 2;
+        let count = unknowns * self.covered.len();
+        let (range, rows) = (patches.gradient_range(p), patches.rows(p));
+        for (m, &row) in rows.iter().enumerate() {
+            let values = &self.values[m * unknowns..(m + 1) * unknowns];
+            out.gap[row as usize] += values.iter().zip(&self.moved).map(|(g, d)| g * d).sum::<f64>();
+            out.coverage[row as usize] += self.covered[m];
+            for (k, value) in values.iter().enumerate() {
+                let slopes = &self.slopes[k * count + m * unknowns..][..unknowns];
+                let turn: f64 = slopes.iter().zip(&self.moved).map(|(slope, d)| slope * d).sum();
+                out.gradient_end[range.start + m * width + column(k, &self.places)] += value + 0.5 * turn;
+            }
+        }
+        if step.test == Configuration::End && !self.differentiate(kernel, p, Configuration::End) {
+            return;
+        }
+        let tangent = &mut out.tangent[patches.tangent_range(p)];
+        for (m, tau) in rows.iter().map(|&row| step.test.share() * lambda[row as usize]).enumerate() {
+            for k in 0..unknowns {
+                let to = column(k, &self.places);
+                out.gradient_bar[range.start + m * width + to] += self.values[m * unknowns + k];
+                let slopes = &self.slopes[k * count + m * unknowns..][..unknowns];
+                for (j, slope) in slopes.iter().enumerate().filter(|_| tau != 0.0) {
+                    tangent[column(j, &self.places) * width + to] += tau * slope;
+                }
+            }
+        }
+    }
+}
+
+/// The rows of a patch without its rigid motions.
+fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+    if !kernel.rows(p, z, rows, covered) {
+        return false;
+    }
+    if kernel.are_relative() {
+        let share = 2.0 / z.len() as f64;
+        let mut center = [T::from(0.0); 2];
+        z.chunks_exact(2).for_each(|z| (0..2).for_each(|i| center[i] += z[i] * share));
+        let mut square = T::from(0.0);
+        let arm = |z: &[T]| [z[0] - center[0], z[1] - center[1]];
+        for z in z.chunks_exact(2) {
+            let [x, y] = arm(z);
+            square += x * x + y * y;
+        }
+        for row in rows.chunks_exact_mut(z.len()) {
+            let mut moment = T::from(0.0);
+            for (z, g) in z.chunks_exact(2).zip(row.chunks_exact(2)) {
+                let [x, y] = arm(z);
+                moment += x * g[1] - y * g[0];
+            }
+            let turn = moment / square;
+            for (z, g) in z.chunks_exact(2).zip(row.chunks_exact_mut(2)) {
+                let [x, y] = arm(z);
+                g[0] += turn * y;
+                g[1] -= turn * x;
+            }
+        }
+    }
+    true
+}
+
+/// The rows of a point `x` that slides along a facet `y_1 y_2` of the other side, from its position and theirs: `weight` times its motion
+/// against that of the point of the facet below it, along the facet's tangent seen from the point's own side. What lies beside the facet
+/// slides on its end, a round body across the direction to it.
+pub fn point_on_facet<T: Number>(z: &[T], weight: f64, is_round: bool, rows: &mut [T; 6]) {
+    let at = |k: usize| [z[2 * k], z[2 * k + 1]];
+    let [x, y_1, y_2] = [0, 1, 2].map(at);
+    let t = [y_1[0] - y_2[0], y_1[1] - y_2[1]];
+    let square = t[0] * t[0] + t[1] * t[1];
+    let share = ((x[0] - y_2[0]) * t[0] + (x[1] - y_2[1]) * t[1]) / square;
+    let end = if share.re() < 0.0 { Some(y_2) } else { (share.re() > 1.0).then_some(y_1) };
+    let (along, share) = match end {
+        None => (t, share),
+        Some(end) => {
+            let across = [end[1] - x[1], x[0] - end[0]];
+            let turned = if (across[0] * t[0] + across[1] * t[1]).re() < 0.0 { across.map(|x| -x) } else { across };
+            (if is_round { turned } else { t }, T::from(if share.re() < 0.0 { 0.0 } else { 1.0 }))
+        }
+    };
+    let unit = (along[0] * along[0] + along[1] * along[1]).sqrt().recip() * weight;
+    for i in 0..2 {
+        let along = along[i] * unit;
+        (rows[i], rows[2 + i], rows[4 + i]) = (along, -(along * share), along * share - along);
+    }
+}

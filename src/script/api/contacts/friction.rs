@@ -1,0 +1,175 @@
+//! Laws of friction, and friction as an option of a contact.
+
+use std::sync::Arc;
+
+use rhai::{Dynamic, FnPtr};
+
+use crate::contact::{Coulomb, FrictionLaw, Rough};
+use crate::dynamics::{Coefficient, Friction};
+use crate::math::catalogue::Interval;
+use crate::script::api::time_functions::{amplitude_of, place_function};
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::digits::number_text;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::as_number;
+
+/// A law of friction with its coefficient.
+#[derive(Clone)]
+pub struct FrictionHandle(Friction);
+
+impl Handle for FrictionHandle {
+    const NAME: &'static str = "FrictionLaw";
+    const MAKER: &'static str = "make one with `coulomb` or `rough`";
+
+    fn describe(&self) -> String {
+        let Friction { law, coefficient } = &self.0;
+        if law.is_rough() {
+            return "rough()".into();
+        }
+        let coefficient = match coefficient {
+            Coefficient::Constant(value) => number_text(*value),
+            Coefficient::OverTime(function) => function.describe(),
+            Coefficient::OverPlace(function) => function.describe(),
+        };
+        format!("coulomb(#{{ coefficient: {coefficient} }})")
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![coulomb(), rough()]
+}
+
+fn coulomb() -> Function {
+    let number = |name, dimension, range, summary, absent| Parameter::number(name, dimension, range, summary).or(Absent::Means(absent));
+    Function {
+        name: "coulomb",
+        form: Form::Function,
+        topic: Topic::Contact,
+        summary: "Coulomb friction for a contact: the shear stress of what slides is `coefficient` times the pressure",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::new(
+                    "coefficient",
+                    Kind::Either("a number, a time function, or a closure `|t| …` or `|x, y| …`"),
+                    "the coefficient of what slides, 0 or more",
+                )
+                .of("1"),
+                number("at_rest", "1", Interval::Positive, "the coefficient at rest over that of what slides, 1 or more", "1"),
+                number("transition_speed", "length/time", Interval::Positive, "the speed that parts rest from sliding", "no transition"),
+                Parameter::number("exponent", "1", Interval::Positive, "that of the transition `exp(-(v/transition_speed)^exponent)`")
+                    .or(Absent::Number(1.0)),
+                Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress that what rests bears without pressure")
+                    .or(Absent::Number(0.0)),
+                number("most", "stress", Interval::Positive, "the shear stress that is never exceeded", "no bound"),
+                Parameter::number("viscosity", "stress time/length", Interval::NonNegative, "the shear stress per speed of a film")
+                    .or(Absent::Number(0.0)),
+            ]),
+            "coefficient, and what else the shear stress depends on",
+        )],
+        returns: FrictionHandle::NAME,
+        example: "print(coulomb(#{ coefficient: 0.3 }));\nlet rubber = coulomb(#{ coefficient: 0.6, at_rest: 1.5, transition_speed: 0.01, \
+                  viscosity: 20.0 });"
+            .into(),
+        see_also: &["rough", "add_contact"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            let coefficient = coefficient_of(&options.argument("coefficient"))?;
+            let static_ratio = options.optional_number("at_rest")?.unwrap_or(1.0);
+            let transition = options.optional_number("transition_speed")?;
+            if static_ratio < 1.0 {
+                let argument = options.argument("at_rest");
+                let failure = argument.fail(format!("{} must be 1 or more", argument.title()));
+                return Err(failure
+                    .label(format!("this is {}", number_text(static_ratio)))
+                    .hint("what rests holds no less than what slides")
+                    .into());
+            }
+            let adhesion = options.number("adhesion")?;
+            if transition.is_none() && static_ratio != 1.0 {
+                let failure = options.argument("at_rest").fail("`at_rest` needs a `transition_speed`");
+                return Err(failure
+                    .hint("add the speed that parts rest from sliding, such as a hundredth of the speeds that matter")
+                    .into());
+            }
+            let law = Coulomb {
+                static_ratio,
+                transition_speed: transition.unwrap_or(f64::INFINITY),
+                exponent: options.number("exponent")?,
+                adhesion,
+                most: options.optional_number("most")?.unwrap_or(f64::INFINITY),
+                viscosity: options.number("viscosity")?,
+            };
+            Ok(Dynamic::from(FrictionHandle(Friction { law: Arc::new(law), coefficient })))
+        }),
+    }
+}
+
+fn rough() -> Function {
+    Function {
+        name: "rough",
+        form: Form::Function,
+        topic: Topic::Contact,
+        summary: "friction without bound for a contact: what is pressed does not slide",
+        parameters: Vec::new(),
+        returns: FrictionHandle::NAME,
+        example: "print(rough());".into(),
+        see_also: &["coulomb", "add_contact"],
+        body: body(|_| {
+            let friction = Friction { law: Arc::new(Rough), coefficient: Coefficient::Constant(0.0) };
+            Ok(Dynamic::from(FrictionHandle(friction)))
+        }),
+    }
+}
+
+/// The option `friction` of a contact.
+pub fn friction_parameter() -> Parameter {
+    Parameter::new(
+        "friction",
+        Kind::Either("a coefficient, `coulomb(…)`, `rough()` or `\"none\"`"),
+        "what opposes the sliding of surfaces that are pressed: a number is the coefficient of Coulomb's law",
+    )
+    .or(Absent::Means("none: surfaces slide freely"))
+}
+
+/// The friction that options ask for.
+pub fn friction_of(options: &Options) -> Result<Option<Friction>, Failure> {
+    let argument = options.argument("friction");
+    if !argument.is_given() {
+        return Ok(None);
+    }
+    let value = argument.value();
+    if let Some(FrictionHandle(friction)) = value.clone().try_cast::<FrictionHandle>() {
+        return Ok(Some(friction));
+    }
+    if let Ok(word) = value.clone().into_string() {
+        return match word.as_str() {
+            "none" => Ok(None),
+            "rough" => Ok(Some(Friction { law: Arc::new(Rough), coefficient: Coefficient::Constant(0.0) })),
+            _ => Err(argument.wrong_type()),
+        };
+    }
+    let law: Arc<dyn FrictionLaw> = Arc::new(Coulomb::default());
+    Ok(Some(Friction { law, coefficient: coefficient_of(&argument)? }))
+}
+
+/// A coefficient of friction.
+fn coefficient_of(argument: &Argument) -> Result<Coefficient, Failure> {
+    let value = argument.value();
+    if let Some(number) = as_number(&value) {
+        return match number.is_finite() && number >= 0.0 {
+            true => Ok(Coefficient::Constant(number)),
+            false => Err(argument.out_of_range(Interval::NonNegative, &number_text(number))),
+        };
+    }
+    if let Some(function) = value.read_lock::<FnPtr>()
+        && argument.check_parameters(&function, "|x, y|").is_ok()
+    {
+        return Ok(Coefficient::OverPlace(place_function(argument.call(), function.clone())));
+    }
+    amplitude_of(argument).map(Coefficient::OverTime)
+}
