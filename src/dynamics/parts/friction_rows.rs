@@ -157,12 +157,14 @@ impl SlipRow<'_> {
         };
         // Slip leads against the multiplier; one that does not yet has no speed.
         let Limit { shear, by_pressure, by_speed } = self.limit((-sense * self.slip).max(0.0));
+        // Divided by `c`: then it is of the size of other rows.
+        let by = 1.0 / self.c;
         Equation {
             acts: true,
-            gradient: by_speed,
-            diagonal: 1.0,
-            normal: -sense * by_pressure,
-            right: sense * (shear - by_pressure * self.normal),
+            gradient: by * by_speed,
+            diagonal: by,
+            normal: -by * sense * by_pressure,
+            right: by * sense * (shear - by_pressure * self.normal),
         }
     }
 
@@ -231,10 +233,10 @@ mod tests {
         };
         let (normal, lambda, slip, h) = (1.7, 0.9, -0.12, 1e-6);
         let Equation { gradient, diagonal, normal: by, right, .. } = row(&law, normal, lambda, slip).equation(RowState::Forward);
-        let slope = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h);
+        let slope = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h * 5.0);
         assert!((slope(&|x| missed(normal + x, lambda, slip)) - by).abs() < 1e-9);
         assert!((slope(&|x| missed(normal, lambda + x, slip)) - diagonal).abs() < 1e-9);
         assert!((slope(&|x| missed(normal, lambda, slip + x)) - gradient).abs() < 1e-9);
-        assert!((missed(normal, lambda, slip) - (diagonal * lambda + by * normal - right)).abs() < 1e-14);
+        assert!((missed(normal, lambda, slip) / 5.0 - (diagonal * lambda + by * normal - right)).abs() < 1e-14);
     }
 }
