@@ -16,11 +16,11 @@ use crate::integrators::{Configuration, Derivative};
 /// Nodes 0 to 3 are the secondary chain, which looks down; 4 to 8 the primary one, which looks up.
 const SECONDARY: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
 const PRIMARY: [[u32; 2]; 4] = [[4, 5], [5, 6], [6, 7], [7, 8]];
-const UNKNOWNS: usize = 18;
+pub(super) const UNKNOWNS: usize = 18;
 
-type Positions = [f64; UNKNOWNS];
+pub(super) type Positions = [f64; UNKNOWNS];
 
-fn chains() -> Positions {
+pub(super) fn chains() -> Positions {
     std::array::from_fn(|k| {
         let (node, axis) = (k / 2, k % 2);
         let place = if node < 4 { [node as f64, 0.0] } else { [4.2 - 1.2 * (node - 4) as f64, -0.05] };
@@ -29,7 +29,7 @@ fn chains() -> Positions {
 }
 
 /// A step: every node off its place, the chains slid along each other, and a motion of a random size.
-fn step() -> impl Strategy<Value = (Positions, Positions)> {
+pub(super) fn step() -> impl Strategy<Value = (Positions, Positions)> {
     let noise = prop::collection::vec(-0.15..0.15f64, UNKNOWNS);
     let motion = prop::collection::vec(-1.0..1.0f64, UNKNOWNS);
     (noise, -1.0..1.0f64, motion, prop::sample::select(vec![1e-3, 1e-2, 0.1, 0.4])).prop_map(|(noise, slide, motion, size)| {
@@ -40,7 +40,7 @@ fn step() -> impl Strategy<Value = (Positions, Positions)> {
 }
 
 /// All kernels between two surfaces, ready for a step that starts at `q_0`.
-fn kernels(q_0: &[f64]) -> Vec<(&'static str, Box<dyn ContactKernel>)> {
+pub(super) fn kernels(q_0: &[f64]) -> Vec<(&'static str, Box<dyn ContactKernel>)> {
     let reference = chains();
     let mortar = || Mortar::new(&SECONDARY, &PRIMARY, &reference);
     let with = |correction| {
@@ -72,7 +72,7 @@ fn force(kernel: &dyn ContactKernel, derivative: Derivative, q_1: &[f64]) -> Vec
     (0..UNKNOWNS).map(|k| rows.iter().zip(PRESSURES).map(|(row, pressure)| pressure * row[k]).sum()).collect()
 }
 
-fn config() -> ProptestConfig {
+pub(super) fn config() -> ProptestConfig {
     ProptestConfig { cases: 400, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() }
 }
 

@@ -35,6 +35,8 @@ mod rigid_corners;
 mod round;
 mod search;
 mod slip;
+#[cfg(test)]
+mod slip_contract;
 mod surface;
 mod tie;
 mod tips;
