@@ -46,6 +46,9 @@ struct Arguments {
     /// Factor of the time step; the number of steps stays
     #[arg(long, default_value_t = 1.0)]
     dt_factor: f64,
+    /// Coefficient of friction of everything
+    #[arg(long, default_value_t = 0.0)]
+    friction: f64,
     /// Threads, one scene on each
     #[arg(long)]
     threads: Option<usize>,
@@ -73,7 +76,7 @@ impl Arguments {
     }
 
     fn scene(&self, seed: u64, (method, rule): (&'static ContactMethod, &'static UpdateRule)) -> Scene {
-        let mut scene = Scene::random(seed).with(method, rule);
+        let mut scene = Scene::random(seed).with(method, rule).rubbed(self.friction);
         scene.dt *= self.dt_factor;
         scene
     }

@@ -191,6 +191,9 @@ pub trait RigidObstacle {
     /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}
 
+    /// By which angle a round obstacle turns about its center in this step `[rad]`: what slides on it feels that.
+    fn turn_obstacle(&mut self, _angle: f64) {}
+
     /// Where a rigid obstacle is at the end of this step, as its translation `[length]`.
     fn obstacle_translation(&self) -> [f64; 2] {
         [0.0; 2]

@@ -15,7 +15,8 @@ use super::search::PairSearch;
 use super::slip::{self, Number, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};
-use crate::math::tolerances::{FACING, INVARIANT_INCREMENT, REMAINDER, WHOLE};
+use crate::math::norms::largest_size;
+use crate::math::tolerances::{FACING, INVARIANT_INCREMENT, POSITION, REMAINDER, WHOLE};
 
 /// Mortar method with standard Lagrange multipliers on the secondary nodes.
 pub static MORTAR: ContactMethod = ContactMethod {
@@ -58,6 +59,8 @@ pub struct Mortar {
     search: PairSearch,
     dual: bool,
     start: Vec<Start>,
+    /// Round-off of positions at the start of the step `[length]`.
+    round_off: f64,
     correction: Correction,
 }
 
@@ -81,7 +84,7 @@ impl Mortar {
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
-        Mortar { sides, search, dual: false, start: Vec::new(), correction: Correction::PerPatch }
+        Mortar { sides, search, dual: false, start: Vec::new(), round_off: 0.0, correction: Correction::PerPatch }
     }
 
     /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
@@ -239,6 +242,8 @@ struct Functions<'a> {
     middle: &'a Option<Overlap>,
     /// Multipliers.
     weights: PerNode<f64>,
+    /// Round-off of the invariants `[length^2]`.
+    round_off: f64,
 }
 
 /// A pair's functions differentiated across a step, with respect to its invariants.
@@ -281,7 +286,8 @@ impl Functions<'_> {
         let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(self.end_pi, self.end_pi);
         let is_round_off = |k: usize| {
             let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
-            remainder[k].abs() <= REMAINDER * (end_value[k].abs() + start.value[k].abs() + sizes)
+            let steepness: f64 = middle_gradient[k].iter().map(|g| g.abs()).sum();
+            remainder[k].abs() <= REMAINDER * (end_value[k].abs() + start.value[k].abs() + sizes) + self.round_off * steepness
         };
         let threshold = if is_doubtful && is_round_off(0) && is_round_off(1) { f64::INFINITY } else { 0.0 };
         let mut bar = middle_gradient;
@@ -329,6 +335,7 @@ impl PatchFunctions for Mortar {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
+        self.round_off = POSITION * largest_size(q_0);
         let mut start = std::mem::take(&mut self.start);
         start.clear();
         let offsets: Vec<Offsets> = (0..self.sides.patches.len()).map(|p| self.offsets(p, q_0)).collect();
@@ -398,7 +405,9 @@ impl PatchFunctions for Mortar {
                 Configuration::Middle => &middle_z,
                 Configuration::End => &end_z,
             };
-            let functions = Functions { start, end_pi: &end_pi, end_value, end_gradient: &end_gradient, middle: &middle, weights };
+            let round_off = self.round_off * end_pi[0].sqrt();
+            let functions =
+                Functions { start, end_pi: &end_pi, end_value, end_gradient: &end_gradient, middle: &middle, weights, round_off };
             let Differentiated { bar, weighted_bar, slope } = match (&shared, derivative) {
                 (Some(shared), _) => functions.with_correction(rows.map(|row| shared[row])),
                 (None, Derivative::DiscreteGradient) => functions.with_own_correction(),

@@ -179,6 +179,8 @@ pub fn coverage(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
 pub struct Slips<'a> {
     pub sides: &'a Sides,
     pub starts: &'a [Start],
+    /// Angle by which round points turn in the step.
+    pub turned: f64,
 }
 
 impl SlipRows for Slips<'_> {
@@ -207,6 +209,11 @@ impl SlipRows for Slips<'_> {
             covered[m] = 1.0;
         }
         true
+    }
+
+    fn own_slip(&self, p: usize, row: usize) -> f64 {
+        let weight = self.sides.weights[self.sides.patches.rows(p)[row] as usize];
+        self.starts[p].round.map_or(0.0, |round| weight * round.radius * self.turned)
     }
 
     fn are_relative(&self) -> bool {

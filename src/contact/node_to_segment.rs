@@ -403,7 +403,7 @@ impl PatchFunctions for NodeToSegment {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        let slips = node_patch::Slips { sides: &self.sides, starts: &self.start };
+        let slips = node_patch::Slips { sides: &self.sides, starts: &self.start, turned: 0.0 };
         slip::evaluate(&slips, &self.sides.patches, step, lambda, out);
     }
 

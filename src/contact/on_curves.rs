@@ -343,6 +343,10 @@ impl RigidObstacle for OnCurves {
         self.inner.move_obstacle(translations);
     }
 
+    fn turn_obstacle(&mut self, angle: f64) {
+        self.inner.turn_obstacle(angle);
+    }
+
     fn obstacle_translation(&self) -> [f64; 2] {
         self.inner.obstacle_translation()
     }

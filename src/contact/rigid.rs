@@ -18,7 +18,7 @@ use rstar::{AABB, RTree};
 use super::chain::Chain;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
-use super::slip::{self, Number, SlipRows, SlipStep};
+use super::slip::{self, Carrier, Number, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{CROSSING, PASSING, PROJECTED_INCREMENT, REMAINDER};
@@ -81,6 +81,8 @@ pub struct RigidContact {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 2]; 3],
+    /// Twice the tangent of half the angle by which it turns in the step.
+    turn: f64,
     start: Vec<[f64; 2]>,
     /// For nodes that start at a convex corner of a polyline: the line of the side that they are on, which is theirs for the step. A node
     /// that a side pushes past the corner, and that comes back without the push, would find no solution.
@@ -294,7 +296,7 @@ impl RigidContact {
         let nodes = sides.secondary.nodes().iter();
         let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
         let lines = vec![None; sides.weights.len()];
-        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], start, lines }
+        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], turn: 0.0, start, lines }
     }
 
     /// The obstacle as the node of that row feels it in this step.
@@ -435,9 +437,13 @@ impl SlipRows for RigidContact {
         false
     }
 
-    fn other_side(&self) -> [f64; 2] {
-        let [start, _, end] = self.translations;
-        std::array::from_fn(|i| end[i] - start[i])
+    fn other_side(&self) -> Carrier {
+        let [start, middle, end] = self.translations;
+        let shift = std::array::from_fn(|i| end[i] - start[i]);
+        match &self.shape {
+            Shape::Circle { center, .. } => Carrier { shift, turn: self.turn, center: std::array::from_fn(|i| center[i] + middle[i]) },
+            _ => Carrier { shift, ..Carrier::default() },
+        }
     }
 }
 
@@ -454,6 +460,10 @@ impl CandidateSearch for RigidContact {
 impl RigidObstacle for RigidContact {
     fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
         self.translations = *translations;
+    }
+
+    fn turn_obstacle(&mut self, angle: f64) {
+        self.turn = 2.0 * (0.5 * angle).tan();
     }
 
     fn obstacle_translation(&self) -> [f64; 2] {

@@ -209,6 +209,10 @@ impl RigidObstacle for RigidCorners {
         self.translations = *translations;
     }
 
+    fn turn_obstacle(&mut self, angle: f64) {
+        self.inner.turn_obstacle(angle);
+    }
+
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let mut sum = vec![0.0; self.start.len()];
         let mut add = |derivative: Derivative, q: &[f64], lambda: &[f64]| {

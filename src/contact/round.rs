@@ -26,6 +26,8 @@ pub struct RoundContact {
     /// The center as the secondary side, a facet of no length.
     sides: Sides,
     radius: f64,
+    /// Angle by which it turns in the step.
+    turn: f64,
     candidates: Candidates,
     start: Vec<Start>,
 }
@@ -34,7 +36,7 @@ impl RoundContact {
     /// Contact of a disk with a surface (facets in node numbers of the model, the body on the left).
     pub fn new(center: u32, radius: f64, surface: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Self {
         let sides = Sides { weights: vec![facet_size; surface.len()], facet_size, ..Sides::new(&[[center; 2]], surface, reference) };
-        RoundContact { sides, radius, candidates: Candidates::new(SPARE * facet_size), start: Vec::new() }
+        RoundContact { sides, radius, turn: 0.0, candidates: Candidates::new(SPARE * facet_size), start: Vec::new() }
     }
 
     /// Makes the patches of the present candidates: the center and the nodes of a facet.
@@ -92,7 +94,7 @@ impl PatchFunctions for RoundContact {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        let slips = node_patch::Slips { sides: &self.sides, starts: &self.start };
+        let slips = node_patch::Slips { sides: &self.sides, starts: &self.start, turned: self.turn };
         slip::evaluate(&slips, &self.sides.patches, step, lambda, out);
     }
 
@@ -137,4 +139,8 @@ impl CandidateSearch for RoundContact {
     }
 }
 
-impl RigidObstacle for RoundContact {}
+impl RigidObstacle for RoundContact {
+    fn turn_obstacle(&mut self, angle: f64) {
+        self.turn = angle;
+    }
+}

@@ -58,9 +58,34 @@ pub trait SlipRows {
         true
     }
 
-    /// Displacement of the other side in the step where it is no node `[length]`.
-    fn other_side(&self) -> [f64; 2] {
-        [0.0; 2]
+    /// How the other side moves in the step where it is no node.
+    fn other_side(&self) -> Carrier {
+        Carrier::default()
+    }
+
+    /// Slip of a row of patch `p` that no node makes `[length^2]`.
+    fn own_slip(&self, _p: usize, _row: usize) -> f64 {
+        0.0
+    }
+}
+
+/// A rigid motion in a step: `o(x) = shift + turn k x (x - center)` at a place in mid-step.
+///
+/// With `turn = 2 tan(angle/2)` the points of a circle that turns by the angle move by the chords of their arcs.
+#[derive(Clone, Copy, Default)]
+pub struct Carrier {
+    /// Displacement of the center `[length]`.
+    pub shift: [f64; 2],
+    /// Twice the tangent of half the angle.
+    pub turn: f64,
+    /// The center in mid-step `[length]`.
+    pub center: [f64; 2],
+}
+
+impl Carrier {
+    fn at(&self, x: &[f64]) -> [f64; 2] {
+        let Carrier { shift, turn, center } = self;
+        [shift[0] - turn * (x[1] - center[1]), shift[1] + turn * (x[0] - center[0])]
     }
 }
 
@@ -72,6 +97,7 @@ struct Scratch {
     middle: Vec<f64>,
     end: Vec<f64>,
     moved: Vec<f64>,
+    carrier: Carrier,
     covered: Vec<f64>,
     jets: Vec<Jet>,
     rows: Vec<Jet>,
@@ -97,7 +123,8 @@ pub fn evaluate(kernel: &impl SlipRows, patches: &Patches, step: SlipStep, lambd
 impl Scratch {
     /// Gathers the nodes of a patch; `false` where it has no slip.
     fn begin(&mut self, kernel: &impl SlipRows, patches: &Patches, p: usize, step: SlipStep) -> bool {
-        let (nodes, by) = (patches.nodes(p), kernel.other_side());
+        let nodes = patches.nodes(p);
+        self.carrier = kernel.other_side();
         self.patch.clear();
         self.patch.extend(nodes.iter().flat_map(|&node| [0, 1].map(|i| 2 * node as usize + i)).map(|k| 0.5 * (step.q_0[k] + step.q_1[k])));
         self.places.clear();
@@ -111,6 +138,7 @@ impl Scratch {
             let node = 2 * nodes[place] as usize;
             self.middle.extend_from_slice(&self.patch[2 * place..2 * place + 2]);
             self.end.extend_from_slice(&step.q_1[node..node + 2]);
+            let by = self.carrier.at(&self.patch[2 * place..2 * place + 2]);
             self.moved.extend([step.moved[node] - by[0], step.moved[node + 1] - by[1]]);
         }
         self.covered.clear();
@@ -154,12 +182,15 @@ impl Scratch {
         let (range, rows) = (patches.gradient_range(p), patches.rows(p));
         for (m, &row) in rows.iter().enumerate() {
             let values = &self.values[m * unknowns..(m + 1) * unknowns];
-            out.gap[row as usize] += values.iter().zip(&self.moved).map(|(g, d)| g * d).sum::<f64>();
+            let of_nodes: f64 = values.iter().zip(&self.moved).map(|(g, d)| g * d).sum();
+            out.gap[row as usize] += of_nodes + kernel.own_slip(p, m);
             out.coverage[row as usize] += self.covered[m];
             for (k, value) in values.iter().enumerate() {
                 let slopes = &self.slopes[k * count + m * unknowns..][..unknowns];
                 let turn: f64 = slopes.iter().zip(&self.moved).map(|(slope, d)| slope * d).sum();
-                out.gradient_end[range.start + m * width + column(k, &self.places)] += value + 0.5 * turn;
+                // Half of a node's motion leads it to where the other side moves otherwise.
+                let carried = if k % 2 == 0 { -values[k + 1] } else { values[k - 1] } * self.carrier.turn;
+                out.gradient_end[range.start + m * width + column(k, &self.places)] += value + 0.5 * (turn + carried);
             }
         }
         if step.test == Configuration::End && !self.differentiate(kernel, p, Configuration::End) {

@@ -73,6 +73,10 @@ pub const INVARIANT_INCREMENT: f64 = 1e-5;
 /// dropped: its numerator is round-off (1e-16) there, which would give a force of 1e-9 of the contact force, as much as Newton notices.
 pub const PROJECTED_INCREMENT: f64 = 1e-7;
 
+/// Round-off of differences of positions, relative to these: where surfaces stick to each other, invariants hardly change, and what their
+/// round-off makes of a function is no remainder.
+pub const POSITION: f64 = 4e-16;
+
 /// Remainder of a discrete gradient, relative to its terms, that is round-off. Where the increment is so small that a smooth function's
 /// remainder would be, too, only a larger one is divided by it: that of a kink.
 pub const REMAINDER: f64 = 4e-15;

@@ -44,7 +44,7 @@ fn collide(
     } else {
         builder.set_initial_velocity(bar, [-SPEED, 0.0, 0.0], [0.0; 3]);
     }
-    let partner = Partner::Obstacle { shape: Obstacle::HalfPlane { point: [0.0; 2], normal: [1.0, 0.0] }, motion };
+    let partner = Partner::Obstacle { shape: Obstacle::HalfPlane { point: [0.0; 2], normal: [1.0, 0.0] }, motion, turn: None };
     builder.model.add_interaction(Interaction { update: Some(update), enforcement, ..Interaction::new("wall", left, partner) });
     run(&mut builder.simulate(integrator, dt), until)
 }

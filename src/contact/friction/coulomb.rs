@@ -1,5 +1,7 @@
 //! Coulomb's law and its kin.
 
+use std::sync::Arc;
+
 use super::law::{FrictionLaw, Limit, Sliding};
 
 /// ```text
@@ -54,6 +56,16 @@ impl FrictionLaw for Coulomb {
             by_speed: (coefficient * over * pressure + self.adhesion) * by_speed + film.by_speed,
         }
     }
+
+    fn in_units(&self, stress: f64, speed: f64) -> Arc<dyn FrictionLaw> {
+        Arc::new(Coulomb {
+            transition_speed: speed * self.transition_speed,
+            adhesion: stress * self.adhesion,
+            most: stress * self.most,
+            viscosity: stress / speed * self.viscosity,
+            ..*self
+        })
+    }
 }
 
 /// No slip where surfaces are pressed.
@@ -65,7 +77,33 @@ impl FrictionLaw for Rough {
         Limit { shear: f64::INFINITY, ..Limit::default() }
     }
 
+    fn in_units(&self, _stress: f64, _speed: f64) -> Arc<dyn FrictionLaw> {
+        Arc::new(Rough)
+    }
+
     fn is_rough(&self) -> bool {
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_have_exact_derivatives_and_no_units() {
+        let law = Coulomb { static_ratio: 1.5, transition_speed: 0.3, exponent: 2.0, adhesion: 0.4, most: 9.0, viscosity: 0.2 };
+        let at = |pressure: f64, speed: f64| law.limit(Sliding { coefficient: 0.5, pressure, speed });
+        for (pressure, speed) in [(2.0, 0.2), (0.0, 0.4), (50.0, 0.1)] {
+            let (found, h) = (at(pressure, speed), 1e-6);
+            let slope = |a: Limit, b: Limit| (a.shear - b.shear) / (2.0 * h);
+            assert!((slope(at(pressure + h, speed), at(pressure - h, speed)) - found.by_pressure).abs() < 1e-8);
+            assert!((slope(at(pressure, speed + h), at(pressure, speed - h)) - found.by_speed).abs() < 1e-8);
+            let other = law.in_units(3.0, 7.0).limit(Sliding { coefficient: 0.5, pressure: 3.0 * pressure, speed: 7.0 * speed });
+            assert!((other.shear - 3.0 * found.shear).abs() < 1e-13 * other.shear);
+        }
+        assert_eq!(at(50.0, 0.1).shear, 9.02);
+        let plain = Coulomb::default().limit(Sliding { coefficient: 0.3, pressure: 2.0, speed: 1e300 });
+        assert_eq!(plain, Limit { shear: 0.6, by_pressure: 0.3, by_speed: 0.0 });
     }
 }

@@ -8,6 +8,7 @@
 //! The work of the step is `T u <= 0`, whatever `L >= 0` is.
 
 use std::fmt;
+use std::sync::Arc;
 
 /// How a point is pressed and slides.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +36,9 @@ pub struct Limit {
 pub trait FrictionLaw: fmt::Debug + Send + Sync {
     /// The largest shear stress; it is never negative.
     fn limit(&self, at: Sliding) -> Limit;
+
+    /// The same law in other units, by the factors of a stress and of a speed.
+    fn in_units(&self, stress: f64, speed: f64) -> Arc<dyn FrictionLaw>;
 
     /// Whether every pressed point sticks, whatever the shear stress.
     fn is_rough(&self) -> bool {

@@ -119,7 +119,7 @@ impl Model {
     /// Times at which loads, prescribed motions and obstacles have kinks, in their order.
     pub fn corners(&self) -> Vec<f64> {
         let motions = self.interactions.iter().filter_map(|interaction| match &interaction.partner {
-            Partner::Obstacle { motion, .. } => Some(motion.iter().flatten()),
+            Partner::Obstacle { motion, turn, .. } => Some(motion.iter().flatten().chain(turn)),
             _ => None,
         });
         let loads = self.loads.iter().map(|load| &load.amplitude).chain(&self.gravity_amplitude);

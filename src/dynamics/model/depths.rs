@@ -92,7 +92,7 @@ impl Depths {
                     }));
                 }
                 Partner::Itself => meetings.push(Meeting { contact, first: first(), other: Other::Itself }),
-                Partner::Obstacle { shape: Obstacle::Polyline { points }, motion } => {
+                Partner::Obstacle { shape: Obstacle::Polyline { points }, motion, .. } => {
                     let other = Other::Corners { points: points.clone(), motion: motion.clone() };
                     meetings.push(Meeting { contact, first: first(), other });
                 }

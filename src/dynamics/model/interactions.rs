@@ -104,6 +104,8 @@ pub enum Partner {
         shape: Obstacle,
         /// Translation in x and y over time `[length]`; `None`: at rest.
         motion: [Option<Amplitude>; 2],
+        /// Angle by which a disk or a ring has turned about its center `[rad]`, counter-clockwise; only friction feels it. `None`: at rest.
+        turn: Option<Amplitude>,
     },
     /// A boundary to which the secondary side is tied, although their meshes do not match. Better the coarser one.
     Tied {
@@ -128,7 +130,7 @@ impl Interaction {
 
     /// Contact with a rigid obstacle at rest.
     pub fn obstacle(name: &str, secondary: BodyBoundary, shape: Obstacle) -> Self {
-        Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None] })
+        Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None], turn: None })
     }
 
     /// A tie.

@@ -108,7 +108,7 @@ impl Model {
     /// Boundaries that are inside their rigid obstacles at the start.
     fn obstacle_overlaps(&self) -> Vec<Overlap> {
         let overlap = |interaction: &Interaction| {
-            let Partner::Obstacle { shape, motion } = &interaction.partner else { return None };
+            let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
             let reference: Vec<f64> = self.start(interaction.secondary.body).iter().flat_map(|point| [point[0], point[1]]).collect();
             let facets = boundary_facets(self, &interaction.secondary, 0);
             let mut kernel = RigidContact::new(&facets, shape, &reference);

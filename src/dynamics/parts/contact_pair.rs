@@ -47,6 +47,8 @@ pub struct ContactPair {
     pub corners: Option<CornersOf>,
     /// Translation of the obstacle over time.
     pub motion: [Option<Amplitude>; 2],
+    /// Angle by which it has turned over time.
+    pub turn: Option<Amplitude>,
     /// Mean velocity of the obstacle in this step.
     pub obstacle_velocity: [f64; 2],
     /// Its constraint functions.
@@ -126,6 +128,7 @@ impl ContactPair {
             kind,
             corners: None,
             motion: [None, None],
+            turn: None,
             obstacle_velocity: [0.0; 2],
             law: if kind == PairKind::Tie { &Bilateral } else { &Unilateral },
             update: &GAP,
@@ -203,17 +206,20 @@ impl ContactPair {
         if self.kind != PairKind::Obstacle {
             return Ok(());
         }
+        let at = |function: &Option<Amplitude>, time: f64| -> Result<f64, StepError> {
+            let Some(function) = function else { return Ok(0.0) };
+            let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
+            let value = function.value(time).map_err(failed)?;
+            if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }
+        };
         let mut translations = [[0.0; 2]; 3];
         for (translation, time) in translations.iter_mut().zip([time, time + 0.5 * dt, time + dt]) {
             for (component, function) in translation.iter_mut().zip(&self.motion) {
-                let Some(function) = function else { continue };
-                let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
-                *component = function.value(time).map_err(failed)?;
-                if !component.is_finite() {
-                    return Err(failed(format!("the time function returned {component}").into()));
-                }
+                *component = at(function, time)?;
             }
         }
+        let turned = at(&self.turn, time + dt)? - at(&self.turn, time)?;
+        self.kernel.turn_obstacle(turned);
         let [start, _, end] = translations;
         self.obstacle_velocity = std::array::from_fn(|i| if dt > 0.0 { (end[i] - start[i]) / dt } else { 0.0 });
         self.kernel.move_obstacle(&translations);

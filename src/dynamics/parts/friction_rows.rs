@@ -161,7 +161,8 @@ impl SlipRow<'_> {
         let by = 1.0 / self.c;
         Equation {
             acts: true,
-            gradient: by * by_speed,
+            // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
+            gradient: by * by_speed.max(-self.c),
             diagonal: by,
             normal: -by * sense * by_pressure,
             right: by * sense * (shear - by_pressure * self.normal),

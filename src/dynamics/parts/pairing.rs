@@ -74,7 +74,7 @@ impl Pairing<'_> {
                 let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
-            Partner::Obstacle { shape, motion } => {
+            Partner::Obstacle { shape, motion, turn } => {
                 let kernel = RigidContact::new(&facets, shape, self.reference);
                 // Nodes are seen where they are.
                 let kernel = match self.middles.lengths(&facets, self.reference) {
@@ -82,7 +82,7 @@ impl Pairing<'_> {
                     None => kernel,
                 };
                 let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, Box::new(kernel));
-                pair.motion = motion.clone();
+                (pair.motion, pair.turn) = (motion.clone(), turn.clone());
                 pair
             }
             Partner::Tied { to, reach } => {
@@ -120,7 +120,7 @@ impl Pairing<'_> {
             let belongs = CornersOf { pair: of, slack: slack * tolerances::CORNER_SLACK * owner.kernel.facet_size() };
             let mut pair = self.pair(&owner.name, kind, body, kernel);
             (pair.corners, pair.augmentation) = (Some(belongs), Some(factor));
-            (pair.update, pair.motion) = (owner.update, owner.motion.clone());
+            (pair.update, pair.motion, pair.turn) = (owner.update, owner.motion.clone(), owner.turn.clone());
             pair.add_friction(&self.model.interactions[of]);
             corners.push(pair);
         };

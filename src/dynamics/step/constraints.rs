@@ -52,9 +52,10 @@ impl ConstraintRows {
             (acts, gradient, diagonal, normal, right);
     }
 
-    /// Whether a row has the equation that it has in `other`, whatever its right-hand side.
-    pub fn is_as(&self, other: &ConstraintRows, row: usize) -> bool {
-        self.acts[row] == other.acts[row] && self.gradient[row] == other.gradient[row] && self.normal[row] == other.normal[row]
+    /// The equation of a row.
+    pub fn equation(&self, row: usize) -> Equation {
+        let (acts, gradient, diagonal) = (self.acts[row], self.gradient[row], self.diagonal[row]);
+        Equation { acts, gradient, diagonal, normal: self.normal[row], right: self.right[row] }
     }
 
     /// Adds a proximal term to the rows that hold: their weighted gaps give way by so much per change of their multipliers from `lambda`.

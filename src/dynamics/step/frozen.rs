@@ -122,7 +122,7 @@ where
 
     /// The rows with another set, whose equations are `rows`; nothing where the system should be factorised with that set instead.
     pub fn rows_with(&mut self, frozen: &mut Frozen, start: &StepStart, at: &Linearization, rows: &ConstraintRows) -> Option<RowValues> {
-        let changed: Vec<usize> = (0..self.multipliers).filter(|&row| !rows.is_as(&frozen.rows, row)).collect();
+        let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.equation(row) != frozen.rows.equation(row)).collect();
         let fresh: Vec<usize> = changed.iter().copied().filter(|row| !frozen.answers.contains_key(row)).collect();
         if frozen.answers.len() + fresh.len() > MOST_CHANGES {
             return None;
@@ -132,6 +132,11 @@ where
             self.add_brought(frozen, start.weight(), at, &BTreeMap::from([(row, 1.0)]), &mut right);
             self.substitute(&at.tangent, &mut right).ok()?;
             frozen.answers.insert(row, self.row_values([&at.pairs, &at.slips], &right));
+        }
+        if changed.is_empty() {
+            frozen.amounts.clear();
+            frozen.acts.clone_from(&rows.acts);
+            return Some(frozen.base.clone());
         }
         // What a changed row must have: its equation, or no multiplier where it opens.
         let of = |row: usize, values: &RowValues| {

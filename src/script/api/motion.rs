@@ -9,7 +9,10 @@ use std::sync::Arc;
 
 use super::units::{Dimension, Units};
 use crate::contact::Obstacle;
-use crate::dynamics::{Amplitude, Change, LedgerRow, LoadKind, Model, Partner, Prescription, TimeFunction, TimeFunctionError};
+use crate::dynamics::{
+    Amplitude, Change, Coefficient, Friction, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, TimeFunction,
+    TimeFunctionError,
+};
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
 use crate::script::language::digits::{brief, number_text};
@@ -75,6 +78,22 @@ impl TimeFunction for Rescaled {
     }
 }
 
+/// A function of the place in a moved model.
+struct Displaced {
+    inner: Arc<dyn PlaceFunction>,
+    motion: Motion,
+}
+
+impl PlaceFunction for Displaced {
+    fn value(&self, point: [f64; 3]) -> Result<f64, TimeFunctionError> {
+        self.inner.value(self.motion.before(point))
+    }
+
+    fn describe(&self) -> String {
+        self.inner.describe()
+    }
+}
+
 impl Motion {
     /// Moved by a vector.
     pub fn translation(offset: [f64; 3]) -> Self {
@@ -106,6 +125,12 @@ impl Motion {
     fn point(&self, point: [f64; 3]) -> [f64; 3] {
         let turned = self.vector(point, 1.0);
         [0, 1, 2].map(|i| self.units.length * (turned[i] + self.offset[i]))
+    }
+
+    /// The point that is moved there.
+    fn before(&self, point: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = [0, 1, 2].map(|i| point[i] / self.units.length - self.offset[i]);
+        [self.cosine * x + self.sine * y, self.cosine * y - self.sine * x, z]
     }
 
     /// Factor of an energy (per thickness in the plane).
@@ -160,11 +185,16 @@ impl Motion {
         for interaction in &mut moved.interactions {
             match &mut interaction.partner {
                 Partner::Surfaces(_) | Partner::Itself => {}
-                Partner::Obstacle { shape, motion } => {
+                Partner::Obstacle { shape, motion, turn } => {
                     *shape = self.obstacle(shape);
+                    *turn = turn.as_ref().map(|turn| self.amplitude(turn, 1.0));
                     *motion = self.obstacle_motion(motion);
                 }
                 Partner::Tied { reach, .. } => *reach = reach.map(|reach| units.length * reach),
+            }
+            if let Some(Friction { law, coefficient }) = &mut interaction.friction {
+                *law = law.in_units(units.stress(), speed);
+                *coefficient = self.coefficient(coefficient);
             }
         }
         let change = Change {
@@ -175,6 +205,14 @@ impl Motion {
         };
         moved.parts = model.parts.iter().map(|part| part.changed(&change)).collect();
         Ok(moved)
+    }
+
+    fn coefficient(&self, coefficient: &Coefficient) -> Coefficient {
+        match coefficient {
+            Coefficient::Constant(value) => Coefficient::Constant(*value),
+            Coefficient::OverTime(function) => Coefficient::OverTime(self.amplitude(function, 1.0)),
+            Coefficient::OverPlace(inner) => Coefficient::OverPlace(Arc::new(Displaced { inner: inner.clone(), motion: *self })),
+        }
     }
 
     fn obstacle(&self, obstacle: &Obstacle) -> Obstacle {

@@ -83,9 +83,7 @@ fn is_comprehension(before: &str, rest: &str) -> bool {
 /// What to say of an option that other programs have and this one does not.
 pub fn option(name: &str) -> Option<&'static str> {
     match name {
-        "friction" | "mu" | "friction_coefficient" | "coefficient_of_friction" => {
-            Some("contact is frictionless here: leave the option out; nothing takes its place")
-        }
+        "mu" | "friction_coefficient" | "coefficient_of_friction" => Some("the coefficient of friction is the option `friction`"),
         "timestep" | "time_step" | "step_size" => Some("write `dt`"),
         "varies" | "parameters" | "params" | "grid" | "points" => Some("what differs between points is `vary: #{ name: [values] }`"),
         "jobs" | "workers" | "parallel" | "processes" => Some("how many points are computed at a time is `threads`"),

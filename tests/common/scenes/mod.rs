@@ -19,8 +19,8 @@ pub mod shrink;
 
 use std::sync::Arc;
 
-use conserva::contact::{ContactMethod, Obstacle};
-use conserva::dynamics::{BodyBoundary, BodyDefinition, InitialVelocity, Interaction, Model, Partner, UpdateRule};
+use conserva::contact::{ContactMethod, Coulomb, Obstacle};
+use conserva::dynamics::{BodyBoundary, BodyDefinition, Coefficient, Friction, InitialVelocity, Interaction, Model, Partner, UpdateRule};
 use conserva::mesh::{Boundary, Mesh, MeshError, disk, polygon, rectangle, ring};
 
 use self::geometry::{Outline, Point, add, cross, distance, dot, length, subtract, turned};
@@ -99,6 +99,8 @@ pub struct Scene {
     pub gravity: Point,
     pub method: &'static ContactMethod,
     pub rule: &'static UpdateRule,
+    /// Coefficient of friction of everything; 0: none.
+    pub friction: f64,
     pub dt: f64,
     pub steps: usize,
 }
@@ -224,6 +226,17 @@ impl Scene {
         self
     }
 
+    /// The scene with friction.
+    pub fn rubbed(self, friction: f64) -> Scene {
+        Scene { friction, ..self }
+    }
+
+    /// Its friction as a contact has it.
+    fn friction(&self) -> Option<Friction> {
+        let law = || Friction { law: Arc::new(Coulomb::default()), coefficient: Coefficient::Constant(self.friction) };
+        (self.friction > 0.0).then(law)
+    }
+
     /// The mirror image at the y axis.
     pub fn mirrored(&self) -> Scene {
         let flip = |[x, y]: Point| [-x, y];
@@ -304,12 +317,12 @@ impl Scene {
             if k > 0 {
                 let partner = Partner::Surfaces(hulls[..k].to_vec());
                 let pair = Interaction::new(&format!("contact {k}"), hulls[k].clone(), partner);
-                model.add_interaction(Interaction { method: self.method, update: Some(self.rule), ..pair });
+                model.add_interaction(Interaction { method: self.method, update: Some(self.rule), friction: self.friction(), ..pair });
             }
             for (number, wall) in self.walls.iter().enumerate() {
                 let name = format!("wall {number} and body {k}");
                 let pair = Interaction::obstacle(&name, hulls[k].clone(), wall.obstacle());
-                model.add_interaction(Interaction { update: Some(self.rule), ..pair });
+                model.add_interaction(Interaction { update: Some(self.rule), friction: self.friction(), ..pair });
             }
         }
         Ok(model)

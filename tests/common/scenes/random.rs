@@ -102,6 +102,7 @@ impl Scene {
             gravity: [0.0; 2],
             method: &MORTAR,
             rule: &GAP,
+            friction: 0.0,
             dt: 0.0,
             steps: 60 + random.below(141),
         };

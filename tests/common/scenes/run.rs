@@ -39,6 +39,8 @@ pub enum Fault {
     Slow,
     /// Energy has grown: above the least of the steps before, with the `velocity` rule (which keeps some for later) above the most.
     Gained,
+    /// Friction has given energy.
+    Rubbed,
     /// The ledger does not close.
     Defect,
     /// Momentum or angular momentum has changed, though nothing acts from outside.
@@ -52,11 +54,12 @@ pub enum Fault {
 }
 
 impl Fault {
-    pub const ALL: [Fault; 9] = [
+    pub const ALL: [Fault; 10] = [
         Fault::Failed,
         Fault::Crushed,
         Fault::Slow,
         Fault::Gained,
+        Fault::Rubbed,
         Fault::Defect,
         Fault::Momentum,
         Fault::Ledger,
@@ -70,6 +73,7 @@ impl Fault {
             Fault::Crushed => "CRUSHED",
             Fault::Slow => "SLOW",
             Fault::Gained => "GAINED",
+            Fault::Rubbed => "RUBBED",
             Fault::Defect => "DEFECT",
             Fault::Momentum => "MOMENTUM",
             Fault::Ledger => "LEDGER",
@@ -113,6 +117,8 @@ pub struct Record {
     pub crossing: Depth,
     /// What closed contacts keep in reserve, as the ledger says.
     pub reserve: f64,
+    /// Largest work of friction of a piece: it must not be positive.
+    pub rubbed: f64,
     /// What contact has lost since the start, as the ledger says.
     pub lost: f64,
     /// Reserve kept at the end of a piece at which no contact is closed.
@@ -141,6 +147,7 @@ pub struct Outcome {
     pub cells: usize,
     /// Largest values of the run.
     pub gain: f64,
+    pub rubbed: f64,
     pub defect: f64,
     pub momentum: f64,
     pub disagreement: f64,
@@ -189,6 +196,7 @@ impl Outcome {
             }
         };
         judge(Fault::Gained, |outcome| &mut outcome.gain, record.gain, GAIN, "");
+        judge(Fault::Rubbed, |outcome| &mut outcome.rubbed, record.rubbed, DEFECT, "");
         judge(Fault::Defect, |outcome| &mut outcome.defect, record.defect, DEFECT, "");
         judge(Fault::Momentum, |outcome| &mut outcome.momentum, record.momentum, MOMENTUM, "");
         judge(Fault::Ledger, |outcome| &mut outcome.disagreement, record.disagreement, DISAGREEMENT, "");
@@ -303,7 +311,8 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
             record.iterations += row.newton_iterations;
             record.halvings += row.halvings;
             record.defect = worse(record.defect, row.energy_defect.abs() / scales.energy);
-            lost -= row.contact_work / scales.energy;
+            lost -= (row.contact_work + row.friction_work) / scales.energy;
+            record.rubbed = worse(record.rubbed, row.friction_work / scales.energy);
             if row.active == 0 {
                 record.kept_open = record.kept_open.max(row.reserve / scales.energy);
             }

@@ -21,6 +21,8 @@ pub struct ObstacleHandle {
     pub obstacle: Obstacle,
     /// Its displacement in each direction over time.
     pub motion: [Option<Amplitude>; 2],
+    /// The angle by which it has turned about its center over time.
+    pub turn: Option<Amplitude>,
 }
 
 impl Handle for ObstacleHandle {
@@ -28,15 +30,19 @@ impl Handle for ObstacleHandle {
     const MAKER: &'static str = "make one with `rigid_plane`, `rigid_disk`, `rigid_ring` or `rigid_polyline`";
 
     fn describe(&self) -> String {
-        describe_obstacle(&self.obstacle, &self.motion)
+        describe_obstacle(&self.obstacle, &self.motion, self.turn.as_ref())
     }
 }
 
-fn motion_parameter() -> Parameter {
+fn motion_parameter(is_round: bool) -> Parameter {
     let component = |name| Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time").of("length");
-    let components = ["x", "y"].map(|name| component(name).or(Absent::Means("none"))).into();
-    Parameter::new("motion", Kind::Options(components), "how the obstacle is displaced over time; it does not turn")
-        .or(Absent::Means("at rest"))
+    let mut components: Vec<Parameter> = ["x", "y"].map(|name| component(name).or(Absent::Means("none"))).into();
+    if is_round {
+        let angle = "the angle by which it has turned about its center, counter-clockwise, over time: friction feels it";
+        components.push(Parameter::new("angle", Kind::Amplitude, angle).of("rad").or(Absent::Means("none")));
+    }
+    let summary = if is_round { "how the obstacle moves over time" } else { "how the obstacle is displaced over time; it does not turn" };
+    Parameter::new("motion", Kind::Options(components), summary).or(Absent::Means("at rest"))
 }
 
 /// The functions of this file.
@@ -52,7 +58,8 @@ fn shape(
     example: &'static str,
     make: fn(&Options) -> Result<Obstacle, Failure>,
 ) -> Function {
-    keys.push(motion_parameter());
+    let is_round = matches!(name, "rigid_disk" | "rigid_ring");
+    keys.push(motion_parameter(is_round));
     Function {
         name,
         form: Form::Function,
@@ -66,14 +73,13 @@ fn shape(
             let options = call.options("options")?;
             let obstacle = make(&options)?;
             let nested = options.nested("motion")?;
-            let mut motion = [None, None];
-            for (motion, name) in motion.iter_mut().zip(["x", "y"]) {
+            let over_time = |name: &'static str| {
                 let argument = nested.argument(name);
-                if argument.is_given() {
-                    *motion = Some(amplitude_of(&argument)?);
-                }
-            }
-            Ok(Dynamic::from(ObstacleHandle { obstacle, motion }))
+                if argument.is_given() { amplitude_of(&argument).map(Some) } else { Ok(None) }
+            };
+            let motion = [over_time("x")?, over_time("y")?];
+            let turn = if is_round { over_time("angle")? } else { None };
+            Ok(Dynamic::from(ObstacleHandle { obstacle, motion, turn }))
         }),
     }
 }

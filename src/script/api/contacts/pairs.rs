@@ -181,7 +181,7 @@ fn add(call: &Call, model: &ModelHandle, interaction: Interaction) -> Result<(),
 fn partner_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<Partner, Failure> {
     let value = argument.value();
     if let Some(obstacle) = value.clone().try_cast::<ObstacleHandle>() {
-        return Ok(Partner::Obstacle { shape: obstacle.obstacle, motion: obstacle.motion });
+        return Ok(Partner::Obstacle { shape: obstacle.obstacle, motion: obstacle.motion, turn: obstacle.turn });
     }
     if let Some(boundary) = value.clone().try_cast::<BoundaryHandle>() {
         return Ok(Partner::Surfaces(vec![body_boundary(argument, boundary, model)?]));

@@ -42,8 +42,8 @@ fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
                 format!("  {kind} \"{name}\": secondary {secondary}, primary {}", joined(&primary, "and"))
             }
             Partner::Itself => format!("  contact \"{name}\": {secondary} with itself"),
-            Partner::Obstacle { shape, motion } => {
-                format!("  contact \"{name}\": secondary {secondary}, {}", describe_obstacle(shape, motion))
+            Partner::Obstacle { shape, motion, turn } => {
+                format!("  contact \"{name}\": secondary {secondary}, {}", describe_obstacle(shape, motion, turn.as_ref()))
             }
             Partner::Tied { to, .. } => format!("  tie \"{name}\": secondary {secondary}, primary {}", named(to)),
         }
@@ -51,14 +51,15 @@ fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
 }
 
 /// Shape, place and motion of a rigid obstacle.
-pub fn describe_obstacle(obstacle: &Obstacle, motion: &[Option<Amplitude>; 2]) -> String {
+pub fn describe_obstacle(obstacle: &Obstacle, motion: &[Option<Amplitude>; 2], turn: Option<&Amplitude>) -> String {
     let shape = match obstacle {
         Obstacle::HalfPlane { point, normal } => format!("plane through {} with normal {}", vector_text(point), vector_text(normal)),
         Obstacle::Disk { center, radius } => format!("disk of radius {} around {}", number_text(*radius), vector_text(center)),
         Obstacle::Ring { center, radius } => format!("ring of inner radius {} around {}", number_text(*radius), vector_text(center)),
         Obstacle::Polyline { points } => format!("polyline through {} points", points.len()),
     };
-    let moved = ["x", "y"].iter().zip(motion).filter_map(|(name, motion)| Some((name, motion.as_ref()?)));
+    let motions = motion.iter().map(Option::as_ref).chain([turn]);
+    let moved = ["x", "y", "angle"].iter().zip(motions).filter_map(|(name, motion)| Some((name, motion?)));
     let moved: Vec<String> = moved.map(|(name, motion)| format!("{name}: {}", motion.describe())).collect();
     if moved.is_empty() { format!("rigid {shape}") } else { format!("rigid {shape}, moving by {}", moved.join(", ")) }
 }

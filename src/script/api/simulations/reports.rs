@@ -224,7 +224,7 @@ fn conditions(data: &SimulationData) -> Vec<Vec<String>> {
 fn contacts(model: &Model, simulation: &Simulation) -> Vec<Vec<String>> {
     let row = |interaction: &Interaction| {
         let primary = match &interaction.partner {
-            Partner::Obstacle { shape, motion } => describe_obstacle(shape, motion),
+            Partner::Obstacle { shape, motion, turn } => describe_obstacle(shape, motion, turn.as_ref()),
             Partner::Itself => "itself".into(),
             _ => joined(&interaction.primary().iter().map(|on| model.boundary_name(on)).collect::<Vec<_>>(), "and"),
         };
