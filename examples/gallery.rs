@@ -36,6 +36,11 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/two_bars", "bars.svg"),
     ("scenarios/bar_impact", "history.svg"),
     ("scenarios/calibration", "calibration.svg"),
+    ("scenarios/braking_rings", "braking_rings.svg"),
+    ("scenarios/incline", "incline.svg"),
+    ("scenarios/rolling_disk", "rolling_disk.svg"),
+    ("scenarios/capstan", "capstan.svg"),
+    ("scenarios/stick_slip", "stick_slip.svg"),
     ("scenarios/tumbling_block", "block.svg"),
     ("scenarios/tumbling_block_3d", "brick.svg"),
     ("tutorials/01_first_body", "plate.svg"),
@@ -46,6 +51,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("tutorials/06_a_load_as_a_closure", "history.svg"),
     ("tutorials/07_a_parameter_study", "deflection.svg"),
     ("tutorials/08_why_a_step_failed", "impact.svg"),
+    ("tutorials/09_friction", "energies.svg"),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::law::{FrictionLaw, Limit, Sliding};
 
 /// ```text
-/// L = min(mu(v) p + adhesion(v), most) + viscosity v
+/// L = min(mu(v) p + adhesion(v), most),    and a film of shear stress viscosity v
 /// mu(v) = mu (1 + (static_ratio - 1) exp(-(v/transition_speed)^exponent)),    adhesion(v) = adhesion exp(-(v/transition_speed)^exponent)
 /// ```
 ///
@@ -46,15 +46,14 @@ impl FrictionLaw for Coulomb {
         let over = if has_rest { self.static_ratio - 1.0 } else { 0.0 };
         let mu = coefficient * (1.0 + over * rest);
         let dry = mu * pressure + self.adhesion * rest;
-        let film = Limit { shear: self.viscosity * speed, by_pressure: 0.0, by_speed: self.viscosity };
         if dry >= self.most {
-            return Limit { shear: self.most + film.shear, ..film };
+            return Limit { shear: self.most, ..Limit::default() };
         }
-        Limit {
-            shear: dry + film.shear,
-            by_pressure: mu,
-            by_speed: (coefficient * over * pressure + self.adhesion) * by_speed + film.by_speed,
-        }
+        Limit { shear: dry, by_pressure: mu, by_speed: (coefficient * over * pressure + self.adhesion) * by_speed }
+    }
+
+    fn film(&self) -> f64 {
+        self.viscosity
     }
 
     fn in_units(&self, stress: f64, speed: f64) -> Arc<dyn FrictionLaw> {
@@ -102,7 +101,7 @@ mod tests {
             let other = law.in_units(3.0, 7.0).limit(Sliding { coefficient: 0.5, pressure: 3.0 * pressure, speed: 7.0 * speed });
             assert!((other.shear - 3.0 * found.shear).abs() < 1e-13 * other.shear);
         }
-        assert_eq!(at(50.0, 0.1).shear, 9.02);
+        assert_eq!((at(50.0, 0.1).shear, law.film(), law.in_units(3.0, 7.0).film()), (9.0, 0.2, 3.0 / 7.0 * 0.2));
         let plain = Coulomb::default().limit(Sliding { coefficient: 0.3, pressure: 2.0, speed: 1e300 });
         assert_eq!(plain, Limit { shear: 0.6, by_pressure: 0.3, by_speed: 0.0 });
     }

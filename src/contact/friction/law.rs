@@ -2,10 +2,10 @@
 //! the slip `u` of the step,
 //!
 //! ```text
-//! |T| <= L,    u = 0 where |T| < L (stick),    T = -L u/|u| where u != 0 (slip)
+//! T = T_dry - F u,    |T_dry| <= L,    u = 0 where |T_dry| < L (stick),    T_dry = -L u/|u| where u != 0 (slip)
 //! ```
 //!
-//! The work of the step is `T u <= 0`, whatever `L >= 0` is.
+//! with `F` of the film, if there is one. The work of the step is `T u <= 0`, whatever `L >= 0` is.
 
 use std::fmt;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub struct Sliding {
 /// The largest shear stress, with its derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limit {
-    /// The shear stress with which a point slides at that speed, and up to which it sticks at none `[stress]`.
+    /// The dry shear stress with which a point slides at that speed, and up to which it sticks at none `[stress]`.
     pub shear: f64,
     /// Its derivative with respect to the pressure.
     pub by_pressure: f64,
@@ -36,6 +36,11 @@ pub struct Limit {
 pub trait FrictionLaw: fmt::Debug + Send + Sync {
     /// The largest shear stress; it is never negative.
     fn limit(&self, at: Sliding) -> Limit;
+
+    /// Shear stress per speed of a film between the surfaces, which opposes every slip besides `[stress time/length]`.
+    fn film(&self) -> f64 {
+        0.0
+    }
 
     /// The same law in other units, by the factors of a stress and of a speed.
     fn in_units(&self, stress: f64, speed: f64) -> Arc<dyn FrictionLaw>;

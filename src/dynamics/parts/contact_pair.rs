@@ -310,7 +310,9 @@ impl ContactPair {
 
     /// The node that owns a row of the model, if a node does.
     pub fn node_of(&self, row: usize) -> Option<u32> {
-        self.kernel.row_nodes().get((row - self.rows.start) / self.kernel.rows_per_node()).copied()
+        let tangential =
+            self.friction.as_ref().map(|friction| friction.rows.start).filter(|first| row >= *first && !self.rows.contains(&row));
+        self.kernel.row_nodes().get((row - tangential.unwrap_or(self.rows.start)) / self.kernel.rows_per_node()).copied()
     }
 }
 

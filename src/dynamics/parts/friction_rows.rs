@@ -110,9 +110,19 @@ impl SlipRow<'_> {
         Limit { shear: limit.shear * self.around, by_pressure: limit.by_pressure, by_speed: limit.by_speed * self.around * self.speed }
     }
 
-    /// Multiplier that the row would have if it stuck from here.
+    /// Multiplier of the film per slip.
+    fn film(&self) -> f64 {
+        self.law.film() * self.around * self.speed
+    }
+
+    /// Multiplier without that of the film.
+    fn dry(&self) -> f64 {
+        self.lambda + self.film() * self.slip
+    }
+
+    /// Dry multiplier that the row would have if it stuck from here.
     fn trial(&self) -> f64 {
-        self.lambda - self.c * self.slip
+        self.dry() - self.c * self.slip
     }
 
     /// State of a row that supports hold.
@@ -124,26 +134,22 @@ impl SlipRow<'_> {
     pub fn first_state(&self) -> RowState {
         let trial = self.trial();
         if self.is_held {
-            self.held()
-        } else if self.law.is_rough() || trial.abs() <= self.limit(self.slip).shear {
-            RowState::Closed
-        } else {
-            RowState::sliding(trial)
+            return self.held();
         }
+        let limit = self.limit(self.slip).shear;
+        if self.law.is_rough() || (trial.abs() <= limit && limit > 0.0) { RowState::Closed } else { RowState::sliding(trial) }
     }
 
     /// Natural residual: by how much the row is off, as a slip, and the energy that goes with it.
     pub fn residual(&self) -> (f64, f64) {
-        let found = if self.law.is_rough() {
-            if self.is_held { 0.0 } else { self.trial() }
-        } else {
-            let limit = self.limit(self.slip).shear;
-            match self.is_held {
-                true => -limit * if self.slip == 0.0 { 0.0 } else { self.slip.signum() },
-                false => self.trial().clamp(-limit, limit),
-            }
+        let limit = self.limit(self.slip).shear;
+        let off = match (self.is_held, self.law.is_rough()) {
+            (true, true) => self.lambda,
+            (true, false) if self.slip == 0.0 => self.lambda,
+            (true, false) => self.dry() + limit * self.slip.signum(),
+            (false, true) => self.c * self.slip,
+            (false, false) => self.dry() - self.trial().clamp(-limit, limit),
         };
-        let off = self.lambda - found;
         (off / self.c, off * self.slip)
     }
 
@@ -162,10 +168,10 @@ impl SlipRow<'_> {
         Equation {
             acts: true,
             // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
-            gradient: by * by_speed.max(-self.c),
+            gradient: by * (self.film() + by_speed.max(-self.c)),
             diagonal: by,
             normal: -by * sense * by_pressure,
-            right: by * sense * (shear - by_pressure * self.normal),
+            right: by * (sense * (shear - by_pressure * self.normal) - self.film() * self.slip),
         }
     }
 
@@ -174,15 +180,17 @@ impl SlipRow<'_> {
         if self.is_held {
             return (state != self.held() && self.slip.abs() > self.tolerance).then(|| (self.held(), self.slip.abs()));
         }
+        let clearly = |off: f64| off > tolerances::CLEARLY * self.tolerance;
         match state.sense() {
             None if self.law.is_rough() => (state == RowState::Open).then_some((RowState::Closed, 0.0)),
             None => {
-                let over = (self.lambda.abs() - self.limit(0.0).shear) / self.c;
-                (over > tolerances::CLEARLY * self.tolerance).then(|| (RowState::sliding(self.lambda), over))
+                let (dry, limit) = (self.dry(), self.limit(0.0).shear);
+                let over = (dry.abs() - limit) / self.c;
+                clearly(over).then(|| (RowState::sliding(dry), over))
             }
             Some(sense) => {
                 let back = sense * self.slip;
-                (back > tolerances::CLEARLY * self.tolerance).then_some((RowState::Closed, back))
+                (clearly(back) && self.limit(0.0).shear > 0.0).then_some((RowState::Closed, back))
             }
         }
     }
@@ -230,7 +238,7 @@ mod tests {
         let law = Coulomb { static_ratio: 1.6, transition_speed: 0.4, exponent: 2.0, adhesion: 0.1, viscosity: 0.3, ..Coulomb::default() };
         let missed = |normal: f64, lambda: f64, slip: f64| {
             let at = row(&law, normal, lambda, slip);
-            lambda - at.limit(slip).shear
+            at.dry() - at.limit(slip).shear
         };
         let (normal, lambda, slip, h) = (1.7, 0.9, -0.12, 1e-6);
         let Equation { gradient, diagonal, normal: by, right, .. } = row(&law, normal, lambda, slip).equation(RowState::Forward);

@@ -70,7 +70,7 @@ where
     }
 
     fn pair_of(&self, row: usize) -> Option<&ContactPair> {
-        self.system.pairs.iter().find(|pair| pair.rows.contains(&row))
+        self.system.pair_of(row)
     }
 
     fn iterations(&self) -> Vec<IterationReport> {
@@ -122,6 +122,10 @@ where
         let of_pair = |pair: &ContactPair| -> Vec<CyclingNode> {
             let rows = pair.kernel.rows_per_node();
             let mut indices: Vec<usize> = pair.rows.clone().filter(|&row| cycling(row)).map(|row| (row - pair.rows.start) / rows).collect();
+            if let Some(friction) = &pair.friction {
+                indices.extend(friction.rows.clone().filter(|&row| cycling(row)).map(|row| (row - friction.rows.start) / rows));
+                indices.sort_unstable();
+            }
             indices.dedup();
             let contact = pair.corners.map_or(pair, |corners| &self.system.pairs[corners.pair]);
             let secondary = contact.kernel.secondary();
@@ -252,7 +256,7 @@ impl<const D: usize> Evidence<'_, D> {
         let vertex = *vertex as usize;
         if vertex >= system.nodes.count() {
             let row = vertex - system.nodes.count();
-            let node = system.pairs.iter().find(|pair| pair.rows.contains(&row)).and_then(|pair| pair.node_of(row));
+            let node = system.pair_of(row).and_then(|pair| pair.node_of(row));
             // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
             let pairs = system.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
             let mut names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();

@@ -277,6 +277,13 @@ impl<const D: usize> System<D> {
         self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
     }
 
+    /// The pair of a row, one that presses or a tangential one.
+    pub fn pair_of(&self, row: usize) -> Option<&ContactPair> {
+        let is_own =
+            |pair: &&ContactPair| pair.rows.contains(&row) || pair.friction.as_ref().is_some_and(|friction| friction.rows.contains(&row));
+        self.pairs.iter().find(is_own)
+    }
+
     /// The row that presses beside a tangential row.
     pub fn pressing_row(&self, slip: usize) -> usize {
         let of = |pair: &ContactPair| {
