@@ -67,23 +67,9 @@ impl FrictionLaw for Coulomb {
     }
 }
 
-/// No slip where surfaces are pressed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rough;
-
-impl FrictionLaw for Rough {
-    fn limit(&self, _: Sliding) -> Limit {
-        Limit { shear: f64::INFINITY, ..Limit::default() }
-    }
-
-    fn in_units(&self, _stress: f64, _speed: f64) -> Arc<dyn FrictionLaw> {
-        Arc::new(Rough)
-    }
-
-    fn is_rough(&self) -> bool {
-        true
-    }
-}
+/// Coefficient of surfaces that count as rough: they slide where next to nothing presses, which takes a bound, or a node that opens would
+/// lose a shear stress that nothing has bounded, and find no state that holds.
+pub const ROUGH: f64 = 10.0;
 
 #[cfg(test)]
 mod tests {

@@ -44,9 +44,4 @@ pub trait FrictionLaw: fmt::Debug + Send + Sync {
 
     /// The same law in other units, by the factors of a stress and of a speed.
     fn in_units(&self, stress: f64, speed: f64) -> Arc<dyn FrictionLaw>;
-
-    /// Whether every pressed point sticks, whatever the shear stress.
-    fn is_rough(&self) -> bool {
-        false
-    }
 }

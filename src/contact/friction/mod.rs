@@ -3,5 +3,5 @@
 mod coulomb;
 mod law;
 
-pub use coulomb::{Coulomb, Rough};
+pub use coulomb::{Coulomb, ROUGH};
 pub use law::{FrictionLaw, Limit, Sliding};

@@ -127,7 +127,7 @@ impl SlipRow<'_> {
 
     /// State of a row that supports hold.
     fn held(&self) -> RowState {
-        if self.slip == 0.0 || self.law.is_rough() { RowState::Open } else { RowState::sliding(-self.slip) }
+        if self.slip == 0.0 { RowState::Open } else { RowState::sliding(-self.slip) }
     }
 
     /// The state with which an iteration begins.
@@ -137,18 +137,16 @@ impl SlipRow<'_> {
             return self.held();
         }
         let limit = self.limit(self.slip).shear;
-        if self.law.is_rough() || (trial.abs() <= limit && limit > 0.0) { RowState::Closed } else { RowState::sliding(trial) }
+        if trial.abs() <= limit && limit > 0.0 { RowState::Closed } else { RowState::sliding(trial) }
     }
 
     /// Natural residual: by how much the row is off, as a slip, and the energy that goes with it.
     pub fn residual(&self) -> (f64, f64) {
         let limit = self.limit(self.slip).shear;
-        let off = match (self.is_held, self.law.is_rough()) {
-            (true, true) => self.lambda,
-            (true, false) if self.slip == 0.0 => self.lambda,
-            (true, false) => self.dry() + limit * self.slip.signum(),
-            (false, true) => self.c * self.slip,
-            (false, false) => self.dry() - self.trial().clamp(-limit, limit),
+        let off = match self.is_held {
+            true if self.slip == 0.0 => self.lambda,
+            true => self.dry() + limit * self.slip.signum(),
+            false => self.dry() - self.trial().clamp(-limit, limit),
         };
         (off / self.c, off * self.slip)
     }
@@ -182,7 +180,6 @@ impl SlipRow<'_> {
         }
         let clearly = |off: f64| off > tolerances::CLEARLY * self.tolerance;
         match state.sense() {
-            None if self.law.is_rough() => (state == RowState::Open).then_some((RowState::Closed, 0.0)),
             None => {
                 let (dry, limit) = (self.dry(), self.limit(0.0).shear);
                 let over = (dry.abs() - limit) / self.c;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::{Dynamic, FnPtr};
 
-use crate::contact::{Coulomb, FrictionLaw, Rough};
+use crate::contact::{Coulomb, ROUGH};
 use crate::dynamics::{Coefficient, Friction};
 use crate::math::catalogue::Interval;
 use crate::script::api::time_functions::{amplitude_of, place_function};
@@ -25,10 +25,7 @@ impl Handle for FrictionHandle {
     const MAKER: &'static str = "make one with `coulomb` or `rough`";
 
     fn describe(&self) -> String {
-        let Friction { law, coefficient } = &self.0;
-        if law.is_rough() {
-            return "rough()".into();
-        }
+        let Friction { coefficient, .. } = &self.0;
         let coefficient = match coefficient {
             Coefficient::Constant(value) => number_text(*value),
             Coefficient::OverTime(function) => function.describe(),
@@ -114,15 +111,12 @@ fn rough() -> Function {
         name: "rough",
         form: Form::Function,
         topic: Topic::Contact,
-        summary: "friction without bound for a contact: what is pressed does not slide",
+        summary: "friction of a contact whose surfaces do not slide: a coefficient of 10, so that they do where next to nothing presses",
         parameters: Vec::new(),
         returns: FrictionHandle::NAME,
         example: "print(rough());".into(),
         see_also: &["coulomb", "add_contact"],
-        body: body(|_| {
-            let friction = Friction { law: Arc::new(Rough), coefficient: Coefficient::Constant(0.0) };
-            Ok(Dynamic::from(FrictionHandle(friction)))
-        }),
+        body: body(|_| Ok(Dynamic::from(FrictionHandle(plain(Coefficient::Constant(ROUGH)))))),
     }
 }
 
@@ -149,12 +143,16 @@ pub fn friction_of(options: &Options) -> Result<Option<Friction>, Failure> {
     if let Ok(word) = value.clone().into_string() {
         return match word.as_str() {
             "none" => Ok(None),
-            "rough" => Ok(Some(Friction { law: Arc::new(Rough), coefficient: Coefficient::Constant(0.0) })),
+            "rough" => Ok(Some(plain(Coefficient::Constant(ROUGH)))),
             _ => Err(argument.wrong_type()),
         };
     }
-    let law: Arc<dyn FrictionLaw> = Arc::new(Coulomb::default());
-    Ok(Some(Friction { law, coefficient: coefficient_of(&argument)? }))
+    coefficient_of(&argument).map(plain).map(Some)
+}
+
+/// Coulomb's law with its coefficient alone.
+fn plain(coefficient: Coefficient) -> Friction {
+    Friction { law: Arc::new(Coulomb::default()), coefficient }
 }
 
 /// A coefficient of friction.
