@@ -187,7 +187,8 @@ where
             Arc::make_mut(&mut self.state);
         *memory = self.system.memory_at_rest();
         row.strain = self.system.strain_energy(u);
-        let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
+        let mut gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
+        gaps.resize(self.system.multipliers, 0.0);
         row.potential =
             self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(Pose { q, u }, memory);
         *penalty_gap = gaps;
