@@ -20,7 +20,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 const STANDSTILL: u32 = 100;
 
 /// What `settle` takes first.
-const TIME: &str = "a number, or an object map of options";
+const TIME: &str = "an object map of options, or a number";
 
 /// `settle`: equilibrium now or at a later time.
 pub fn settle() -> Function {
