@@ -27,7 +27,8 @@ pub struct LedgerRow {
     pub friction_work: f64,
     /// What viscous materials turned into heat in this step `[energy]`, never negative.
     pub dissipation: f64,
-    /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme conserves.
+    /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
+    /// conserves.
     pub energy_defect: f64,
     /// Linear momentum `[mass * length/time]`.
     pub momentum: [f64; 3],

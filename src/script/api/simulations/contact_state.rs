@@ -85,8 +85,8 @@ pub fn functions() -> Vec<Function> {
         ),
         array(
             "slip",
-            "the slip of each secondary node in the last step, against the other side and in the direction of their order along the surface; \
-             0 without friction and where nothing presses",
+            "the slip of each secondary node in the last step, against the other side and in the direction of their order along the \
+             surface; 0 without friction and where nothing presses",
             |contact| contact.fields.slip.iter().map(|&value| value.into()).collect(),
         ),
         array(
@@ -112,7 +112,8 @@ pub fn functions() -> Vec<Function> {
         ),
         array(
             "force",
-            "the resultant of the contact forces on the secondary side, friction included (of a surface with itself: on one side of its folds)",
+            "the resultant of the contact forces on the secondary side, friction included (of a surface with itself: on one side of its \
+             folds)",
             |contact| contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect(),
         ),
         array("positions", "the current position of each secondary node, in their order along the surface", |contact| {
