@@ -317,9 +317,8 @@ fn compare_tables(tables: &[Table; 2], exactness: &Exactness, found: &mut Compar
 /// Columns of one kind have one scale.
 fn kind_of(column: &str) -> &str {
     match column {
-        "kinetic" | "strain" | "potential" | "total" | "load_work" | "contact_work" | "energy_defect" | "reserve" | "dissipation" => {
-            "energy"
-        }
+        "kinetic" | "strain" | "potential" | "total" | "load_work" | "contact_work" | "friction_work" | "energy_defect" | "reserve"
+        | "dissipation" => "energy",
         _ if column.starts_with("angular_momentum") => "angular_momentum",
         _ if column.starts_with("momentum") => "momentum",
         _ if column.contains(".force_") || column.ends_with(".normal_force") => column.rsplit_once('.').map_or(column, |(owner, _)| owner),

@@ -176,7 +176,7 @@ mod tests {
     fn header_has_the_columns_of_the_language() {
         let expected = "step,time,dt,kinetic,strain,potential,total,load_work,contact_work,energy_defect,momentum_x,momentum_y,\
                         angular_momentum,momentum_defect,angular_momentum_defect,newton_iterations,halvings,active,max_penetration,reserve,\
-                        dissipation,factorizations,tip.ux,\"a, \"\"b\"\"\"\n";
+                        dissipation,factorizations,friction_work,tip.ux,\"a, \"\"b\"\"\"\n";
         assert_eq!(String::from_utf8(header(2, &["tip.ux".into(), "a, \"b\"".into()])).unwrap(), expected);
     }
 

@@ -30,8 +30,8 @@ const MOST_WAITING: usize = 1 << 26;
 pub enum Computation {
     /// A nominal step, cut off at a time if it is reached.
     Step(Option<f64>),
-    /// Equilibrium at a time.
-    Settle(f64),
+    /// Equilibrium at a time, with friction or without it.
+    Settle(f64, bool),
 }
 
 /// How a computation ended.

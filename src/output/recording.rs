@@ -345,6 +345,7 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         contact_pressure: vec![0.0; nodes],
         contact_gap: vec![f64::NAN; nodes],
         contact_force: vec![[0.0; 3]; nodes],
+        contact_pressing: vec![[0.0; 3]; nodes],
         contact_active: vec![0.0; nodes],
     };
     for (component, [least, greatest]) in ranges.into_iter().enumerate() {
@@ -370,8 +371,9 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         fields.contact_pressure[node] = number(take(4));
         for component in 0..dimension {
             // The pressure's own direction is all that is known of the force.
-            fields.contact_force[node][component] = number(take(4));
+            fields.contact_pressing[node][component] = number(take(4));
         }
+        fields.contact_force[node] = fields.contact_pressing[node];
         fields.contact_active[node] = 1.0;
     }
     fields

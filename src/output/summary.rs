@@ -82,15 +82,15 @@ pub const KEYS: &[(&str, &str)] = &[
     ("energy_drift", "the largest change of the total energy since the loads ended, relative to the largest energy since then"),
     (
         "energy_unexplained",
-        "the same of what neither loads nor contact nor dissipation explain: the largest sum of energy defects since then",
+        "the same of what neither loads nor contact nor friction nor dissipation explain: the largest sum of energy defects since then",
     ),
     ("momentum_drift", "the same for the linear momentum, less what supports explain"),
     ("angular_momentum_drift", "the same for the angular momentum"),
     ("worst_energy_defect", "the largest energy defect of a step, relative to the largest total energy of the run"),
     (
         "energy_changes",
-        "an object: what changed the energy beyond round-off (`loads`, `contact`, `integrator`, `settling`), each with `energy`, positive \
-         where it was given, and its `share` of the largest energy",
+        "an object: what changed the energy beyond round-off (`loads`, `contact`, `friction`, `viscosity`, `integrator`, `settling`), each \
+         with `energy`, positive where it was given, and its `share` of the largest energy",
     ),
     (
         "halvings_by_cause",

@@ -196,6 +196,7 @@ impl Frame {
             places.map(|(now, start)| std::array::from_fn::<f64, 3, _>(|i| now[i] - start[i]))
         });
         let active = surfaces.iter().flat_map(|surface| surface.fields.active.iter().map(|&active| [f64::from(u8::from(active))]));
+        let state = surfaces.iter().flat_map(|surface| surface.fields.state.iter().map(|&state| [f64::from(state as u8)]));
         let nodes = || surfaces.iter().flat_map(|surface| &surface.nodes);
         let nodal = vec![
             Array::doubles("displacement", count, displacement),
@@ -203,6 +204,11 @@ impl Frame {
             scalars("contact_gap", |fields| &fields.gap),
             Array::doubles("contact_force", count, surfaces.iter().flat_map(|surface| surface.fields.forces.iter().copied())),
             Array::doubles("contact_active", count, active),
+            Array::doubles("contact_state", count, state),
+            scalars("contact_shear", |fields| &fields.shear),
+            scalars("contact_slip", |fields| &fields.slip),
+            scalars("contact_slip_path", |fields| &fields.slip_path),
+            scalars("contact_heat", |fields| &fields.heat),
             Array::integers("body", nodes().map(|&(body, _)| body as i64)),
             Array::integers("node", nodes().map(|&(_, node)| node as i64)),
         ];
@@ -314,6 +320,7 @@ mod tests {
     use super::super::samples::{block, ring};
     use super::*;
     use crate::contact::Obstacle;
+    use crate::dynamics::NodeState;
 
     /// The bytes of a named array, found by its offset in the text and inflated block by block.
     fn array(file: &[u8], name: &str) -> (usize, Vec<u8>) {
@@ -441,10 +448,16 @@ mod tests {
                 gap: vec![0.0, 0.1 + 0.2, f64::NAN],
                 mean_pressure: vec![1.0, 2.0, x],
                 active: vec![true, true, false],
+                state: vec![NodeState::Stick, NodeState::Slip, NodeState::Open],
+                shear: vec![0.25, -0.5, 0.0],
+                slip: vec![0.0, 0.125, 0.0],
+                slip_path: vec![0.0, 0.375, x],
+                heat: vec![0.0, 0.75, 0.0],
                 forces: vec![[0.0, x, 0.0]; 3],
                 force: [0.0, 3.0 * x, 0.0],
                 normal_force: 3.0 * x,
                 area: 1.0,
+                sliding: 1,
             },
         };
         let file = Frame::of_contacts(0.5, &[surface("race", 0, 4.0), surface("lip", 1, 8.0)]).encode();
@@ -456,6 +469,10 @@ mod tests {
         assert_eq!(doubles(&file, "contact_pressure"), [1.0, 2.0, 4.0, 1.0, 2.0, 8.0]);
         assert_eq!(doubles(&file, "contact_active"), [1.0, 1.0, 0.0, 1.0, 1.0, 0.0]);
         assert!(doubles(&file, "contact_gap")[2].is_nan());
+        assert_eq!(doubles(&file, "contact_state"), [1.0, 2.0, 0.0, 1.0, 2.0, 0.0]);
+        assert_eq!(doubles(&file, "contact_shear"), [[0.25, -0.5, 0.0]; 2].concat());
+        assert_eq!(doubles(&file, "contact_slip_path"), [0.0, 0.375, 4.0, 0.0, 0.375, 8.0]);
+        assert_eq!(doubles(&file, "contact_heat"), [[0.0, 0.75, 0.0]; 2].concat());
         assert!(String::from_utf8_lossy(&file).contains("<!-- contact 1: lip -->"));
     }
 }

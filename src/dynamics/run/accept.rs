@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::engine::Engine;
 use super::jump::Jump;
 use super::ledger::LedgerRow;
+use super::quantities::Touching;
+use super::slip_memory::slipped;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
@@ -35,6 +37,14 @@ impl Outside {
     }
 }
 
+/// Weighted gaps as penalty potentials feel them, of every row.
+fn penalty_gaps(at: &Linearization, conditions: &Conditions) -> Vec<f64> {
+    let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
+    let mut felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
+    felt.resize(conditions.shift.len(), 0.0);
+    felt
+}
+
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
@@ -55,9 +65,7 @@ where
         let search = self.system.search();
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
         let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.acts() { lambda } else { 0.0 }).collect();
-        let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
-        let mut penalty_gap: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
-        penalty_gap.resize(lambda.len(), 0.0);
+        let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let remembered = self.remembered(motion, &at, &v_1);
         let outside = self.outside(start, motion, &at, &lambda, &v_1)?;
@@ -96,12 +104,9 @@ where
         row.friction_work = frictional.iter().sum::<f64>() + 0.0;
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
-
-        let pressed = |jump: &Jump| lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
-        let pressing: Vec<f64> = jump.as_ref().map_or_else(|| lambda.clone(), pressed);
-        row.contacts = self.contact_totals(&at.q_1, &at.pairs, &pressing, &active);
-        row.contacts.iter_mut().zip(frictional).for_each(|(contact, work)| contact.friction_work = work);
-        row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
+        let slipped = slipped(system, &self.state.slipped, &at, [scheme.weight, 0.0], (&lambda, &active));
+        let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &active, slipped: &slipped };
+        self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
@@ -116,6 +121,7 @@ where
             penalty_gap,
             reserve,
             active,
+            slipped,
             remembered,
             memory,
             clock: self.state.clock,
@@ -126,6 +132,16 @@ where
         };
         self.system.recycle(at);
         Ok(state)
+    }
+
+    /// Sums over the contacts, with the work of friction in each.
+    fn book_contacts(&self, row: &mut LedgerRow, q: &[f64], touching: &Touching, jump: Option<&Jump>, frictional: &[f64]) {
+        let pressed = |jump: &Jump| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
+        let pressing: Option<Vec<f64>> = jump.map(pressed);
+        let touching = Touching { lambda: pressing.as_deref().unwrap_or(touching.lambda), ..*touching };
+        row.contacts = self.contact_totals(q, &touching);
+        row.contacts.iter_mut().zip(frictional).for_each(|(contact, work)| contact.friction_work = *work);
+        row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
     }
 
     /// What the time integrator remembers of this step; nothing changes where it remembers nothing.
@@ -176,7 +192,7 @@ where
                 }
             }
             // Of that the slip is friction's, the rest that of the obstacle's motion.
-            obstacle_work -= scheme.weight * block.work(&lambda);
+            obstacle_work -= scheme.weight * block.work(lambda);
         }
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };

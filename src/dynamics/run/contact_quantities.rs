@@ -10,24 +10,36 @@
 //! node's part of the contact instead, which is the nodal force over that of a unit pressure. That mean of every node is a field of its own
 //! beside the pressure. On the axis of bodies of revolution no node
 //! has a force: its pressure is continued from its neighbours'.
+//!
+//! Friction is evaluated in the same way: its stress at a node follows from tangential multipliers as the pressure does from those that
+//! press, so where all of a contact slides the one is the coefficient times the other.
 
-use super::fields::ContactFields;
+use super::fields::{ContactFields, NodeState};
 use super::ledger::ContactTotals;
+use super::slip_memory::SlipMemory;
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowBlock};
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
 /// Forces of a contact, evaluated at one configuration.
+#[derive(Default)]
 pub struct ContactForces {
-    /// On the secondary nodes, from the rows that each of them owns and from corners `[force]`.
-    pub own: Vec<[f64; 3]>,
+    /// What presses on the secondary nodes, from the rows that each of them owns and from corners `[force]`.
+    own: Vec<[f64; 3]>,
+    /// What friction adds to that `[force]`; nothing without friction.
+    friction: Vec<[f64; 3]>,
+    /// Mean shear stress on the same part `[stress]`, and what corners pull along the tangent `[force]`; nothing without friction.
+    mean_shear: Vec<f64>,
+    pulled: Vec<f64>,
     /// Mean pressure of the rows on the part of each secondary node that is covered `[stress]`.
     mean: Vec<f64>,
     /// Sizes of what corners press on each secondary node `[force]`.
     pressed: Vec<f64>,
-    /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`.
+    /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`: what presses, then friction.
     pub all: Vec<(u32, [f64; 3])>,
+    /// How many of them press.
+    pub pressing: usize,
 }
 
 /// A pair with its evaluation at a configuration and its multipliers.
@@ -37,9 +49,39 @@ pub struct Loaded<'a> {
     pub evaluation: &'a Evaluation,
     pub lambda: &'a [f64],
     pub active: &'a [RowState],
+    /// Its tangential rows, if it has friction.
+    pub tangential: Option<Tangential<'a>>,
+}
+
+/// Tangential rows of a pair.
+#[derive(Clone, Copy)]
+pub struct Tangential<'a> {
+    pub evaluation: &'a Evaluation,
+    pub lambda: &'a [f64],
+    pub active: &'a [RowState],
+    pub slipped: &'a [SlipMemory],
 }
 
 impl Loaded<'_> {
+    /// Tells the same of friction, with the multiplier.
+    fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut tell: impl FnMut(u32, bool, f64, [f64; 3])) {
+        let Some(Tangential { evaluation, .. }) = self.tangential else { return };
+        for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
+            for row in block.live_rows() {
+                let factor = lambda[row.row - block.rows.start];
+                if factor == 0.0 {
+                    continue;
+                }
+                let gradient = &evaluation.gradient_bar[row.gradient];
+                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                    let mut force = [0.0; 3];
+                    (0..D).for_each(|i| force[i] = factor * gradient[i]);
+                    tell(node, self.pair.owns_row(row.patch, node), factor, force);
+                }
+            }
+        }
+    }
+
     /// Tells the force of every row with its multiplier on every node of its patches: the node, whether it owns a row of the patch, the
     /// force.
     fn for_each_force<const D: usize>(&self, lambda: &[f64], mut tell: impl FnMut(u32, bool, [f64; 3])) {
@@ -64,14 +106,14 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     let secondary = contact.pair.kernel.secondary();
     let with_itself = secondary == contact.pair.kernel.primary();
     let count = secondary.nodes().len();
-    let mut forces = ContactForces { own: vec![[0.0; 3]; count], mean: Vec::new(), pressed: vec![0.0; count], all: Vec::new() };
+    let mut forces = ContactForces { own: vec![[0.0; 3]; count], pressed: vec![0.0; count], ..ContactForces::default() };
     contact.for_each_force::<D>(contact.lambda, |node, own, force| {
         forces.all.push((node, force));
         if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| forces.own[index][i] += force[i]);
         }
     });
-    forces.mean = mean_pressures::<D>(contact, &forces.own, q);
+    forces.mean = means::<D>(contact, contact.lambda, &forces.own, q, |lambda, tell| contact.for_each_force::<D>(lambda, tell));
     let mut more = vec![[0.0; 3]; count];
     for corners in corners {
         corners.for_each_force::<D>(corners.lambda, |node, own, force| {
@@ -88,19 +130,60 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
         (0..D).for_each(|i| forces.own[index][i] += force[i]);
         forces.pressed[index] = size(force);
     }
+    forces.pressing = forces.all.len();
+    if contact.tangential.is_some() || corners.iter().any(|corners| corners.tangential.is_some()) {
+        add_friction::<D>(contact, corners, q, &mut forces);
+    }
     forces
 }
 
-/// Nodal forces of a contact over those of a unit pressure, along these.
-fn mean_pressures<const D: usize>(contact: Loaded, forces: &[[f64; 3]], q: &[f64]) -> Vec<f64> {
+/// Adds what friction does.
+fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], forces: &mut ContactForces) {
+    let secondary = contact.pair.kernel.secondary();
+    let (with_itself, count) = (secondary == contact.pair.kernel.primary(), secondary.nodes().len());
+    (forces.friction, forces.mean_shear, forces.pulled) = (vec![[0.0; 3]; count], vec![0.0; count], vec![0.0; count]);
+    let ContactForces { friction, all, pulled, mean_shear, .. } = forces;
+    if let Some(Tangential { lambda, .. }) = contact.tangential {
+        contact.for_each_pull::<D>(lambda, |node, own, _, force| {
+            all.push((node, force));
+            if own && let Some(index) = secondary.index(node) {
+                (0..D).for_each(|i| friction[index][i] += force[i]);
+            }
+        });
+        *mean_shear = means::<D>(contact, lambda, friction, q, |lambda, tell| {
+            contact.for_each_pull::<D>(lambda, |node, own, _, force| tell(node, own, force));
+        });
+    }
+    for corners in corners {
+        let Some(Tangential { lambda, .. }) = corners.tangential else { continue };
+        corners.for_each_pull::<D>(lambda, |node, own, multiplier, force| {
+            all.push((node, force));
+            if (!with_itself || own)
+                && let Some(index) = secondary.index(node)
+            {
+                (0..D).for_each(|i| friction[index][i] += force[i]);
+                pulled[index] += multiplier.signum() * size(&force);
+            }
+        });
+    }
+}
+
+/// Nodal forces of a contact with these multipliers over those of unit ones, along these; `for_each` tells of the forces.
+fn means<const D: usize>(
+    contact: Loaded,
+    lambda: &[f64],
+    forces: &[[f64; 3]],
+    q: &[f64],
+    for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, [f64; 3])),
+) -> Vec<f64> {
     let (pair, secondary) = (contact.pair, contact.pair.kernel.secondary());
     let stride = pair.kernel.rows_per_node();
-    if stride != 1 || pair.kernel.is_nodal() || contact.lambda.iter().all(|lambda| *lambda == 0.0) {
+    if stride != 1 || pair.kernel.is_nodal() || lambda.iter().all(|lambda| *lambda == 0.0) {
         return vec![0.0; forces.len()];
     }
     let unit: Vec<f64> = secondary.nodes().iter().map(|&node| pair.circumference(node, q)).collect();
     let mut of_unit = vec![[0.0; 3]; forces.len()];
-    contact.for_each_force::<D>(&unit, |node, own, force| {
+    for_each(&unit, &mut |node, own, force| {
         if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| of_unit[index][i] += force[i]);
         }
@@ -171,38 +254,97 @@ fn pressure_on_axis(contact: Loaded, index: usize, pressures: &[f64], q: &[f64])
     }
 }
 
-/// Pressure at each secondary node, that of corners on it included.
-fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
-    let Loaded { pair, evaluation, lambda, .. } = contact;
+/// Stress at each secondary node from one multiplier per row: what rows and corners there make of it, `mean` its mean where the node is
+/// covered in part and `more` the force of corners. On an axis it is left at zero.
+fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f64]; 2], q: &[f64]) -> Vec<f64> {
+    let pair = contact.pair;
     let (kernel, secondary) = (&pair.kernel, pair.kernel.secondary());
     let (stride, weights, areas) = (kernel.rows_per_node(), kernel.weights(), areas(pair, q));
-    let mut on_axis = Vec::new();
     let of = |(index, rows): (usize, &[f64])| {
         if is_on_axis(pair, index, q) {
-            on_axis.push(index);
             return 0.0;
         }
         let (multiplier, area) = (size(rows), areas[index]);
         let length = share(pair, index) * secondary.node_length(index, q);
         let around = pair.circumference(secondary.nodes()[index], q) * length;
-        let pressure = if kernel.is_nodal() {
+        let stress = if kernel.is_nodal() {
             multiplier * weights[index * stride] / area
         } else if stride > 1 {
             multiplier
         } else if multiplier == 0.0 {
             0.0
         } else {
-            let covered = evaluation.coverage[index].clamp(0.0, 1.0);
+            let covered = coverage[index].clamp(0.0, 1.0);
             let at_node = covered * (around / area).min(1.0);
-            at_node * multiplier * length / around.max(f64::MIN_POSITIVE) + (1.0 - at_node) * forces.mean[index]
+            at_node * multiplier * length / around.max(f64::MIN_POSITIVE) + (1.0 - at_node) * mean[index]
         };
-        pressure + forces.pressed[index] / area
+        stress + more[index] / area
     };
-    let mut pressures: Vec<f64> = lambda.chunks_exact(stride).enumerate().map(of).collect();
-    for index in on_axis {
+    lambda.chunks_exact(stride).enumerate().map(of).collect()
+}
+
+/// Pressure at each secondary node, that of corners on it included.
+fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
+    let Loaded { pair, evaluation, lambda, .. } = contact;
+    let mut pressures = at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &forces.pressed], q);
+    for index in (0..pressures.len()).filter(|&index| is_on_axis(pair, index, q)) {
         pressures[index] = pressure_on_axis(contact, index, &pressures, q);
     }
     pressures
+}
+
+/// Shear stress of friction at each secondary node, that of corners on it included.
+fn shears(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
+    let Some(Tangential { evaluation, lambda, .. }) = contact.tangential else { return vec![0.0; forces.own.len()] };
+    at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean_shear, &forces.pulled], q)
+}
+
+/// What friction makes of the secondary nodes, and how many corners of the other side slide.
+fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeState>, usize) {
+    let is_held = contact.tangential.is_some() || contact.pair.kind == PairKind::Tie;
+    let pressed = if is_held { NodeState::Stick } else { NodeState::Slip };
+    let mut states: Vec<NodeState> = active.iter().map(|&active| if active { pressed } else { NodeState::Open }).collect();
+    let slides = |state: &RowState| state.sense().is_some();
+    if let Some(Tangential { active, .. }) = contact.tangential {
+        let sliding = states.iter_mut().zip(active).filter(|(_, state)| slides(state));
+        sliding.for_each(|(state, _)| *state = NodeState::Slip);
+    }
+    let mut others = 0;
+    for corners in corners {
+        let rows = corners.tangential.iter().flat_map(|tangential| tangential.active).enumerate();
+        for (index, _) in rows.filter(|(_, state)| slides(state)) {
+            match corner_node(contact, corners, index) {
+                Some(node) => states[node] = NodeState::Slip,
+                None => others += 1,
+            }
+        }
+    }
+    (states, others)
+}
+
+/// The secondary node on which a corner's row lies, if it lies on one.
+fn corner_node(contact: Loaded, corners: &Loaded, index: usize) -> Option<usize> {
+    corners.pair.kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node))
+}
+
+/// What the secondary nodes have done so far: of a node with several rows the longest slips, and the heat of all.
+fn slipped(contact: Loaded, corners: &[Loaded]) -> Vec<SlipMemory> {
+    let mut nodes = vec![SlipMemory::default(); contact.pair.kernel.secondary().nodes().len()];
+    if let Some(Tangential { slipped, .. }) = contact.tangential {
+        nodes.iter_mut().zip(slipped).for_each(|(node, own)| *node = *own);
+    }
+    for corners in corners {
+        for (index, more) in corners.tangential.iter().flat_map(|tangential| tangential.slipped).enumerate() {
+            let Some(node) = corner_node(contact, corners, index) else { continue };
+            let SlipMemory { slip, path, heat } = &mut nodes[node];
+            if more.slip.abs() > slip.abs() {
+                *slip = more.slip;
+            }
+            *path = path.max(more.path);
+            *heat += more.heat;
+        }
+    }
+    nodes
 }
 
 /// The same as means over what is covered of each node: the multipliers of a consistent mortar method waver beside the edge of a contact,
@@ -233,7 +375,7 @@ fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, u
         for (index, _) in
             corners.active.chunks_exact(kernel.rows_per_node()).enumerate().filter(|(_, rows)| rows.contains(&RowState::Closed))
         {
-            match kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node)) {
+            match corner_node(contact, corners, index) {
                 Some(index) => active[index] = true,
                 None => others += 1,
             }
@@ -253,9 +395,14 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
         (0..3).for_each(|i| totals.force[i] += force[i]);
         totals.normal_force += force[0].hypot(force[1]).hypot(force[2]);
     }
+    forces.friction.iter().for_each(|force| (0..3).for_each(|i| totals.force[i] += force[i]));
     let (areas, pressures) = (areas(pair, q), pressures(contact, forces, q));
     let (active, others) = active_nodes(contact, corners, q);
     totals.active = others;
+    if contact.tangential.is_some() {
+        let (states, others) = states(contact, corners, &active);
+        totals.sliding = others + states.iter().filter(|state| **state == NodeState::Slip).count();
+    }
     for (node, area) in areas.iter().enumerate() {
         if active[node] {
             totals.active += 1;
@@ -287,6 +434,11 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
         x[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
         x
     };
+    let (active, _) = active_nodes(contact, corners, q);
+    let (state, _) = states(contact, corners, &active);
+    let slipped = slipped(contact, corners);
+    let mut all = forces.own.clone();
+    all.iter_mut().zip(&forces.friction).for_each(|(own, more)| (0..3).for_each(|i| own[i] += more[i]));
     let node_rows = || (0..secondary.len()).map(|node| node * rows..(node + 1) * rows);
     ContactFields {
         positions: secondary.iter().map(|&node| position(node)).collect(),
@@ -298,10 +450,16 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
                 if covered > tolerances::SLIVER { size(&gaps[rows]) / (covered * weight) } else { f64::NAN }
             })
             .collect(),
-        active: active_nodes(contact, corners, q).0,
-        forces: forces.own,
+        active,
+        state,
+        shear: shears(contact, &forces, q),
+        slip: slipped.iter().map(|memory| memory.slip).collect(),
+        slip_path: slipped.iter().map(|memory| memory.path).collect(),
+        heat: slipped.iter().zip(areas(pair, q)).map(|(memory, area)| if memory.heat == 0.0 { 0.0 } else { memory.heat / area }).collect(),
+        forces: all,
         force: totals.force,
         normal_force: totals.normal_force,
         area: totals.area,
+        sliding: totals.sliding,
     }
 }

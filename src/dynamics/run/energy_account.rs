@@ -17,6 +17,8 @@ pub struct EnergyAccount {
     pub loads: f64,
     /// Work of contact, which update rules take on purpose and never give.
     pub contact: f64,
+    /// Work of friction, negative: what it turned into heat.
+    pub friction: f64,
     /// What viscous materials turned into heat, negative.
     pub viscosity: f64,
     /// What the time integrator added: the sum of the energy defects.
@@ -32,11 +34,12 @@ impl EnergyAccount {
     pub fn of(rows: &[LedgerRow]) -> Self {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return EnergyAccount::default() };
         let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
+        let friction = sum(|row| row.friction_work);
         let (loads, contact, viscosity) = (sum(|row| row.load_work), sum(|row| row.contact_work), -sum(|row| row.dissipation));
         let integrator = sum(|row| row.energy_defect);
         let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max);
-        let otherwise = last.total() - first.total() - loads - contact - viscosity - integrator;
-        EnergyAccount { start: first.total(), end: last.total(), loads, contact, viscosity, integrator, otherwise, scale }
+        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - integrator;
+        EnergyAccount { start: first.total(), end: last.total(), loads, contact, friction, viscosity, integrator, otherwise, scale }
     }
 
     /// What changed the energy beyond round-off, each with its amount.
@@ -44,6 +47,7 @@ impl EnergyAccount {
         let all = [
             ("loads", self.loads),
             ("contact", self.contact),
+            ("friction", self.friction),
             ("viscosity", self.viscosity),
             ("the integrator", self.integrator),
             ("settling", self.otherwise),
@@ -80,5 +84,7 @@ mod tests {
         assert!(EnergyAccount::of(&rows).to_string().ends_with(", the integrator gave 3e-5 (1e-3 %)"));
         rows.push(row(3, 2.0));
         assert!(EnergyAccount::of(&rows).to_string().ends_with(", settling took 0.5 (16.67 %)"));
+        rows[4].friction_work = -0.5;
+        assert!(EnergyAccount::of(&rows).to_string().contains(", friction took 0.5 (16.67 %), the integrator"));
     }
 }

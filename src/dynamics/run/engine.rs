@@ -9,6 +9,7 @@ use super::halvings::Halvings;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
 use super::report::{FailureReport, TryReport};
+use super::slip_memory::SlipMemory;
 use super::state::{Clock, State};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
@@ -98,6 +99,7 @@ where
             penalty_gap: vec![0.0; system.multipliers],
             reserve: vec![0.0; system.multipliers],
             active: vec![RowState::Open; system.multipliers],
+            slipped: vec![SlipMemory::default(); system.multipliers - system.pressing],
             remembered: Arc::default(),
             memory,
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },

@@ -27,8 +27,10 @@ pub struct BodyFields {
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
     pub contact_gap: Vec<f64>,
-    /// Contact force `[force]` on the nodes of both sides of all contacts, ties not included.
+    /// Contact force `[force]` on the nodes of both sides of all contacts, that of friction included, ties not included.
     pub contact_force: Vec<[f64; 3]>,
+    /// The same without friction.
+    pub contact_pressing: Vec<[f64; 3]>,
     /// 1 at a secondary node in contact, 0 elsewhere.
     pub contact_active: Vec<f64>,
 }
@@ -129,6 +131,29 @@ pub struct RedundantConstraints {
     pub place: [f64; 3],
 }
 
+/// What friction makes of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NodeState {
+    /// Nothing presses.
+    #[default]
+    Open,
+    /// Pressed, and friction holds it.
+    Stick,
+    /// Pressed, and it slides, or nothing keeps it from that.
+    Slip,
+}
+
+impl NodeState {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            NodeState::Open => "open",
+            NodeState::Stick => "stick",
+            NodeState::Slip => "slip",
+        }
+    }
+}
+
 /// Quantities of a contact pair at one time; every vector has one entry per secondary node, in the order of the nodes along the surface.
 #[derive(Clone, Debug)]
 pub struct ContactFields {
@@ -142,15 +167,27 @@ pub struct ContactFields {
     pub gap: Vec<f64>,
     /// Whether the node is in contact.
     pub active: Vec<bool>,
-    /// Contact force on each secondary node `[force]`.
+    /// Whether friction holds it.
+    pub state: Vec<NodeState>,
+    /// Shear stress of friction on the secondary side, along its tangent with the body on the left `[stress]`.
+    pub shear: Vec<f64>,
+    /// Slip in the last step against the other side, along the same tangent `[length]`.
+    pub slip: Vec<f64>,
+    /// Sum of the sizes of the slips since the start `[length]`.
+    pub slip_path: Vec<f64>,
+    /// Heat of friction since the start `[energy/length^2]`.
+    pub heat: Vec<f64>,
+    /// Contact force on each secondary node, that of friction included `[force]`.
     pub forces: Vec<[f64; 3]>,
-    /// Resultant of the contact forces on the secondary side `[force]`; of a surface with itself on one side of its folds, each pair of
+    /// Resultant of these forces `[force]`; of a surface with itself on one side of its folds, each pair of
     /// facets being taken once.
     pub force: [f64; 3],
-    /// Sum of the sizes of the nodal forces `[force]`.
+    /// Sum of the sizes of the nodal forces that press `[force]`.
     pub normal_force: f64,
     /// Length of the secondary surface in contact `[length]`.
     pub area: f64,
+    /// Number of secondary nodes that slide against friction.
+    pub sliding: usize,
 }
 
 /// The secondary surface of a contact at one time, as something to look at.
@@ -180,6 +217,11 @@ impl ContactFields {
             mean_pressure: sorted(&self.mean_pressure, order),
             gap: sorted(&self.gap, order),
             active: sorted(&self.active, order),
+            state: sorted(&self.state, order),
+            shear: sorted(&self.shear, order),
+            slip: sorted(&self.slip, order),
+            slip_path: sorted(&self.slip_path, order),
+            heat: sorted(&self.heat, order),
             forces: sorted(&self.forces, order),
             ..self
         }

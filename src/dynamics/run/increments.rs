@@ -11,6 +11,7 @@ use super::engine::Engine;
 use super::ledger::LedgerRow;
 use super::options::SettleReport;
 use super::settle::{Care, STRIDE};
+use super::slip_memory::{SlipMemory, friction_work};
 use super::state::{Clock, State};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
@@ -38,17 +39,26 @@ where
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let (from, iterations, factorizations) =
             (self.state.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
+        let before = self.state.slipped.clone();
+        Arc::make_mut(&mut self.state).slipped.iter_mut().for_each(|memory| memory.slip = 0.0);
         let settled = if time == from { self.settle_once(time, Care::Patient) } else { self.settle_later(from, time) };
         let mut report = settled?;
         report.newton_iterations = self.statistics.newton_iterations - iterations;
         let factorizations = self.system.counters.factorizations - factorizations;
-        let row = &mut Arc::make_mut(&mut self.state).row;
+        let State { row, slipped, .. } = Arc::make_mut(&mut self.state);
+        if time == from {
+            // The way to where the model begins is none that it goes.
+            *slipped = before.iter().map(|memory| SlipMemory { slip: 0.0, ..*memory }).collect();
+        }
+        let frictional = friction_work(&self.system, &before, slipped);
+        row.contacts.iter_mut().zip(&frictional).for_each(|(contact, work)| contact.friction_work = *work);
         // What the step before did is not done again; from another time it is a step of its own.
         *row = LedgerRow {
             step: row.step + usize::from(time != from),
             dt: time - from,
             load_work: 0.0,
             contact_work: 0.0,
+            friction_work: frictional.iter().sum::<f64>() + 0.0,
             dissipation: 0.0,
             energy_defect: 0.0,
             momentum_defect: 0.0,

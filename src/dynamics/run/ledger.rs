@@ -27,7 +27,8 @@ pub struct LedgerRow {
     pub friction_work: f64,
     /// What viscous materials turned into heat in this step `[energy]`, never negative.
     pub dissipation: f64,
-    /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme conserves.
+    /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
+    /// conserves.
     pub energy_defect: f64,
     /// Linear momentum `[mass * length/time]`.
     pub momentum: [f64; 3],
@@ -63,9 +64,9 @@ pub struct LedgerRow {
 pub struct ContactTotals {
     /// Number of secondary nodes in contact.
     pub active: usize,
-    /// Resultant of the contact forces on the secondary side `[force]`.
+    /// Resultant of the contact forces on the secondary side, friction included `[force]`.
     pub force: [f64; 3],
-    /// Sum of the sizes of the nodal contact forces `[force]`.
+    /// Sum of the sizes of the nodal contact forces that press `[force]`.
     pub normal_force: f64,
     /// Length of the secondary surface in contact `[length]`.
     pub area: f64,
@@ -75,7 +76,7 @@ pub struct ContactTotals {
     pub penetration: f64,
     /// Work of friction in the step `[energy]`, never positive.
     pub friction_work: f64,
-    /// Number of secondary nodes that slide.
+    /// Number of secondary nodes that slide against friction, of those that `active` counts.
     pub sliding: usize,
 }
 

@@ -22,6 +22,7 @@ pub mod reserve;
 pub mod run_findings;
 pub mod settle;
 pub mod simulation;
+pub mod slip_memory;
 pub mod state;
 pub mod steps;
 pub mod substep;

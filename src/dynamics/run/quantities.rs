@@ -1,9 +1,11 @@
 //! Fields of the bodies and quantities of the contacts at the present state.
 
-use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
+use super::contact_quantities::{Loaded, Tangential, contact_fields, contact_forces, totals};
 use super::engine::Engine;
 use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
+use super::slip_memory::SlipMemory;
+use super::state::State;
 use crate::bodies::{Elements, Recovery, Space, StressError, Stresses};
 use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
@@ -12,6 +14,20 @@ use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::system::System;
+
+/// What all pairs are at a configuration, and their rows.
+pub struct Touching<'a> {
+    /// The pairs.
+    pub evaluations: &'a [Evaluation],
+    /// Their tangential rows.
+    pub slips: &'a [Evaluation],
+    /// Multipliers of all rows.
+    pub lambda: &'a [f64],
+    /// What every row is.
+    pub active: &'a [RowState],
+    /// What the tangential rows have done so far.
+    pub slipped: &'a [SlipMemory],
+}
 
 impl<const D: usize> Engine<D>
 where
@@ -22,12 +38,17 @@ where
         let v = &self.state.velocities;
         let nodes = self.system.nodes.count();
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
-        let (mut contact_force, mut contact_active) = (vec![[0.0; 3]; nodes], vec![0.0; nodes]);
-        let evaluations = self.system.evaluations_at(q, &self.state.lambda);
+        let (mut contact_force, mut contact_pressing) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
+        let mut contact_active = vec![0.0; nodes];
+        let there = self.evaluated_at(q);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
-            let (contact, corners) = self.loaded(index, &evaluations);
-            for (node, force) in contact_forces::<D>(contact, &corners, q).all {
+            let (contact, corners) = self.loaded(index, &there);
+            let forces = contact_forces::<D>(contact, &corners, q);
+            for (index, (node, force)) in forces.all.into_iter().enumerate() {
                 (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
+                if index < forces.pressing {
+                    (0..3).for_each(|i| contact_pressing[node as usize][i] += force[i]);
+                }
             }
             let fields = contact_fields::<D>(contact, &corners, q);
             for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
@@ -63,6 +84,7 @@ where
                     contact_pressure: pressure[body.nodes.clone()].to_vec(),
                     contact_gap: gap[body.nodes.clone()].to_vec(),
                     contact_force: contact_force[body.nodes.clone()].to_vec(),
+                    contact_pressing: contact_pressing[body.nodes.clone()].to_vec(),
                     contact_active: contact_active[body.nodes.clone()].to_vec(),
                 }
             })
@@ -156,15 +178,15 @@ where
 
     pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {
         let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
-        let evaluations = self.system.evaluations_at(&self.state.positions, &self.state.lambda);
-        let (contact, corners) = self.loaded(index, &evaluations);
+        let there = self.evaluated_at(&self.state.positions);
+        let (contact, corners) = self.loaded(index, &there);
         let order = contact.pair.kernel.secondary().along();
         Some(contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order))
     }
 
     /// The secondary surfaces of all contacts but ties, in the order of the model.
     pub fn contact_surfaces(&self) -> Vec<ContactSurface> {
-        let evaluations = self.system.evaluations_at(&self.state.positions, &self.state.lambda);
+        let there = self.evaluated_at(&self.state.positions);
         let reference = &self.system.nodes.reference;
         let place = |node: u32| {
             let node = node as usize;
@@ -172,7 +194,7 @@ where
             (body, node - self.system.bodies[body].nodes.start)
         };
         let of = |(index, pair): (usize, &ContactPair)| {
-            let (contact, corners) = self.loaded(index, &evaluations);
+            let (contact, corners) = self.loaded(index, &there);
             let surface = pair.kernel.secondary();
             let order = surface.along();
             let mut rank = vec![0; order.len()];
@@ -190,15 +212,23 @@ where
         self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie).map(of).collect()
     }
 
-    /// A contact and its corners with evaluations of all pairs, in the present state.
-    fn loaded<'a>(&'a self, index: usize, evaluations: &'a [Evaluation]) -> (Loaded<'a>, Vec<Loaded<'a>>) {
-        loaded(&self.system, index, evaluations, &self.state.lambda, &self.state.active)
+    /// What all pairs and their tangential rows are at `q` with the present multipliers.
+    fn evaluated_at(&self, q: &[f64]) -> [Vec<Evaluation>; 2] {
+        let evaluations = self.system.evaluations_at(q, &self.state.lambda);
+        let slips = self.system.slips_at_rest(q, &evaluations);
+        [evaluations, slips]
     }
 
-    /// Sums over each contact at `q` with what all pairs are there.
-    pub fn contact_totals(&self, q: &[f64], evaluations: &[Evaluation], lambda: &[f64], active: &[RowState]) -> Vec<ContactTotals> {
+    /// A contact and its corners with evaluations of all pairs, in the present state.
+    fn loaded<'a>(&'a self, index: usize, [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+        let State { lambda, active, slipped, .. } = &*self.state;
+        loaded(&self.system, index, &Touching { evaluations, slips, lambda, active, slipped })
+    }
+
+    /// Sums over each contact at `q`.
+    pub fn contact_totals(&self, q: &[f64], touching: &Touching) -> Vec<ContactTotals> {
         let of = |(index, _): (usize, &ContactPair)| {
-            let (contact, corners) = loaded(&self.system, index, evaluations, lambda, active);
+            let (contact, corners) = loaded(&self.system, index, touching);
             totals::<D>(contact, &corners, q)
         };
         self.system.contacts().map(of).collect()
@@ -245,16 +275,18 @@ fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
 }
 
 /// A contact and its corners with their evaluations and multipliers.
-fn loaded<'a, const D: usize>(
-    system: &'a System<D>,
-    index: usize,
-    evaluations: &'a [Evaluation],
-    lambda: &'a [f64],
-    active: &'a [RowState],
-) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+fn loaded<'a, const D: usize>(system: &'a System<D>, index: usize, touching: &Touching<'a>) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+    let &Touching { evaluations, slips, lambda, active, slipped } = touching;
     let of = |k: usize| {
         let pair = &system.pairs[k];
-        Loaded { pair, evaluation: &evaluations[k], lambda: &lambda[pair.rows.clone()], active: &active[pair.rows.clone()] }
+        let tangential = pair.friction.as_ref().map(|friction| Tangential {
+            evaluation: &slips[k],
+            lambda: &lambda[friction.rows.clone()],
+            active: &active[friction.rows.clone()],
+            slipped: &slipped[friction.rows.start - system.pressing..friction.rows.end - system.pressing],
+        });
+        let (lambda, active) = (&lambda[pair.rows.clone()], &active[pair.rows.clone()]);
+        Loaded { pair, evaluation: &evaluations[k], lambda, active, tangential }
     };
     let corners = (0..system.pairs.len()).filter(|&k| system.pairs[k].corners.is_some_and(|corners| corners.pair == index));
     (of(index), corners.map(of).collect())

@@ -304,7 +304,7 @@ fn not_conserved<'a>(rows: &'a [LedgerRow], scale: f64, integrator: &str) -> (f6
     let mut growth = 1.0f64;
     for row in &rows[1..] {
         sum += row.energy_defect;
-        given += row.load_work + row.contact_work - row.dissipation;
+        given += row.load_work + row.contact_work + row.friction_work - row.dissipation;
         if f64::abs(sum) > most {
             (most, worst, at) = (sum.abs(), sum, row);
             growth = row.total() / given;

@@ -17,7 +17,9 @@ use super::balance::{Balance, Imbalance};
 use super::closing::Closing;
 use super::engine::Engine;
 use super::options::SettleReport;
+use super::quantities::Touching;
 use super::report::{FailureCause, Missing};
+use super::slip_memory::slipped;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Surface, Travel};
@@ -173,7 +175,9 @@ where
             self.system.recycle(present.at);
         };
         Arc::make_mut(&mut self.state).search = self.system.search();
-        let contacts = self.contact_totals(&self.state.positions, &at.pairs, &self.state.lambda, &self.state.active);
+        let State { positions: q, lambda, active, slipped, .. } = &*self.state;
+        let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
+        let contacts = self.contact_totals(q, &touching);
         let forces = &at.forces;
         let reaction = |k: usize| forces.whole(forces.residual(k));
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
@@ -183,7 +187,8 @@ where
             Arc::make_mut(&mut self.state);
         *memory = self.system.memory_at_rest();
         row.strain = self.system.strain_energy(u);
-        let gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
+        let mut gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
+        gaps.resize(self.system.multipliers, 0.0);
         row.potential =
             self.system.nodes.potential_energy(q) + self.system.penalty_energy(&gaps) + self.system.stored_energy(Pose { q, u }, memory);
         *penalty_gap = gaps;
@@ -200,6 +205,13 @@ where
             strain: self.state.row.strain,
             active: self.state.row.active,
         })
+    }
+
+    /// Takes the forces of friction away.
+    pub(super) fn let_go(&mut self) {
+        let (pressing, State { lambda, active, .. }) = (self.system.pressing, Arc::make_mut(&mut self.state));
+        lambda[pressing..].fill(0.0);
+        active[pressing..].fill(RowState::Open);
     }
 
     /// Judges the present state, with the contact pairs of a state at rest.
@@ -287,7 +299,10 @@ where
                 let motion = solution.at.moved.clone();
                 course.parts += usize::from(is_part);
                 course.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
+                let (own, system) = (&self.state.slipped, &self.system);
+                let slipped = slipped(system, own, &solution.at, [1.0, 1.0], (&solution.at.lambda, &solution.active));
                 let state = Arc::make_mut(&mut self.state);
+                state.slipped = slipped;
                 (state.lambda, state.active) = (solution.at.lambda.clone(), solution.active);
                 (state.positions, state.displacements) = (solution.at.q_1.clone(), solution.at.u_1.clone());
                 self.system.recycle(solution.at);

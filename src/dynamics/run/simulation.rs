@@ -89,7 +89,7 @@ impl Simulation {
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle(&mut self) -> Result<SettleReport, StepError> {
-        self.steps.settle(self.time())
+        self.steps.settle(self.time(), true)
     }
 
     /// Goes to a time without inertia: equilibrium under what loads, supports and obstacles are then.
@@ -97,7 +97,15 @@ impl Simulation {
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
-        self.steps.settle(time)
+        self.steps.settle(time, true)
+    }
+
+    /// The same where friction counts for nothing: surfaces slide freely.
+    ///
+    /// # Errors
+    /// No equilibrium was found; the simulation is as it was before.
+    pub fn settle_without_friction(&mut self, time: f64) -> Result<SettleReport, StepError> {
+        self.steps.settle(time, false)
     }
 
     /// The boundary that a prescribed motion moves farthest at once, in the first step from here, and by how much `[length]`.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::ledger::LedgerRow;
+use super::slip_memory::SlipMemory;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
@@ -30,6 +31,8 @@ pub struct State {
     pub(super) reserve: Vec<f64>,
     /// What every constraint row is.
     pub(super) active: Vec<RowState>,
+    /// What the tangential rows have done so far.
+    pub(super) slipped: Vec<SlipMemory>,
     /// What the time integrator remembers besides.
     pub(super) remembered: Arc<SchemeMemory>,
     /// What every part remembers, block by block; most remember nothing.
@@ -59,7 +62,7 @@ impl State {
     pub(super) fn has_shape_of(&self, own: &State) -> bool {
         let lengths = |state: &State| {
             let nodal = [state.positions.len(), state.displacements.len(), state.velocities.len()];
-            let rows = [state.lambda.len(), state.penalty_gap.len(), state.reserve.len(), state.active.len()];
+            let rows = [state.lambda.len(), state.penalty_gap.len(), state.reserve.len(), state.active.len(), state.slipped.len()];
             (nodal, rows, state.memory.iter().map(Vec::len).collect::<Vec<_>>())
         };
         let remembers = self.remembered.has_length(self.positions.len());
@@ -74,7 +77,7 @@ impl State {
 
     /// Bytes that it takes, but for what it shares with others.
     pub fn size(&self) -> usize {
-        let (rows, memory) = (3 * self.lambda.len(), self.memory.iter().map(Vec::len).sum::<usize>());
+        let (rows, memory) = (3 * (self.lambda.len() + self.slipped.len()), self.memory.iter().map(Vec::len).sum::<usize>());
         8 * (2 * self.positions.len() + self.velocities.len() + self.remembered.len() + rows + memory) + self.active.len()
     }
 }

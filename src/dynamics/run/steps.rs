@@ -26,7 +26,7 @@ pub trait Steps: Send {
     fn tally(&self) -> Tally;
     fn count_from(&mut self, tally: &Tally);
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
-    fn settle(&mut self, time: f64) -> Result<SettleReport, StepError>;
+    fn settle(&mut self, time: f64, friction: bool) -> Result<SettleReport, StepError>;
     fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError>;
     fn check_apart(&self) -> Result<(), StepError>;
     fn watch(&mut self, node: usize);

@@ -107,9 +107,14 @@ where
         self.check_overlaps(&Closing::of(&self.model))
     }
 
-    fn settle(&mut self, time: f64) -> Result<SettleReport, StepError> {
+    fn settle(&mut self, time: f64, friction: bool) -> Result<SettleReport, StepError> {
         let before = self.state.clone();
+        self.rest_friction = friction;
+        if !friction {
+            self.let_go();
+        }
         let mut outcome = self.settle_at(time);
+        self.rest_friction = true;
         if self.state.row.step > 0 {
             // What is carried from step to step is that of the new equilibrium.
             outcome = outcome.and_then(|report| self.remember().map(|()| report));

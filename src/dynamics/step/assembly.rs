@@ -13,7 +13,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep};
 use crate::dynamics::model::part::{Remembered, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::integrators::Derivative;
+use crate::integrators::{Configuration, Derivative};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -227,5 +227,19 @@ where
             evaluation
         };
         self.pairs.iter().map(evaluated).collect()
+    }
+
+    /// What their tangential rows are there, where the pairs are these: no slips, but gradients.
+    pub fn slips_at_rest(&self, q: &[f64], pairs: &[Evaluation]) -> Vec<Evaluation> {
+        let moved = if self.multipliers > self.pressing { vec![0.0; q.len()] } else { Vec::new() };
+        let evaluated = |(pair, evaluation): (&ContactPair, &Evaluation)| {
+            let mut slip = Evaluation::default();
+            if let Some(friction) = &pair.friction {
+                let step = SlipStep { q_0: q, q_1: q, moved: &moved, test: Configuration::End, live: &evaluation.live };
+                pair.kernel.evaluate_slips(step, &vec![0.0; friction.rows.len()], &mut slip);
+            }
+            slip
+        };
+        self.pairs.iter().zip(pairs).map(evaluated).collect()
     }
 }

@@ -106,12 +106,12 @@ impl Vectors {
 
     /// Its value at a node.
     pub fn value(self, body: &BodyFields, node: usize) -> [f64; 3] {
-        let force = body.contact_force[node];
         match self {
             Vectors::Displacement => body.displacement[node],
             Vectors::Velocity => body.velocity[node],
-            Vectors::ContactForce => force,
+            Vectors::ContactForce => body.contact_force[node],
             Vectors::ContactPressure => {
+                let force = body.contact_pressing[node];
                 let size = force[0].hypot(force[1]).hypot(force[2]);
                 let share = if size > 0.0 { body.contact_pressure[node] / size } else { 0.0 };
                 force.map(|component| share * component)

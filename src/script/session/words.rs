@@ -26,10 +26,12 @@ const COLUMNS: &[(&str, &str)] = &[
     ("total", "the sum of the three energies [energy]"),
     ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
     ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),
+    ("friction_work", "the work of friction in this step, what it turns into heat; never positive [energy]"),
     ("dissipation", "the heat of viscous materials in this step, never negative [energy]"),
     (
         "energy_defect",
-        "change of `total` - `load_work` - `contact_work` + `dissipation` in this step: round-off when the scheme conserves [energy]",
+        "change of `total` - `load_work` - `contact_work` - `friction_work` + `dissipation` in this step: round-off when the scheme \
+         conserves [energy]",
     ),
     ("momentum_x", "the linear momentum along x [momentum]"),
     ("momentum_y", "the linear momentum along y [momentum]"),

@@ -161,7 +161,7 @@ const plotsOf = (data, columns) => {
     { title: "Ledger defects (sizes)", isLogarithmic: true, curves: ["energy_defect", "momentum_defect", "angular_momentum_defect"].map((name) => curve(name)) },
     { title: "Contact forces", curves: data.contacts.map((name) => curve(`${name}.normal_force`, name)) },
     { title: "Newton iterations and halvings", isStepped: true, curves: [curve("newton_iterations"), curve("halvings")] },
-    { title: "Work and dissipation in each step", curves: some(["load_work", "contact_work", "dissipation"]) },
+    { title: "Work and dissipation in each step", curves: some(["load_work", "contact_work", "friction_work", "dissipation"]) },
     { title: "Deepest penetration", curves: some(["max_penetration"]) },
   ];
   return plots.filter(({ curves }) => curves.length > 0);

@@ -83,6 +83,9 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         brief(drift.first)
     ));
     let hint = match quantity.as_str() {
+        "energy" if window[1..].iter().any(|row| row.friction_work != 0.0) => {
+            "friction turns energy into heat: write \"ledger\", which asks whether all of it is booked"
+        }
         "energy" if window[1..].iter().any(|row| row.load_work != 0.0) => "a load does work in this time: choose a later `after`",
         "energy" if window[1..].iter().any(|row| row.contact_work != 0.0) => {
             "closing contact costs energy under the update rule \"gap\"; \"ledger\" asks whether all of it is booked"

@@ -30,12 +30,13 @@ impl Handle for ContactHandle {
     fn describe(&self) -> String {
         let active = self.fields.active.iter().filter(|active| **active).count();
         let largest = self.fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
+        let sliding = if self.fields.sliding > 0 { format!(", {} sliding", self.fields.sliding) } else { String::new() };
         let cycling = match self.cycling.len() {
             0 => String::new(),
             count => format!("; {count} cycling in the step that failed"),
         };
         format!(
-            "contact \"{}\" at t = {}: {active} of {} nodes active, largest pressure {}, force {}{cycling}",
+            "contact \"{}\" at t = {}: {active} of {} nodes active{sliding}, largest pressure {}, force {}{cycling}",
             self.name,
             brief(self.time),
             self.fields.active.len(),
@@ -49,8 +50,9 @@ impl Handle for ContactHandle {
 pub fn functions() -> Vec<Function> {
     vec![
         contact(),
+        power(),
         cycling(),
-        number("normal_force", "the sum of the sizes of the nodal contact forces, for a surface with itself too", |fields| {
+        number("normal_force", "the sum of the sizes of the nodal contact forces that press, for a surface with itself too", |fields| {
             fields.normal_force
         }),
         number("area", "the length of the secondary surface that is in contact, to about half a facet at each end", |fields| fields.area),
@@ -69,13 +71,49 @@ pub fn functions() -> Vec<Function> {
         array("active", "whether each secondary node is in contact, in their order along the surface", |contact| {
             contact.fields.active.iter().map(|&value| value.into()).collect()
         }),
-        array("forces", "the contact force on each secondary node, in their order along the surface, an array of vectors", |contact| {
-            let vector = |force: &[f64; 3]| Dynamic::from(force[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
-            contact.fields.forces.iter().map(vector).collect()
-        }),
+        array(
+            "state",
+            "what each secondary node does, in their order along the surface: \"open\", \"stick\" where friction holds what is pressed, or \
+             \"slip\"; without friction all that is pressed slips",
+            |contact| contact.fields.state.iter().map(|state| state.name().into()).collect(),
+        ),
+        array(
+            "shear",
+            "the shear stress of friction at each secondary node, in their order along the surface: positive where it pulls that way, with \
+             the body on the left",
+            |contact| contact.fields.shear.iter().map(|&value| value.into()).collect(),
+        ),
+        array(
+            "slip",
+            "the slip of each secondary node in the last step, against the other side and in the direction of their order along the \
+             surface; 0 without friction and where nothing presses",
+            |contact| contact.fields.slip.iter().map(|&value| value.into()).collect(),
+        ),
+        array(
+            "slip_path",
+            "the sum of the sizes of the slips of each secondary node since the start, in their order along the surface: of steps, and of \
+             `settle` at a later time",
+            |contact| contact.fields.slip_path.iter().map(|&value| value.into()).collect(),
+        ),
+        array(
+            "heat",
+            "the heat of friction at each secondary node since the start, over the present area, in their order along the surface",
+            |contact| contact.fields.heat.iter().map(|&value| value.into()).collect(),
+        ),
+        number("sliding", "the number of secondary nodes that slide against friction", |fields| fields.sliding as f64),
+        array(
+            "forces",
+            "the contact force on each secondary node, friction included, in their order along the surface, an array of vectors",
+            |contact| {
+                let vector =
+                    |force: &[f64; 3]| Dynamic::from(force[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
+                contact.fields.forces.iter().map(vector).collect()
+            },
+        ),
         array(
             "force",
-            "the resultant of the contact forces on the secondary side (of a surface with itself: on one side of its folds)",
+            "the resultant of the contact forces on the secondary side, friction included (of a surface with itself: on one side of its \
+             folds)",
             |contact| contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect(),
         ),
         array("positions", "the current position of each secondary node, in their order along the surface", |contact| {
@@ -115,6 +153,32 @@ fn contact() -> Function {
                     Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())
                 }
             }
+        }),
+    }
+}
+
+fn power() -> Function {
+    Function {
+        name: "power",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Contact,
+        summary: "the power of friction in a contact pair, a mean over the last step: its work over the size of the step, never positive; \
+                  the work of every step is the column `name.friction_work` of the history",
+        parameters: vec![Parameter::new("name", Kind::Text, "the name of the contact pair")],
+        returns: "number",
+        example: contact_example("sim.step();\nprint(sim.power(\"foot\"));"),
+        see_also: &["contact", "add_contact", "history"],
+        body: body(|call| {
+            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+            let name = argument.text()?;
+            let names = handle.0.model.model.contact_names();
+            let Some(index) = names.iter().position(|known| *known == name) else {
+                return Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into());
+            };
+            let row = handle.0.script_row(handle.with_row(call, |simulation| simulation.row().clone())?);
+            let work = row.contacts.get(index).map_or(0.0, |contact| contact.friction_work);
+            // Before the first step and at rest no time passes, and nothing slides.
+            Ok(if work == 0.0 || row.dt == 0.0 { 0.0 } else { work / row.dt }.into())
         }),
     }
 }

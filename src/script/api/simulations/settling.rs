@@ -7,7 +7,6 @@ use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 use super::handle::{SimulationHandle, busy, result_used};
 use super::recalling::go_on;
 use crate::dynamics::{LedgerRow, SettleReport, StepError};
-use crate::math::catalogue::Interval;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
@@ -15,10 +14,13 @@ use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Parameter};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 /// How often equilibrium may be asked for at one time without any change.
 const STANDSTILL: u32 = 100;
+
+/// What `settle` takes first.
+const TIME: &str = "an object map of options, or a number";
 
 /// `settle`: equilibrium now or at a later time.
 pub fn settle() -> Function {
@@ -29,16 +31,19 @@ pub fn settle() -> Function {
         summary: "brings the model to static equilibrium, now or as it will be at a later time, without inertia; gives a map with \
                   `steps`, `newton_iterations`, `strain`, `active`",
         parameters: vec![
-            Parameter::number("time", "time", Interval::Finite, "the time of the equilibrium: loads, supports and obstacles are as then")
-                .or(Absent::Means("now")),
+            Parameter::new("time", Kind::Either(TIME), "the time of the equilibrium: loads, supports and obstacles are as then")
+                .of("time")
+                .or(Absent::Means("now; then the options may come first")),
+            Parameter::new("options", Kind::Options(vec![friction_parameter()]), "what acts").or(Absent::Means("everything acts")),
         ],
         returns: "Map",
-        example: flight_example("sim.settle();\nsim.settle(0.1);\nprint(sim.time);"),
+        example: flight_example("sim.settle();\nsim.settle(0.1);\nsim.settle(#{ friction: false });\nprint(sim.time);"),
         see_also: &["run_to"],
         body: body(|call| {
             let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("time"));
-            if !argument.is_given() || call.host.is_check() {
-                return handle.settle(call, None);
+            let friction = friction_of(call)?;
+            if !argument.is_given() || argument.value().is_map() || call.host.is_check() {
+                return handle.settle(call, None, friction);
             }
             let (end, now) = (argument.number()?, handle.with_row(call, |simulation| simulation.time())?);
             let now = handle.0.script_time(now);
@@ -47,18 +52,41 @@ pub fn settle() -> Function {
                 let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
             }
-            handle.settle(call, Some(handle.0.kernel_time(end)))
+            handle.settle(call, Some(handle.0.kernel_time(end)), friction)
         }),
     }
 }
 
+/// The option of `settle`.
+fn friction_parameter() -> Parameter {
+    Parameter::new("friction", Kind::Flag, "whether friction acts; without it surfaces slide freely").or(Absent::Flag(true))
+}
+
+/// Whether friction acts, by the options, which may stand in the place of the time.
+fn friction_of(call: &Call) -> Result<bool, Failure> {
+    let first = call.argument("time");
+    let Some(map) = first.value().try_cast::<Map>() else { return call.options("options")?.flag("friction") };
+    if call.argument("options").is_given() {
+        return Err(call.argument("options").fail("`settle` takes options once").hint("write `sim.settle(time, #{ friction: false })`"));
+    }
+    if let Some(unknown) = map.keys().find(|key| *key != "friction") {
+        let failure = first.fail(format!("`settle` has no option `{unknown}`")).label("unknown option");
+        return Err(failure.cause("its option is `friction`").hint("write `sim.settle(#{ friction: false })`"));
+    }
+    let given = map.get("friction").map(|value| value.as_bool());
+    given.unwrap_or(Ok(true)).map_err(|_| {
+        let failure = first.fail("`friction` of `settle` must be `true` or `false`");
+        failure.hint("write `sim.settle(#{ friction: false })`")
+    })
+}
+
 impl SimulationHandle {
     /// Computes equilibrium, or takes it from what an earlier program has computed.
-    fn settled(&self, call: &Call, time: Option<f64>) -> Result<SettleReport, Box<EvalAltResult>> {
+    fn settled(&self, call: &Call, time: Option<f64>, friction: bool) -> Result<SettleReport, Box<EvalAltResult>> {
         let data = &self.0;
         let state = || data.simulation.try_borrow().map(|simulation| simulation.shared_state()).map_err(|_| busy(call));
         let time = time.map_or_else(|| state().map(|now| now.row.time), Ok)?;
-        let computation = Computation::Settle(time);
+        let computation = Computation::Settle(time, friction);
         if let Some(Outcome::Settled(report)) = self.recalled(call, computation)? {
             return Ok(report);
         }
@@ -66,7 +94,7 @@ impl SimulationHandle {
         let begun = Instant::now();
         let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
         let tally = simulation.tally();
-        let settled = simulation.settle_at(time);
+        let settled = if friction { simulation.settle_at(time) } else { simulation.settle_without_friction(time) };
         data.spent.set(data.spent.get() + begun.elapsed());
         match &settled {
             Ok(report) => self.take_down(computation, Outcome::Settled(report.clone()), &before, simulation.tally()),
@@ -90,7 +118,7 @@ impl SimulationHandle {
         Err(failure.hint("write `sim.settle(time)` for equilibrium at a later time, or `sim.run_to(time)` for motion"))
     }
 
-    fn settle(&self, call: &Call, time: Option<f64>) -> Result<Dynamic, Box<EvalAltResult>> {
+    fn settle(&self, call: &Call, time: Option<f64>, friction: bool) -> Result<Dynamic, Box<EvalAltResult>> {
         let data = &self.0;
         self.refuse_wrong_way(call)?;
         data.overlaps.borrow_mut().clear();
@@ -101,7 +129,7 @@ impl SimulationHandle {
         call.host.go_on()?;
         call.host.observer.began(&format!("settling \"{}\"", data.name));
         let before = data.simulation.borrow().row().clone();
-        let settled = self.settled(call, time);
+        let settled = self.settled(call, time, friction);
         call.host.observer.ended();
         if settled.is_err() {
             go_on(call.host)?;

@@ -1,0 +1,56 @@
+//! What the tangential rows of contacts have done so far: slips, their paths, their heat.
+
+use serde::{Deserialize, Serialize};
+
+use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::step::iterate::Linearization;
+use crate::dynamics::step::system::System;
+
+/// What is kept of a tangential row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SlipMemory {
+    /// Its slip in the last step, while it was pressed `[length]`.
+    pub slip: f64,
+    /// Sum of the sizes of its slips since the start `[length]`.
+    pub path: f64,
+    /// Heat since the start `[energy]`.
+    pub heat: f64,
+}
+
+/// The same after a step that ends at an iterate with these multipliers and states, `weight` the share of the multipliers in the step,
+/// `kept` that of the slips before in what counts as the last slip: 0, or 1 where the step is a part of one.
+pub fn slipped<const D: usize>(
+    system: &System<D>,
+    before: &[SlipMemory],
+    at: &Linearization,
+    [weight, kept]: [f64; 2],
+    (lambda, active): (&[f64], &[RowState]),
+) -> Vec<SlipMemory> {
+    let mut after = before.to_vec();
+    for (pair, slips) in system.pairs.iter().zip(&at.slips) {
+        let Some(friction) = &pair.friction else { continue };
+        for (local, (row, pressing)) in friction.rows.clone().zip(pair.rows.clone()).enumerate() {
+            let length = slips.coverage[local] * pair.kernel.weights()[local];
+            let is_pressed = active[pressing].is_closed() && length > 0.0;
+            let slip = if is_pressed { slips.gap[local] / length } else { 0.0 };
+            let memory = &mut after[row - system.pressing];
+            memory.slip = kept * memory.slip + slip;
+            memory.path += slip.abs();
+            // No zero with a sign where nothing slides.
+            memory.heat += 0.0 - weight * lambda[row] * slips.gap[local];
+        }
+    }
+    after
+}
+
+/// Work of friction, contact by contact, that lies between two such memories `[energy]`.
+pub fn friction_work<const D: usize>(system: &System<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
+    let mut work = vec![0.0; system.contacts().count()];
+    for (index, pair) in system.pairs.iter().enumerate() {
+        let Some(friction) = &pair.friction else { continue };
+        let contact = pair.corners.map_or(index, |corners| corners.pair);
+        let rows = friction.rows.start - system.pressing..friction.rows.end - system.pressing;
+        work[contact] += before[rows.clone()].iter().zip(&after[rows]).map(|(before, after)| before.heat - after.heat).sum::<f64>();
+    }
+    work
+}
