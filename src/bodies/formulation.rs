@@ -85,13 +85,10 @@ impl FormulationError {
     pub fn hint(&self) -> String {
         use FormulationError::*;
         match self {
-            NoVolumetricPart { .. } => {
-                "take `neo_hookean` or another law with a bulk modulus, or `hyperelastic` with the key `volumetric` for the part in J"
-                    .into()
-            }
+            NoVolumetricPart { .. } => "take `neo_hookean` or another law with a bulk modulus, or give the energy a part in J alone".into(),
             MeanInPlaneStress => "leave one of the two out".into(),
-            LinearOfOthers { .. } => "take `dilatation: \"mean\"`, or `mesh.with_elements(\"quad9\")`".into(),
-            NotPlane { .. } => "leave `plane` out".into(),
+            LinearOfOthers { .. } => "take a mean dilatation, or cells of `quad9`".into(),
+            NotPlane { .. } => "leave the plane condition out".into(),
             BeyondAxis { .. } => "mesh one half of the section, with x >= 0 as the radius".into(),
             MeanOfLinear { .. } => "take `neo_hookean`, whose small strains are those of linear elasticity".into(),
         }

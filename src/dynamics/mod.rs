@@ -12,6 +12,7 @@ pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, 
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+pub use model::remedy::{Ease, Remedy};
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY, default_rule};
 pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;

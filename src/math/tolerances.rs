@@ -273,6 +273,9 @@ pub const SAME_MOMENT: f64 = 1e-9;
 /// With 1 steps are halved near rest, with 0.01 none is.
 pub const TANGENTIAL: f64 = 0.01;
 
+/// Augmentation of tangential rows that stick to a node which other rows hold in all directions.
+pub const SHARED_AUGMENTATION: f64 = 100.0;
+
 /// Part of a tangential row's gradient that supports must leave free, or they hold it.
 pub const HELD_ROW: f64 = 1e-8;
 

@@ -7,7 +7,7 @@ impl FileProblem {
     pub fn hint(&self) -> String {
         use FileProblem::*;
         match self {
-            Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script",
+            Unreadable { .. } => "check the path and the rights",
             NotText => "save the file again as ASCII or as binary: a text file must be UTF-8",
             OtherFormat { .. } => "save it as Gmsh MSH 4.1 (`Mesh.MshFileVersion = 4.1;`) or as an Abaqus or CalculiX input file (`.inp`)",
             NumberSize { .. } | ByteOrder => "the file is damaged: write it again, or as ASCII (`Mesh.Binary = 0;` in Gmsh)",

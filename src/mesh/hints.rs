@@ -13,9 +13,7 @@ impl MeshError {
             FewCorners { .. } => "name the corners in their order around the polygon, the first one once".into(),
             HoleOutside { .. } => "move it inside, so that its sides meet neither the outline nor another hole".into(),
             JoinedKinds { .. } => "join meshes of the same cells".into(),
-            NothingShared => {
-                "give both the same nodes along the common side; meshes that do not match are held together by `model.tie`".into()
-            }
+            NothingShared => "give both the same nodes along the common side; meshes that do not match are held together by a tie".into(),
             CrossingSides { .. } => "name the corners in their order around the polygon, so that its sides meet at corners only".into(),
             EmptySide { .. } => "leave out one of the two corners".into(),
             NoTriangulation => "check that no two of its sides nearly coincide, or choose smaller cells".into(),
@@ -30,8 +28,8 @@ impl MeshError {
                     .into()
             }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
-            Turn { .. } => "angles are in radians and grow counter-clockwise; for a full turn use `ring`".into(),
-            OffCircle { .. } => "give a center as far from the start as from the end, or a point `through` which the arc goes".into(),
+            Turn { .. } => "angles are in radians and grow counter-clockwise; for a full turn make a closed ring".into(),
+            OffCircle { .. } => "give a center as far from the start as from the end, or a point through which the arc goes".into(),
             StraightArc => "move the middle point off the line, or use a straight line".into(),
             FewPoints { .. } => "name more points, each once; a closed spline ends at its first point".into(),
             OpenOutline { .. } => "name the curves in their order around the outline".into(),
@@ -47,18 +45,12 @@ impl MeshError {
                 format!("ask for {} layers, name the side that follows, too, or take cells of tri3 or tri6", count + 1)
             }
             NotLocally { kind: "tet4" | "hex8" } => {
-                "refine all of it with `refine()`, or make the mesh finer where it was made; only triangles are refined in places".into()
+                "refine all of it, or make the mesh finer where it was made; only triangles are refined in places".into()
             }
             NotLocally { kind: "quad4" } => {
-                "cut them into triangles with `.with_elements(\"tri3\")` before, refine all of it with `refine()`, or make it with \
-                 `region` and a `size: |x, y| …`"
-                    .into()
+                "cut them into triangles of tri3 before, refine all of it, or mesh a region with a size of cells that varies".into()
             }
-            NotLocally { .. } => {
-                "make it of triangles (`element: \"tri6\"`), refine all of it with `refine()`, or make it with `region` and a \
-                 `size: |x, y| …`"
-                    .into()
-            }
+            NotLocally { .. } => "make it of triangles of tri6, refine all of it, or mesh a region with a size of cells that varies".into(),
             Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
             Extruded { .. } => "extrude a plane mesh of quad4 or tri3 cells".into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),

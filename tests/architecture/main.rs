@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 mod circles;
 mod exceptions;
+mod script_words;
 mod sizes;
 mod source;
 mod tolerances;

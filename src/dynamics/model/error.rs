@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::remedy::Remedy;
 use crate::bodies::FormulationError;
 use crate::machine::memory::written;
 
@@ -181,30 +182,27 @@ impl ModelError {
     /// How to mend it, one sentence.
     pub fn hint(&self) -> String {
         match self {
-            ModelError::NoBodies { .. } => "add one with `model.add_body(name, mesh, material)`".into(),
+            ModelError::NoBodies { .. } => "add a body with a mesh and a material".into(),
             ModelError::DuplicateName { .. } => "give each its own name: messages, tables and files refer to it".into(),
             ModelError::MixedDimensions { .. } => "use meshes of one dimension in a model".into(),
             ModelError::UnknownBoundary { .. } => "use one of its boundaries, or select one with `Mesh::boundary_where`".into(),
             ModelError::UnsoundIntegrator { .. } => "mend its row: `integrators::Scheme` has what each coefficient stands for".into(),
-            ModelError::EmptyBoundary { .. } => "choose a boundary that has facets; `print(mesh)` lists them with their counts".into(),
+            ModelError::EmptyBoundary { .. } => "choose a boundary that has facets".into(),
             ModelError::PointBoundary { .. } => {
-                "points can be held (`fix`), moved (`prescribe`) and loaded with a `force`; other loads and contacts need facets".into()
+                "points can be held, moved and loaded with a force; other loads and contacts need facets".into()
             }
             ModelError::InvertedAtStart { .. } => "displace neighboring nodes by less than their distance".into(),
             ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
             ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => {
-                "name two boundaries without common facets as `secondary` and `primary`, or use `add_self_contact` for a surface that folds"
-                    .into()
+                "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
             ModelError::NoMass { .. } => "give a mass of 0 or more".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::Formulation { source, .. } => source.hint(),
             ModelError::RepeatedContact { .. } => "define one contact for each pair of surfaces".into(),
-            ModelError::HeldAndMoved { .. } => {
-                "hold the other directions only, as in `fix(boundary, \"x\")`, or leave this one out of `prescribe`".into()
-            }
+            ModelError::HeldAndMoved { .. } => "hold the other directions only, or leave this one out of the motion".into(),
             ModelError::MixedSymmetry { .. } => "make all bodies of the model axisymmetric, or none".into(),
             ModelError::BreaksSymmetry { .. } => {
                 "keep to motions along the axis, the second direction, and to loads that are even around it".into()
@@ -254,7 +252,7 @@ pub enum StepError {
         /// What was seen in the last iterations.
         cause: String,
         /// How to mend it.
-        hint: String,
+        remedy: Remedy,
     },
     /// Sides of a contact are inside each other, and nothing holds them apart.
     #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
@@ -307,10 +305,10 @@ impl StepError {
         match self {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
             StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),
-            StepError::NotConverged { hint, .. } => hint.clone(),
+            StepError::NotConverged { remedy, .. } => remedy.to_string(),
             StepError::StillOverlaps { .. } => {
                 "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it \
-                 grow over several calls of `settle` with times; in motion, try a smaller `dt`"
+                 grow over several equilibria; in motion, try a smaller step"
                     .into()
             }
             StepError::Interrupted { .. } => "everything up to this time is kept".into(),

@@ -49,9 +49,9 @@ impl Locking {
             return "take `neo_hookean`, whose small strains are the same, so that cells can have a mean dilatation".into();
         }
         match (self.is_curable, self.cells) {
-            (true, _) => "let the dilatation be one mean for each cell: `#{ dilatation: \"mean\" }`, or leave it out".into(),
+            (true, _) => "let the dilatation be one mean for each cell".into(),
             (false, CellKind::Tet4) => "mesh the body with `hex8` cells".into(),
-            (false, _) => "take `mesh.with_elements(\"tri6\")`, or mesh the body with `quad4` or `quad8` cells".into(),
+            (false, _) => "mesh the body with `tri6`, `quad4` or `quad8` cells".into(),
         }
     }
 }

@@ -12,5 +12,6 @@ pub mod interactions;
 pub mod locking;
 pub mod overlaps;
 pub mod part;
+pub mod remedy;
 pub mod unpaired;
 pub mod update_rules;

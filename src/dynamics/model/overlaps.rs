@@ -56,16 +56,12 @@ impl Overlap {
         match (&self.kind, &self.contact) {
             (OverlapKind::Bodies(_), None) => "move one of them; no contact is defined between the two, so nothing would keep them apart",
             (OverlapKind::Obstacle { whole: false, .. }, _) => {
-                "move one of them, press them apart by `sim.settle()` before the first step, or keep the overlap with `accept_overlap: \
-                 true` in `simulate`; turn round an obstacle that looks the wrong way"
+                "move one of them, or press them apart at rest before the first step; turn round an obstacle that looks the wrong way"
             }
             (OverlapKind::Obstacle { whole: true, .. }, _) => {
                 "turn it round: the normal of a plane points to where the body is, the points of a polyline have the obstacle on their left"
             }
-            _ => {
-                "move one of them, press them apart by `sim.settle()` before the first step, or keep the overlap with `accept_overlap: \
-                 true` in `simulate`"
-            }
+            _ => "move one of them, or press them apart at rest before the first step",
         }
     }
 }

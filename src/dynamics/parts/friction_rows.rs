@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::laws::{Equation, RowState};
-use crate::contact::{FrictionLaw, Limit, Sliding};
+use crate::contact::{FrictionLaw, Limit, ROUGH, Sliding};
 use crate::dynamics::model::amplitude::TimeFunctionError;
 use crate::dynamics::model::interactions::{Coefficient, Friction};
 use crate::linear::Block;
@@ -107,12 +107,22 @@ impl SlipRow<'_> {
     fn limit(&self, slip: f64) -> Limit {
         let (pressure, speed) = (self.normal.max(0.0) / self.around, slip.abs() * self.speed);
         let limit = self.law.limit(Sliding { coefficient: self.coefficient, pressure, speed });
-        Limit { shear: limit.shear * self.around, by_pressure: limit.by_pressure, by_speed: limit.by_speed * self.around * self.speed }
+        // A film that bears no more is as dry friction.
+        let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
+        Limit {
+            shear: limit.shear * self.around + film * self.normal.max(0.0),
+            by_pressure: limit.by_pressure + film,
+            by_speed: limit.by_speed * self.around * self.speed,
+        }
     }
 
-    /// Multiplier of the film per slip.
+    /// Multiplier of the film per slip, as long as the pressure bears it.
     fn film(&self) -> f64 {
-        self.law.film() * self.around * self.speed
+        if self.is_film_at(self.slip) { self.law.film() * self.around * self.speed } else { 0.0 }
+    }
+
+    fn is_film_at(&self, slip: f64) -> bool {
+        self.law.film() * self.around * self.speed * slip.abs() <= ROUGH * self.normal.max(0.0)
     }
 
     /// Multiplier without that of the film.

@@ -5,6 +5,7 @@ use super::engine::Engine;
 use super::report::{FailureReport, TryReport};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::remedy::Ease;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::Trace;
 
@@ -38,14 +39,10 @@ where
     /// The error of a step with the report on it, which is kept.
     pub fn given_up(&mut self, report: FailureReport) -> StepError {
         let FailureReport { time, step, dt, halvings, .. } = report;
-        let smaller = if dt > 0.0 {
-            format!("use a smaller step than dt = {}, or allow more `max_halvings`", self.options.dt)
-        } else {
-            "check supports and loads".into()
-        };
-        let (cause, hint) = (report.explanation(), report.hint(&smaller));
+        let ease = if dt > 0.0 { Ease::SmallerStep(self.options.dt) } else { Ease::SupportsAndLoads };
+        let (cause, remedy) = (report.explanation(), report.remedy(ease));
         self.failure = Some((report, self.trace.u_1.clone()));
-        StepError::NotConverged { time, step, dt, halvings, cause, hint }
+        StepError::NotConverged { time, step, dt, halvings, cause, remedy }
     }
 
     /// The body that moves most in a motion of all nodes, and how.

@@ -1,5 +1,6 @@
 //! Why a step failed: what a user can look at after the error.
 
+use crate::dynamics::model::remedy::{Ease, Remedy};
 use crate::math::digits::three_digits;
 
 /// What made a step fail.
@@ -81,7 +82,7 @@ pub enum FailureCause {
 pub enum Missing {
     /// It touches nothing.
     Support,
-    /// It touches something that does not hold it: contact has no friction.
+    /// It touches something that does not hold it: surfaces slide without friction, or with too little.
     Guidance,
 }
 
@@ -192,7 +193,7 @@ impl FailureReport {
             FailureCause::NoEquilibrium { steps, unbalanced, body, how, missing } => {
                 let why = match missing {
                     Some(Missing::Support) => ": it touches nothing, and no support holds it there",
-                    Some(Missing::Guidance) => ": what it touches does not hold it there, for contact has no friction",
+                    Some(Missing::Guidance) => ": what it touches does not hold it there, for it slides there",
                     None => "",
                 };
                 let part = if *unbalanced < 0.01 { format!("{unbalanced:.0e}") } else { format!("{unbalanced:.2}") };
@@ -213,25 +214,21 @@ impl FailureReport {
         }
     }
 
-    /// How to mend it; `smaller` says how a smaller step is asked for.
-    pub(super) fn hint(&self, smaller: &str) -> String {
+    /// How to mend it; `ease` says how less is asked for at a time.
+    pub(super) fn remedy(&self, ease: Ease) -> Remedy {
         match &self.cause {
-            FailureCause::NoEquilibrium { missing: Some(Missing::Guidance), .. } => {
-                "guide the body with `fix`, such as `fix(body.boundary(\"left\"), \"x\")`, or let contacts hold it from all sides".into()
-            }
-            _ if self.unheld.is_some() => "hold every body with `fix` or by contact against the loads on it before `settle`".into(),
-            FailureCause::CyclingContact { .. } => format!("{smaller}; surfaces should slide by less than a facet per step"),
-            FailureCause::InvertedCell { .. } => format!("{smaller}, a finer mesh there, or a smaller load"),
-            FailureCause::SingularSystem { .. } => {
-                "hold every body against rigid motion with `fix`, and name each contact pair and each support only once".into()
-            }
-            FailureCause::NoEquilibrium { missing: Some(Missing::Support), .. } => {
-                "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into()
-            }
-            FailureCause::LoadTooFast { .. } => format!("apply the load more slowly, such as with `ramp`, or {smaller}"),
-            FailureCause::Divergence => format!("{smaller}, or apply the load more slowly"),
-            FailureCause::NoEquilibrium { missing: None, .. } => smaller.into(),
-            FailureCause::SlowConvergence | FailureCause::TooFast { .. } | FailureCause::StepLimit { .. } => smaller.into(),
+            FailureCause::NoEquilibrium { missing: Some(Missing::Guidance), .. } => Remedy::Guide,
+            _ if self.unheld.is_some() => Remedy::HoldBeforeRest,
+            FailureCause::CyclingContact { .. } => Remedy::Ease(ease, "; surfaces should slide by less than a facet per step"),
+            FailureCause::InvertedCell { .. } => Remedy::Ease(ease, ", a finer mesh there, or a smaller load"),
+            FailureCause::SingularSystem { .. } => Remedy::HoldOnce,
+            FailureCause::NoEquilibrium { missing: Some(Missing::Support), .. } => Remedy::HoldAgainstLoads,
+            FailureCause::LoadTooFast { .. } => Remedy::LoadSlowly(ease),
+            FailureCause::Divergence => Remedy::Ease(ease, ", or apply the load more slowly"),
+            FailureCause::NoEquilibrium { missing: None, .. }
+            | FailureCause::SlowConvergence
+            | FailureCause::TooFast { .. }
+            | FailureCause::StepLimit { .. } => Remedy::Ease(ease, ""),
         }
     }
 }

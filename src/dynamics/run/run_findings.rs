@@ -108,7 +108,7 @@ pub struct RunFinding {
     pub step: usize,
     /// The end of that step `[time]`.
     pub time: f64,
-    /// The numbers that show it.
+    /// The numbers that show it; begins with the name of the integrator where energy is not conserved.
     pub explanation: String,
 }
 
@@ -141,28 +141,25 @@ impl RunFinding {
         match self.kind {
             RunFindingKind::PositiveContactWork => "no update rule should do so: do not trust the run from there on, and try a smaller dt",
             RunFindingKind::EnergyDefect => "do not trust the run from there on, and try a smaller dt",
-            RunFindingKind::NotConserved => "`energy_momentum()` conserves; with this integrator a smaller dt changes less",
-            RunFindingKind::PassedThrough => "define what touches with `model.add_contact(…)`, or move the bodies apart",
+            RunFindingKind::NotConserved => "take an integrator that conserves energy, or a smaller dt, which changes less",
+            RunFindingKind::PassedThrough => "define contacts between what touches, or move the bodies apart",
             RunFindingKind::Depth => {
-                "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \
-                 smaller dt, or a larger `penalty`"
+                "an overlap at the start is never driven apart: start without, or begin at rest; one that came later is less with a \
+                 smaller dt, or a larger penalty"
             }
             RunFindingKind::EnergyTaken => {
-                "`update: \"persistency\"` and `\"velocity\"` keep the energy; with `\"gap\"`, finer facets lose less"
+                "the update rules `persistency` and `velocity` keep the energy; with `gap`, finer facets lose less"
             }
             RunFindingKind::ReserveHeld => "nothing is lost: it is part of `potential` and becomes motion when the contact opens",
             RunFindingKind::Motion(MotionKind::Sliding) => {
                 "results are right since such steps are halved, and only time is lost; a smaller dt or coarser facets avoid it"
             }
             RunFindingKind::Motion(_) => "nothing is lost but time; a smaller dt or coarser facets avoid it",
-            RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
+            RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more halvings",
             RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
             RunFindingKind::Turned => "take `neo_hookean`, whose small strains are the same, for bodies that turn",
             RunFindingKind::Crushed => "take `neo_hookean` for large compression: this law softens there, down to no resistance",
-            RunFindingKind::CoarseCells => {
-                "use smaller cells, or cells of second order (`mesh.with_elements(\"quad8\")`); `sim.field(\"stress_error\", body)` \
-                 shows where"
-            }
+            RunFindingKind::CoarseCells => "use smaller cells, or cells of second order; the field `stress_error` shows where",
             RunFindingKind::Discarded => {
                 "results are right, and only time is lost; a smaller dt helps, or facets of about the same size on both sides of a contact"
             }
@@ -313,8 +310,8 @@ fn not_conserved<'a>(rows: &'a [LedgerRow], scale: f64, integrator: &str) -> (f6
     let verb = if worst > 0.0 { "added" } else { "took" };
     let share = most / scale;
     let explanation = match growth {
-        growth if growth > 2.0 && growth.is_finite() => format!("{integrator}() made {growth:.1} times of it"),
-        _ => format!("{integrator}() {verb} {} of energy, {}", three_digits(most), percent(share)),
+        growth if growth > 2.0 && growth.is_finite() => format!("{integrator} made {growth:.1} times of it"),
+        _ => format!("{integrator} {verb} {} of energy, {}", three_digits(most), percent(share)),
     };
     (share, at, explanation)
 }
@@ -408,8 +405,8 @@ mod tests {
         assert_eq!(found([1e-12, -1e-10, 0.0, 1e-9]), []);
         let took = found([1e-4, -3e-4, 0.0, 1e-4]);
         assert_eq!((took[0].kind, took[0].step, took.len()), (RunFindingKind::NotConserved, 2, 1));
-        assert!(took[0].explanation.starts_with("midpoint() took 0.0002 of energy"), "{}", took[0].explanation);
-        assert!(found([1e3, 0.0, 0.0, 0.0])[0].explanation.starts_with("midpoint() made 501.0 times of it"));
+        assert!(took[0].explanation.starts_with("midpoint took 0.0002 of energy"), "{}", took[0].explanation);
+        assert!(found([1e3, 0.0, 0.0, 0.0])[0].explanation.starts_with("midpoint made 501.0 times of it"));
     }
 
     #[test]

@@ -386,6 +386,7 @@ where
             compliance: self.system.compliance(start),
             end_point: true,
             shift: vec![0.0; count],
+            yielding: self.system.yielding(start),
             dt: 0.0,
         }
     }

@@ -8,6 +8,7 @@ use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::friction_rows::{FrictionRows, SlipRow};
 use crate::dynamics::parts::laws::{Row, RowStart};
 use crate::integrators::Derivative;
+use crate::math::tolerances;
 
 /// The contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that presses or is zero.
 pub struct Conditions {
@@ -24,6 +25,8 @@ pub struct Conditions {
     /// By how much a penalty potential feels the weighted gaps larger than they are: an overlap that no motion has made, but that pairs
     /// find which take part in this step and took none in the one before, has no potential.
     pub shift: Vec<f64>,
+    /// Slip per change of the multiplier of a tangential row that sticks to a node which others hold already; empty without friction.
+    pub yielding: Vec<f64>,
     /// Size of the step, 0 at rest.
     pub dt: f64,
 }
@@ -117,6 +120,14 @@ impl<const D: usize> System<D> {
         stiffness
     }
 
+    /// Compliance of every row that gives way to others; empty without friction.
+    pub fn yielding(&self, start: &StepStart) -> Vec<f64> {
+        if self.multipliers == self.pressing {
+            return Vec::new();
+        }
+        self.row_stiffness(start).iter().map(|stiffness| 1.0 / (tolerances::SHARED_AUGMENTATION * stiffness)).collect()
+    }
+
     /// Gives tangential rows what the rows have that press beside them.
     pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
         for pair in &self.pairs {
@@ -176,6 +187,15 @@ impl<const D: usize> System<D> {
             }
         }
         self.copy_to_slips(&mut members);
-        Conditions { gap_n, targets, members, compliance: self.compliance(start), end_point, shift, dt: start.dt() }
+        Conditions {
+            gap_n,
+            targets,
+            members,
+            compliance: self.compliance(start),
+            end_point,
+            shift,
+            yielding: self.yielding(start),
+            dt: start.dt(),
+        }
     }
 }

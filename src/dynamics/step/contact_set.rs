@@ -1,5 +1,7 @@
 //! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's system gets from them.
 
+use std::collections::BTreeMap;
+
 use super::conditions::{Conditions, SlipAt};
 use super::constraints::ConstraintRows;
 use super::iterate::Linearization;
@@ -154,10 +156,30 @@ pub fn constraint_rows<const D: usize>(
             rows.set(row, pair.law.equation(&at_iterate));
         }
     }
+    let held = rows_of_nodes(system, set);
     for place in slips_at(system, at).filter(|place| set[place.row].acts()) {
-        rows.set(place.row, place.at(conditions, at).equation(set[place.row]));
+        let mut row = place.at(conditions, at);
+        // More rows than a node can move: those that stick give way, until the multipliers are found.
+        if place.pair.node_of(place.row).is_some_and(|node| held[&node] > D) {
+            row.compliance = row.compliance.max(conditions.yielding[place.row]);
+        }
+        rows.set(place.row, row.equation(set[place.row]));
     }
     rows
+}
+
+/// How many rows hold each node that has tangential ones: those that press and those that stick.
+fn rows_of_nodes<const D: usize>(system: &System<D>, set: &[RowState]) -> BTreeMap<u32, usize> {
+    let mut counts = BTreeMap::new();
+    for pair in &system.pairs {
+        let Some(friction) = &pair.friction else { continue };
+        for row in pair.rows.clone().chain(friction.rows.clone()) {
+            if let Some(node) = pair.node_of(row) {
+                *counts.entry(node).or_default() += usize::from(set[row].is_closed());
+            }
+        }
+    }
+    counts
 }
 
 /// The state with which an iteration begins for a tangential row, by the state of the row that presses: open without pressure.

@@ -7,6 +7,8 @@ mod error;
 mod graph;
 mod law;
 mod meaning;
+#[cfg(test)]
+mod property_tests;
 mod spectrum;
 mod state;
 mod stored;

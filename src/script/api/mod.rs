@@ -14,6 +14,7 @@ pub mod motion;
 pub mod nested_runs;
 pub mod numbers;
 pub mod parameters;
+pub mod remedies;
 pub mod simulations;
 pub mod studies;
 pub mod time_functions;

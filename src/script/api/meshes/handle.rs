@@ -9,6 +9,7 @@ use std::sync::Arc;
 use rhai::{Dynamic, EvalAltResult};
 
 use crate::mesh::{Mesh, MeshError};
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
@@ -83,7 +84,7 @@ pub fn describe_mesh(mesh: &Mesh) -> String {
 
 /// The failure of a mesh operation.
 pub fn mesh_failure(call: &Call, error: &MeshError) -> Failure {
-    call.fail(error.to_string()).hint(error.hint())
+    call.fail(error.to_string()).hint(error.remedy())
 }
 
 /// A mesh that was made, as a value of a script.

@@ -5,6 +5,7 @@ use rhai::Array;
 use super::handle::mesh_failure;
 use crate::math::catalogue::Interval;
 use crate::mesh::{Layers, MeshError};
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -65,7 +66,7 @@ pub fn failure(options: &Options, error: &MeshError) -> Failure {
     let argument = options.argument("layers");
     match error {
         UnknownLayers { .. } | LayersCollide { .. } | LayersCramped { .. } | LayerCorner { .. } | OddLayers { .. } => {
-            argument.fail(error.to_string()).hint(error.hint())
+            argument.fail(error.to_string()).hint(error.remedy())
         }
         _ => mesh_failure(argument.call(), error),
     }

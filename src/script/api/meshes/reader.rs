@@ -9,6 +9,7 @@ use rhai::Dynamic;
 use super::handle::MeshHandle;
 use crate::mesh::{self, Place};
 use crate::script::api::files::writing::{path_parameter, write};
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::{Details, Failure};
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -52,7 +53,7 @@ fn reader() -> Function {
                             None => failure.cause(format!("it shows in line {number} of the file")),
                         },
                     };
-                    Err(failure.hint(error.hint()).into())
+                    Err(failure.hint(error.remedy()).into())
                 }
             }
         }),

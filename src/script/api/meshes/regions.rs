@@ -7,6 +7,7 @@ use super::kinds::{PLANE, element, kind_of};
 use super::layers;
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, CellSize, Curve, MeshError, SelectionError, Side};
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::number_text;
@@ -184,7 +185,7 @@ fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Res
 /// The curves of an outline or a hole.
 fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failure> {
     let engine = argument.call().engine();
-    let refused = |error: MeshError| argument.fail(error.to_string()).hint(error.hint());
+    let refused = |error: MeshError| argument.fail(error.to_string()).hint(error.remedy());
     let is_circle = |curve: &CurveHandle| matches!(curve.course, Course::Circle { .. });
     if let Some(curve) = value.clone().try_cast::<CurveHandle>().filter(is_circle) {
         return Ok(vec![curve.side([0.0; 2]).map_err(refused)?]);

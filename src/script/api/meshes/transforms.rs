@@ -5,6 +5,7 @@ use rhai::{Array, Dynamic, EvalAltResult};
 use super::handle::{MeshHandle, made, mesh_value, vector_or_zero};
 use crate::math::catalogue::Interval;
 use crate::mesh::SelectionError;
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
 use crate::script::language::diagnostics::Diagnostic;
@@ -236,7 +237,7 @@ fn part() -> Function {
             let name = argument.text()?;
             match mesh.part(&name) {
                 Ok(part) => Ok(Dynamic::from(MeshHandle::new(part))),
-                Err(error) => Err(argument.fail(error.to_string()).hint(error.hint()).into()),
+                Err(error) => Err(argument.fail(error.to_string()).hint(error.remedy()).into()),
             }
         }),
     }

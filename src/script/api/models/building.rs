@@ -20,6 +20,7 @@ use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::transforms::vector_from;
+use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
@@ -77,10 +78,10 @@ pub fn add_body() -> Function {
             }
             if let Err(error) = mesh.check() {
                 let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
-                return Err(failure.hint(error.hint()).into());
+                return Err(failure.hint(error.remedy()).into());
             }
             if let Err(error) = formulation.check(&mesh, &material) {
-                return Err(call.argument("formulation").fail(error.to_string()).hint(error.hint()).into());
+                return Err(call.argument("formulation").fail(error.to_string()).hint(error.remedy()).into());
             }
             change(call, &model, |data| data.model.bodies.push(BodyDefinition { name, mesh, material, formulation }))?;
             let index = model.0.borrow().model.bodies.len() - 1;
@@ -248,9 +249,9 @@ pub fn check() -> Function {
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let model = &model.0.borrow().model;
-            model.check().map_err(|error| call.fail(error.to_string()).hint(error.hint()))?;
+            model.check().map_err(|error| call.fail(error.to_string()).hint(error.remedy()))?;
             let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.hint());
-            let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.hint()));
+            let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.remedy()));
             Ok(model.findings().into_iter().map(sentence).chain(locking).map(Dynamic::from).collect::<Array>().into())
         }),
     }

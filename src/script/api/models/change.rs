@@ -8,6 +8,7 @@ use std::rc::Rc;
 use super::data::ModelData;
 use super::handle::ModelHandle;
 use crate::script::api::nested_runs::is_study;
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -33,7 +34,7 @@ pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelDa
         }
         Err(error) => {
             *handle.0.borrow_mut() = before;
-            Err(call.fail(error.to_string()).hint(error.hint()))
+            Err(call.fail(error.to_string()).hint(error.remedy()))
         }
     }
 }

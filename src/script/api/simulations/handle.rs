@@ -15,6 +15,7 @@ use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::api::motion::Motion;
+use crate::script::api::remedies::explained;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::{brief, brief_vector, number_text};
@@ -160,7 +161,7 @@ impl SimulationData {
         let account = EnergyAccount::of(&history).to_string();
         let energy = (!account.is_empty()).then(|| format!("  energy since the start: {account}"));
         let found = simulation.findings(&history);
-        energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", finding.explanation))).collect()
+        energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
     }
 
     /// A row of the kernels with the times of the script.

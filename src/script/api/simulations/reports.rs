@@ -16,6 +16,7 @@ use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::writing::path_parameter;
 use crate::script::api::models::description::describe_obstacle;
 use crate::script::api::parameters::Overrides;
+use crate::script::api::remedies::explained;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::failure::Failure;
@@ -94,7 +95,7 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
 
 /// What is remarkable about a run, in words.
 pub fn findings(simulation: &Simulation, history: &[LedgerRow]) -> Vec<String> {
-    simulation.findings(history).iter().map(|finding| format!("{finding}: {}", finding.explanation)).collect()
+    simulation.findings(history).iter().map(|finding| format!("{finding}: {}", explained(finding))).collect()
 }
 
 /// Values of `param(...)` by name.

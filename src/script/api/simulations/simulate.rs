@@ -25,6 +25,7 @@ use crate::script::api::models::handle::ModelHandle;
 use crate::script::api::motion::Motion;
 use crate::script::api::nested_runs::{current_motion, is_study};
 use crate::script::api::parameters::check_overrides;
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief_vector, number_text};
@@ -170,7 +171,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         );
     }
     for body in model.model.locking() {
-        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.hint()));
+        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.remedy()));
     }
     for body in &model.model.bodies {
         // Laws of the catalogue are sound at rest.
@@ -234,7 +235,7 @@ fn warn_of_units(call: &Call, model: &Model, dt: f64) {
 pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Options) -> Result<Simulation, Failure> {
     let moved = motion.map(|motion| motion.model(model)).transpose().map_err(|cause| call.fail(cause))?;
     let simulation = Simulation::new(moved.as_ref().unwrap_or(model), options);
-    simulation.map_err(|error| call.fail(error.to_string()).hint(error.hint()))
+    simulation.map_err(|error| call.fail(error.to_string()).hint(error.remedy()))
 }
 
 /// What a simulation has behind it when it is made.

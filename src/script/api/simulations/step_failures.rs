@@ -2,6 +2,7 @@
 
 use super::handle::SimulationHandle;
 use crate::dynamics::{FailureCause, Interaction, Missing, StepError};
+use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::ClosureError;
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::{Class, Failure, interrupted};
@@ -15,7 +16,7 @@ pub(super) fn overlap_text(depth: f64, facets: f64, at: [f64; 2]) -> String {
 impl SimulationHandle {
     /// The failure of a call that took the step.
     pub(super) fn step_failure(&self, call: &Call, error: StepError) -> Failure {
-        let (title, hint) = (error.to_string(), error.hint());
+        let (title, hint) = (error.to_string(), error.remedy());
         match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
             StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, at)).hint(hint),
@@ -44,7 +45,7 @@ impl SimulationHandle {
             return None;
         }
         let error = self.0.simulation.try_borrow().ok()?.check_apart().err()?;
-        let (title, hint) = (error.to_string(), error.hint());
+        let (title, hint) = (error.to_string(), error.remedy());
         let StepError::StillOverlaps { contact, depth, facets, at, .. } = error else { return None };
         let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, at)).hint(hint);
         Some(failure.placed(self.0.model.place_of_contact(&contact)))

@@ -16,6 +16,7 @@ use crate::dynamics::{LedgerRow, Overlap, OverlapKind, StepError};
 use crate::math::catalogue::Interval;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
+use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::{brief, number_text};
@@ -122,7 +123,7 @@ impl SimulationHandle {
             others => format!("; {others} more overlap"),
         };
         let cause = format!("{}{others}", overlap_text(worst.depth, worst.facets, worst.at));
-        Err(call.fail(worst.to_string()).cause(cause).hint(worst.hint()))
+        Err(call.fail(worst.to_string()).cause(cause).hint(worst.remedy()))
     }
 
     /// Takes steps until `count` of them are taken or `end` is reached.

@@ -3,6 +3,7 @@
 use super::handle::{SimulationHandle, Simulations};
 use crate::dynamics::{EnergyAccount, RunFinding, RunFindingKind};
 use crate::math::tolerances::LOST;
+use crate::script::api::remedies::{ScriptWords, explained};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
 use crate::script::language::function::Call;
@@ -70,11 +71,11 @@ impl SimulationHandle {
 
     /// Warns of one finding, at the contact pair it speaks of or where the simulation was made.
     pub(super) fn warn_of(&self, host: &Host, finding: &RunFinding) {
-        let RunFinding { contact, explanation, step, time, .. } = finding;
+        let RunFinding { contact, step, time, .. } = finding;
         let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
         let which = self.prefix(host);
-        let cause = format!("{explanation} ({which}t = {}, step {step})", brief(*time));
-        host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.hint()));
+        let cause = format!("{} ({which}t = {}, step {step})", explained(finding), brief(*time));
+        host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.remedy()));
     }
 
     /// Warns of a prescribed motion that does not begin where the bodies are, before the first step.

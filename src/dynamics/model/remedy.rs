@@ -1,0 +1,58 @@
+//! What mends a step that failed: data, so that a language on top of the kernels can say it in its own words.
+
+use std::fmt;
+
+/// What mends a step that failed; `Display` says it in one sentence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Remedy {
+    /// Guide a body that contact alone does not hold.
+    Guide,
+    /// Hold every body against its loads, before rest is looked for.
+    HoldBeforeRest,
+    /// Hold every body against its loads: a rigid motion under a load has no equilibrium.
+    HoldAgainstLoads,
+    /// Hold every body against rigid motion, and define nothing twice.
+    HoldOnce,
+    /// Ask for less at a time, and what to do besides or instead, as it follows in the sentence.
+    Ease(Ease, &'static str),
+    /// Apply a load more slowly, or ask for less at a time.
+    LoadSlowly(Ease),
+}
+
+/// How less is asked for at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Ease {
+    /// By steps below this size `[time]`, or by more halvings of them.
+    SmallerStep(f64),
+    /// Rest has no steps in time; what was defined is looked at again.
+    SupportsAndLoads,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Remedy::Guide => write!(out, "guide the body by supports, in one direction each, or let contacts hold it from all sides"),
+            Remedy::HoldBeforeRest => write!(out, "hold every body by supports or by contact against the loads on it"),
+            Remedy::HoldAgainstLoads => {
+                write!(out, "hold every body by supports or by contact against the loads on it; ")?;
+                write!(out, "rigid motion under a load has no equilibrium")
+            }
+            Remedy::HoldOnce => {
+                write!(out, "hold every body by supports against rigid motion, and name each contact pair and each support only once")
+            }
+            Remedy::Ease(ease, besides) => write!(out, "{ease}{besides}"),
+            Remedy::LoadSlowly(ease) => write!(out, "apply the load more slowly, or {ease}"),
+        }
+    }
+}
+
+impl fmt::Display for Ease {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Ease::SmallerStep(dt) => write!(out, "use a smaller step than dt = {dt}, or allow more halvings"),
+            Ease::SupportsAndLoads => write!(out, "check supports and loads"),
+        }
+    }
+}

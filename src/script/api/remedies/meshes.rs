@@ -1,0 +1,35 @@
+//! Remedies for meshes.
+
+use super::words::ScriptWords;
+use crate::mesh::{FileProblem, MeshError};
+
+impl ScriptWords for MeshError {
+    fn remedy(&self) -> String {
+        match self {
+            MeshError::NothingShared => {
+                "give both the same nodes along the common side; meshes that do not match are held together by `model.tie`".into()
+            }
+            MeshError::Turn { .. } => "angles are in radians and grow counter-clockwise; for a full turn use `ring`".into(),
+            MeshError::OffCircle { .. } => {
+                "give a center as far from the start as from the end, or a point `through` which the arc goes".into()
+            }
+            MeshError::NotLocally { kind: "tet4" | "hex8" } => {
+                "refine all of it with `refine()`, or make the mesh finer where it was made; only triangles are refined in places".into()
+            }
+            MeshError::NotLocally { kind: "quad4" } => {
+                "cut them into triangles with `.with_elements(\"tri3\")` before, refine all of it with `refine()`, or make it with \
+                 `region` and a `size: |x, y| …`"
+                    .into()
+            }
+            MeshError::NotLocally { .. } => {
+                "make it of triangles (`element: \"tri6\"`), refine all of it with `refine()`, or make it with `region` and a \
+                 `size: |x, y| …`"
+                    .into()
+            }
+            MeshError::File(error) if matches!(error.problem, FileProblem::Unreadable { .. }) => {
+                "check the path and the rights; paths are relative to the folder of the script".into()
+            }
+            _ => self.hint(),
+        }
+    }
+}

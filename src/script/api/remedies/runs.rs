@@ -1,0 +1,77 @@
+//! Remedies for runs: steps that failed, and what was found afterwards.
+
+use super::words::ScriptWords;
+use crate::dynamics::{Ease, Remedy, RunFinding, RunFindingKind, StepError};
+
+impl ScriptWords for StepError {
+    fn remedy(&self) -> String {
+        match self {
+            StepError::NotConverged { remedy, .. } => remedy.remedy(),
+            StepError::StillOverlaps { .. } => {
+                "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it \
+                 grow over several calls of `settle` with times; in motion, try a smaller `dt`"
+                    .into()
+            }
+            _ => self.hint(),
+        }
+    }
+}
+
+impl ScriptWords for Remedy {
+    fn remedy(&self) -> String {
+        match self {
+            Remedy::Guide => {
+                "guide the body with `fix`, such as `fix(body.boundary(\"left\"), \"x\")`, or let contacts hold it from all sides".into()
+            }
+            Remedy::HoldBeforeRest => "hold every body with `fix` or by contact against the loads on it before `settle`".into(),
+            Remedy::HoldAgainstLoads => {
+                "hold every body against the loads on it with `fix` or by contact; rigid motion under a load has no equilibrium".into()
+            }
+            Remedy::HoldOnce => {
+                "hold every body against rigid motion with `fix`, and name each contact pair and each support only once".into()
+            }
+            Remedy::Ease(ease, besides) => format!("{}{besides}", ease.remedy()),
+            Remedy::LoadSlowly(ease) => format!("apply the load more slowly, such as with `ramp`, or {}", ease.remedy()),
+        }
+    }
+}
+
+impl ScriptWords for Ease {
+    fn remedy(&self) -> String {
+        match self {
+            Ease::SmallerStep(dt) => format!("use a smaller step than dt = {dt}, or allow more `max_halvings`"),
+            Ease::SupportsAndLoads => self.to_string(),
+        }
+    }
+}
+
+impl ScriptWords for RunFinding {
+    fn remedy(&self) -> String {
+        let words = match self.kind {
+            RunFindingKind::NotConserved => "`energy_momentum()` conserves; with this integrator a smaller dt changes less",
+            RunFindingKind::PassedThrough => "define what touches with `model.add_contact(…)`, or move the bodies apart",
+            RunFindingKind::Depth => {
+                "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \
+                 smaller dt, or a larger `penalty`"
+            }
+            RunFindingKind::EnergyTaken => {
+                "`update: \"persistency\"` and `\"velocity\"` keep the energy; with `\"gap\"`, finer facets lose less"
+            }
+            RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
+            RunFindingKind::CoarseCells => {
+                "use smaller cells, or cells of second order (`mesh.with_elements(\"quad8\")`); `sim.field(\"stress_error\", body)` \
+                 shows where"
+            }
+            _ => self.hint(),
+        };
+        words.into()
+    }
+}
+
+/// The numbers that show a finding; an integrator is called as the script calls it.
+pub fn explained(finding: &RunFinding) -> String {
+    match (finding.kind, finding.explanation.split_once(' ')) {
+        (RunFindingKind::NotConserved, Some((integrator, rest))) => format!("{integrator}() {rest}"),
+        _ => finding.explanation.clone(),
+    }
+}
