@@ -10,6 +10,7 @@
 //! decides which constraint holds and what solves for the multipliers stands one floor higher.
 
 mod averaged;
+mod averaged_overlap;
 mod chain;
 mod checks;
 mod combinations;
@@ -32,6 +33,7 @@ mod patches;
 mod quadratic;
 mod rigid;
 mod rigid_corners;
+mod rigid_shape;
 mod round;
 mod search;
 mod slip;

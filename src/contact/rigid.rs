@@ -12,22 +12,16 @@
 //! (Gonzalez, CMAME 190, 2000). So the contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves,
 //! `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger books as work of a load. An obstacle does not turn.
 
-use rstar::primitives::{GeomWithData, Line};
-use rstar::{AABB, RTree};
-
-use super::chain::Chain;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
+use super::rigid_shape::{Distance, Shape, StepGradient};
 use super::slip::{self, Carrier, Number, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
-use crate::math::tolerances::{CROSSING, PASSING, PROJECTED_INCREMENT, REMAINDER};
+use crate::math::tolerances::CROSSING;
 
 /// How near a node must be to a corner of a polyline, in shortest facets, to keep to one side of it in a step.
 const AT_CORNER: f64 = 0.02;
-
-/// At how many places on a node's way its distance is looked at, at most.
-const LOOKS: f64 = 64.0;
 
 /// Shape of a rigid obstacle at its undisplaced place.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,21 +54,6 @@ pub enum Obstacle {
     },
 }
 
-/// Distance, its gradient with respect to the point, and whether the point has an opposite.
-#[derive(Clone, Copy, Debug)]
-struct Distance {
-    gap: f64,
-    normal: [f64; 2],
-    covered: bool,
-}
-
-/// A discrete gradient and its derivative with respect to the end point.
-#[derive(Clone, Copy, Debug)]
-struct StepGradient {
-    bar: [f64; 2],
-    tangent: [[f64; 2]; 2],
-}
-
 /// Contact of a surface with a rigid obstacle.
 #[derive(Clone, Debug)]
 pub struct RigidContact {
@@ -87,202 +66,6 @@ pub struct RigidContact {
     /// For nodes that start at a convex corner of a polyline: the line of the side that they are on, which is theirs for the step. A node
     /// that a side pushes past the corner, and that comes back without the push, would find no solution.
     lines: Vec<Option<Shape>>,
-}
-
-/// An obstacle made ready for evaluation.
-#[derive(Clone, Debug)]
-enum Shape {
-    HalfPlane {
-        point: [f64; 2],
-        normal: [f64; 2],
-    },
-    /// `sign` is +1 outside, -1 inside the circle.
-    Circle {
-        center: [f64; 2],
-        radius: f64,
-        sign: f64,
-    },
-    Polyline {
-        tree: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
-        /// For each facet: itself and its neighbors, and their points after a place for the node.
-        corners: Vec<(Chain, Vec<f64>)>,
-    },
-}
-
-impl Shape {
-    fn new(obstacle: &Obstacle) -> Self {
-        match obstacle {
-            Obstacle::HalfPlane { point, normal } => {
-                let length = normal[0].hypot(normal[1]);
-                Shape::HalfPlane { point: *point, normal: normal.map(|n| n / length) }
-            }
-            Obstacle::Disk { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: 1.0 },
-            Obstacle::Ring { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: -1.0 },
-            Obstacle::Polyline { points } => {
-                let count = points.len().saturating_sub(1);
-                let closed = count > 2 && points[0] == points[count];
-                let lines = (0..count).map(|k| GeomWithData::new(Line::new(points[k], points[k + 1]), k));
-                let neighborhood = |k: usize| {
-                    let before = if k > 0 { Some(points[k - 1]) } else { closed.then(|| points[count - 1]) };
-                    let after = if k + 1 < count { Some(points[k + 2]) } else { closed.then(|| points[1]) };
-                    let chain: Vec<[f64; 2]> = before.into_iter().chain([points[k], points[k + 1]]).chain(after).collect();
-                    let facets = (1..chain.len() as u32).map(|i| [i, i + 1]).collect();
-                    (Chain::new(facets), [[0.0; 2]].iter().chain(&chain).flatten().copied().collect())
-                };
-                Shape::Polyline { tree: RTree::bulk_load(lines.collect()), corners: (0..count).map(neighborhood).collect() }
-            }
-        }
-    }
-
-    /// Distance of a point in the obstacle's frame; `None` where the function vanishes identically.
-    fn distance(&self, x: [f64; 2]) -> Option<Distance> {
-        match self {
-            Shape::HalfPlane { point, normal } => {
-                let gap = normal[0] * (x[0] - point[0]) + normal[1] * (x[1] - point[1]);
-                Some(Distance { gap, normal: *normal, covered: true })
-            }
-            Shape::Circle { center, radius, sign } => {
-                let r = [x[0] - center[0], x[1] - center[1]];
-                let length = r[0].hypot(r[1]);
-                let normal = if length > 0.0 { r.map(|r| sign * r / length) } else { [0.0; 2] };
-                Some(Distance { gap: sign * (length - radius), normal, covered: true })
-            }
-            Shape::Polyline { tree, corners } => {
-                let (chain, points) = &corners[tree.nearest_neighbor(x)?.data];
-                let mut z = [0.0; 10];
-                z[..points.len()].copy_from_slice(points);
-                z[..2].copy_from_slice(&x);
-                let z = &z[..points.len()];
-                let measure = chain.measure(z, &[true; 3])?;
-                let mut gradient = [0.0; 10];
-                chain.add_gradient(&measure, z, 1.0, &mut gradient[..z.len()]);
-                Some(Distance { gap: measure.gap, normal: [gradient[0], gradient[1]], covered: measure.covered })
-            }
-        }
-    }
-
-    /// The line of the side on which a point is, where it is as near as that to the surface and a convex corner.
-    fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<Shape> {
-        let Shape::Polyline { tree, corners } = self else { return None };
-        let nearest = tree.nearest_neighbor(x)?;
-        let Line { from, to } = *nearest.geom();
-        if [from, to].iter().all(|end| (x[0] - end[0]).hypot(x[1] - end[1]) > near) {
-            return None;
-        }
-        let (chain, points) = &corners[nearest.data];
-        let z: Vec<f64> = x.iter().chain(&points[2..]).copied().collect();
-        let measure = chain.measure(&z, &[true; 3])?;
-        if !measure.covered || chain.pocket(measure.facet, &z, 0.0).is_some() {
-            return None;
-        }
-        let [from, to] = chain.facets()[measure.facet as usize].map(|node| [z[2 * node as usize], z[2 * node as usize + 1]]);
-        let (along, length) = ([to[0] - from[0], to[1] - from[1]], (to[0] - from[0]).hypot(to[1] - from[1]));
-        Some(Shape::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
-    }
-
-    /// Second derivative of the distance at a point.
-    fn curvature(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
-        match self {
-            Shape::Circle { center, sign, .. } => {
-                let r = [x[0] - center[0], x[1] - center[1]];
-                let length = r[0].hypot(r[1]);
-                if length > 0.0 {
-                    let n = r.map(|r| r / length);
-                    return [[n[1] * n[1], -n[0] * n[1]], [-n[0] * n[1], n[0] * n[0]]].map(|row| row.map(|h| sign * h / length));
-                }
-                [[0.0; 2]; 2]
-            }
-            _ => [[0.0; 2]; 2],
-        }
-    }
-
-    /// By how much the distance changes on the straight way between two points, what is farther away than `near` taken as so far.
-    fn swing(&self, x_0: [f64; 2], x_1: [f64; 2], near: f64) -> f64 {
-        let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
-        let length = d[0].hypot(d[1]);
-        // A distance changes by no more than the way.
-        if length <= near * PASSING {
-            return 0.0;
-        }
-        let count = (4.0 * length / near).ceil().min(LOOKS);
-        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-        for k in 0..=count as usize {
-            let s = k as f64 / count;
-            let Some(distance) = self.distance([x_0[0] + s * d[0], x_0[1] + s * d[1]]) else { continue };
-            let gap = distance.gap.min(near);
-            range = [range[0].min(gap), range[1].max(gap)];
-        }
-        (range[1] - range[0]).max(0.0)
-    }
-
-    /// Whether the straight way from one point outside to another one leads through to the other side.
-    fn is_crossed(&self, x_0: [f64; 2], x_1: [f64; 2]) -> bool {
-        let ends = [x_0, x_1].map(|x| self.distance(x));
-        let [Some(start), Some(end)] = ends else { return false };
-        let is_other_side = start.normal[0] * end.normal[0] + start.normal[1] * end.normal[1] < 0.0;
-        if !is_other_side || start.gap < 0.0 || end.gap < 0.0 {
-            return false;
-        }
-        let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
-        match self {
-            Shape::HalfPlane { .. } => false,
-            Shape::Circle { center, radius, .. } => {
-                // Opposite normals: the nearest point is between the ends.
-                let r = [center[0] - x_0[0], center[1] - x_0[1]];
-                (d[0] * r[1] - d[1] * r[0]).abs() < radius * d[0].hypot(d[1])
-            }
-            Shape::Polyline { tree, .. } => {
-                let area = AABB::from_corners([x_0[0].min(x_1[0]), x_0[1].min(x_1[1])], [x_0[0].max(x_1[0]), x_0[1].max(x_1[1])]);
-                let side = |from: [f64; 2], along: [f64; 2], x: [f64; 2]| along[0] * (x[1] - from[1]) - along[1] * (x[0] - from[0]);
-                tree.locate_in_envelope_intersecting(area).any(|facet| {
-                    let Line { from, to } = *facet.geom();
-                    let along = [to[0] - from[0], to[1] - from[1]];
-                    side(x_0, d, from) * side(x_0, d, to) < 0.0 && side(from, along, x_0) * side(from, along, x_1) < 0.0
-                })
-            }
-        }
-    }
-
-    /// Discrete gradient between two points in the obstacle's frame; increments below `PROJECTED_INCREMENT * size` have no correction.
-    fn step_gradient(&self, x_0: [f64; 2], x_1: [f64; 2], size: f64) -> StepGradient {
-        match self {
-            Shape::HalfPlane { normal, .. } => StepGradient { bar: *normal, tangent: [[0.0; 2]; 2] },
-            Shape::Circle { center, sign, .. } => {
-                let (r_0, r_1) = ([x_0[0] - center[0], x_0[1] - center[1]], [x_1[0] - center[0], x_1[1] - center[1]]);
-                let end = r_1[0].hypot(r_1[1]);
-                let lengths = r_0[0].hypot(r_0[1]) + end;
-                if end == 0.0 {
-                    return StepGradient { bar: [0.0; 2], tangent: [[0.0; 2]; 2] };
-                }
-                let bar: [f64; 2] = std::array::from_fn(|i| sign * (r_0[i] + r_1[i]) / lengths);
-                let tangent =
-                    std::array::from_fn(|i| std::array::from_fn(|k| (if i == k { *sign } else { 0.0 } - bar[i] * r_1[k] / end) / lengths));
-                StepGradient { bar, tangent }
-            }
-            Shape::Polyline { .. } => {
-                let at = |x: [f64; 2]| self.distance(x).unwrap_or(Distance { gap: 0.0, normal: [0.0; 2], covered: false });
-                let (start, end) = (at(x_0), at(x_1));
-                let middle = at([0.5 * (x_0[0] + x_1[0]), 0.5 * (x_0[1] + x_1[1])]);
-                let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
-                let square = d[0] * d[0] + d[1] * d[1];
-                let mut gradient = StepGradient { bar: middle.normal, tangent: [[0.0; 2]; 2] };
-                let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
-                // In a small step only a corner has a remainder that is more than round-off.
-                let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
-                if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
-                    let e = remainder / square;
-                    for i in 0..2 {
-                        gradient.bar[i] += e * d[i];
-                        for k in 0..2 {
-                            gradient.tangent[i][k] = d[i] * (end.normal[k] - middle.normal[k] - 2.0 * e * d[k]) / square;
-                        }
-                        gradient.tangent[i][i] += e;
-                    }
-                }
-                gradient
-            }
-        }
-    }
 }
 
 impl RigidContact {
@@ -421,13 +204,12 @@ impl SlipRows for RigidContact {
         let x: [T; 2] = std::array::from_fn(|i| z[i] - self.translations[1][i]);
         let shape = self.felt(p);
         let Some(Distance { normal, covered: true, .. }) = shape.distance(x.map(|x| x.re())) else { return false };
-        let normal = match shape {
-            Shape::Circle { center, sign, .. } => {
-                let r: [T; 2] = std::array::from_fn(|i| x[i] - center[i]);
-                let inverse = (r[0] * r[0] + r[1] * r[1]).sqrt().recip() * *sign;
-                r.map(|r| r * inverse)
-            }
-            _ => normal.map(T::from),
+        let normal = if let Shape::Circle { center, sign, .. } = shape {
+            let r: [T; 2] = std::array::from_fn(|i| x[i] - center[i]);
+            let inverse = (r[0] * r[0] + r[1] * r[1]).sqrt().recip() * *sign;
+            r.map(|r| r * inverse)
+        } else {
+            normal.map(T::from)
         };
         (rows[0], rows[1], covered[0]) = (normal[1] * self.sides.weights[p], -normal[0] * self.sides.weights[p], 1.0);
         true
@@ -438,12 +220,9 @@ impl SlipRows for RigidContact {
     }
 
     fn other_side(&self) -> Carrier {
-        let [start, middle, end] = self.translations;
+        let ([start, middle, end], center) = (self.translations, self.shape.center());
         let shift = std::array::from_fn(|i| end[i] - start[i]);
-        match &self.shape {
-            Shape::Circle { center, .. } => Carrier { shift, turn: self.turn, center: std::array::from_fn(|i| center[i] + middle[i]) },
-            _ => Carrier { shift, ..Carrier::default() },
-        }
+        Carrier { shift, turn: self.turn, center: std::array::from_fn(|i| center[i] + middle[i]) }
     }
 }
 
@@ -463,7 +242,7 @@ impl RigidObstacle for RigidContact {
     }
 
     fn turn_obstacle(&mut self, angle: f64) {
-        self.turn = 2.0 * (0.5 * angle).tan();
+        self.turn = if matches!(self.shape, Shape::Circle { .. }) { 2.0 * (0.5 * angle).tan() } else { 0.0 };
     }
 
     fn obstacle_translation(&self) -> [f64; 2] {

@@ -6,8 +6,8 @@
 //! u_A = G_A(q_mid) d,    G_A = sum_patches P g_A,    g_A d = int psi_A t.(dx - dy) ds          [length^2]
 //! ```
 //!
-//! `dx - dy` is the motion of the secondary side as seen from the primary one, `t` the tangent. `P` takes the rigid motions of `q_mid` out of
-//! the row of a patch, which changes terms of the size of the gap. So whatever a friction law makes of it, the force `G_A^T tau_A` has
+//! `dx - dy` is the motion of the secondary side as seen from the primary one, `t` the tangent. `P` takes the rigid motions of `q_mid` out
+//! of the row of a patch, which changes terms of the size of the gap. So whatever a friction law makes of it, the force `G_A^T tau_A` has
 //! neither resultant nor moment about `q_mid`, it does the work `tau_A u_A`, and a rigid motion of everything, however large, has no slip:
 //! its displacement is an infinitesimal rigid motion of `q_mid` (Cayley: `R - 1 = W (R + 1)/2`).
 //!

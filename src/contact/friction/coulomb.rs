@@ -9,8 +9,9 @@ use super::law::{FrictionLaw, Limit, Sliding};
 /// mu(v) = mu (1 + (static_ratio - 1) exp(-(v/transition_speed)^exponent)),    adhesion(v) = adhesion exp(-(v/transition_speed)^exponent)
 /// ```
 ///
-/// with the pressure `p`, the speed `v` and the coefficient `mu` of sliding. Coulomb's law has `mu` alone; `static_ratio` is the coefficient
-/// at rest over it (Stribeck's curve with `exponent` 2 and a viscosity), `most` the shear stress that the material bears (Shaw, Orowan).
+/// with the pressure `p`, the speed `v` and the coefficient `mu` of sliding. Coulomb's law has `mu` alone; `static_ratio` is the
+/// coefficient at rest over it (Stribeck's curve with `exponent` 2 and a viscosity), `most` the shear stress that the material bears (Shaw,
+/// Orowan).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coulomb {
     /// Coefficient at rest over that of sliding, 1 or more.
@@ -74,8 +75,8 @@ impl FrictionLaw for Coulomb {
     }
 }
 
-/// Shear stress over pressure that nothing exceeds: were it not bound by the pressure, a node that opens would lose a finite shear stress at
-/// once, and find no state that holds. It is the coefficient of surfaces that count as rough.
+/// Shear stress over pressure that nothing exceeds: were it not bound by the pressure, a node that opens would lose a finite shear
+/// stress at once, and find no state that holds. It is the coefficient of surfaces that count as rough.
 pub const ROUGH: f64 = 10.0;
 
 #[cfg(test)]

@@ -1,0 +1,135 @@
+//! The overlap of two facets along averaged normals, for any number type: where it is, its points, and weighted gaps over it.
+
+use num_dual::DualNumCopy;
+
+use crate::math::tolerances::FACING;
+
+/// Differences that the functions depend on: the facet before, the facet, the facet after, both primary nodes from `x_1`.
+pub(super) const DIFFERENCES: usize = 5;
+pub(super) const VARIABLES: usize = 2 * DIFFERENCES;
+
+/// Three Gauss points on `[-1, 1]` with weights.
+const GAUSS: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+
+/// Values of the two functions of a pair.
+pub(super) type Values<T> = [T; 2];
+
+/// Weighted gaps and covered lengths of a pair.
+pub(super) struct WeightedGaps<T> {
+    pub(super) gap: Values<T>,
+    pub(super) covered: Values<T>,
+}
+
+pub(super) type Vector<T> = [T; 2];
+
+pub(super) fn cross<T: DualNumCopy>(a: Vector<T>, b: Vector<T>) -> T {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+pub(super) fn unit<T: DualNumCopy>(a: Vector<T>) -> Vector<T> {
+    let inverse = (a[0] * a[0] + a[1] * a[1]).sqrt().recip();
+    [a[0] * inverse, a[1] * inverse]
+}
+
+/// Outward normal at the node between a facet and another one, by their directions; the facet's own without the other, or where they fold
+/// back.
+pub(super) fn normal<T: DualNumCopy<Primitive = f64>>(own: Vector<T>, other: Vector<T>, has_other: bool) -> Vector<T> {
+    let own = unit(own);
+    let mean = if has_other {
+        let other = unit(other);
+        [own[0] + other[0], own[1] + other[1]]
+    } else {
+        own
+    };
+    let folded = mean[0].re().hypot(mean[1].re()) < FACING;
+    let [x, y] = if folded { own } else { unit(mean) };
+    [y, -x]
+}
+
+/// Where the facets of a pair lie opposite each other.
+pub(super) struct Opposite<T> {
+    /// The secondary facet, and the primary nodes from its first one.
+    pub(super) t: Vector<T>,
+    pub(super) y: [Vector<T>; 2],
+    /// Normal at the first secondary node, and its change along the facet.
+    pub(super) normal: Vector<T>,
+    pub(super) turn: Vector<T>,
+    pub(super) length: T,
+    /// Middle and half length of the overlap in the secondary coordinate.
+    pub(super) middle: T,
+    pub(super) half: T,
+}
+
+/// A point of the secondary facet with the one opposite.
+pub(super) struct Point<T> {
+    /// Part of the area.
+    pub(super) measure: T,
+    pub(super) shapes: Values<T>,
+    /// Averaged normal, and the distance of the opposite point along it, over its length.
+    pub(super) normal: Vector<T>,
+    pub(super) alpha: T,
+    /// Coordinate of the opposite point between the primary nodes.
+    pub(super) opposite: T,
+}
+
+impl<T: DualNumCopy<Primitive = f64>> Opposite<T> {
+    /// From the differences of a pair; `None` where facets do not face each other or do not overlap.
+    pub(super) fn new(z: &[T; VARIABLES], has: [bool; 2]) -> Option<Self> {
+        let vector = |k: usize| [z[2 * k], z[2 * k + 1]];
+        let [before, t, after, y_1, y_2] = std::array::from_fn(vector);
+        let (n_1, n_2) = (normal(t, before, has[0]), normal(t, after, has[1]));
+        let turn = [n_2[0] - n_1[0], n_2[1] - n_1[1]];
+        // (y - s t) x (n_1 + s turn) = 0, the root that tends to the linear one as the normals become parallel.
+        let opposite = |y: Vector<T>| {
+            let (a, b, c) = (-cross(t, turn), cross(y, turn) - cross(t, n_1), cross(y, n_1));
+            let discriminant = b * b - (a * c) * 4.0;
+            let admissible = b.re() > 0.0 && discriminant.re() > 0.0;
+            admissible.then(|| -(c * 2.0) / (b + discriminant.sqrt()))
+        };
+        let (s_1, s_2) = (opposite(y_1)?, opposite(y_2)?);
+        if s_1.re() - s_2.re() <= FACING {
+            return None;
+        }
+        let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
+        let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
+        if b.re() <= a.re() {
+            return None;
+        }
+        let length = (t[0] * t[0] + t[1] * t[1]).sqrt();
+        Some(Opposite { t, y: [y_1, y_2], normal: n_1, turn, length, middle: (a + b) * 0.5, half: (b - a) * 0.5 })
+    }
+
+    /// The Gauss points of the overlap.
+    pub(super) fn points(&self) -> impl Iterator<Item = Point<T>> {
+        let [y_1, y_2] = self.y;
+        let along = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
+        GAUSS.into_iter().map(move |(place, weight)| {
+            let s = self.middle + self.half * place;
+            let n = [self.normal[0] + s * self.turn[0], self.normal[1] + s * self.turn[1]];
+            let from = [y_1[0] - s * self.t[0], y_1[1] - s * self.t[1]];
+            let facing = cross(n, along);
+            Point {
+                measure: (self.length * self.half) * weight,
+                shapes: [T::from(1.0) - s, s],
+                normal: n,
+                // y(s) = x(s) + alpha n(s).
+                alpha: cross(from, along) / facing,
+                opposite: -cross(n, from) / facing,
+            }
+        })
+    }
+}
+
+/// The functions of a pair from its differences; `None` where facets do not face each other or do not overlap.
+pub(super) fn weighted_gaps<T: DualNumCopy<Primitive = f64>>(z: &[T; VARIABLES], has: [bool; 2]) -> Option<WeightedGaps<T>> {
+    let zero = T::from(0.0);
+    let mut gaps = WeightedGaps { gap: [zero; 2], covered: [zero; 2] };
+    for Point { measure, shapes, normal: n, alpha, .. } in Opposite::new(z, has)?.points() {
+        let gap = alpha * (n[0] * n[0] + n[1] * n[1]);
+        for (k, shape) in shapes.into_iter().enumerate() {
+            gaps.gap[k] += measure * shape * gap;
+            gaps.covered[k] += measure * shape;
+        }
+    }
+    Some(gaps)
+}

@@ -1,0 +1,227 @@
+//! Shapes of rigid obstacles: distance, normal, curvature and discrete gradient at points in the obstacle's frame.
+
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{AABB, RTree};
+
+use super::chain::Chain;
+use super::rigid::Obstacle;
+use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
+
+/// At how many places on a node's way its distance is looked at, at most.
+const LOOKS: f64 = 64.0;
+
+/// Distance, its gradient with respect to the point, and whether the point has an opposite.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Distance {
+    pub(super) gap: f64,
+    pub(super) normal: [f64; 2],
+    pub(super) covered: bool,
+}
+
+/// A discrete gradient and its derivative with respect to the end point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepGradient {
+    pub(super) bar: [f64; 2],
+    pub(super) tangent: [[f64; 2]; 2],
+}
+
+/// An obstacle made ready for evaluation.
+#[derive(Clone, Debug)]
+pub(super) enum Shape {
+    HalfPlane {
+        point: [f64; 2],
+        normal: [f64; 2],
+    },
+    /// `sign` is +1 outside, -1 inside the circle.
+    Circle {
+        center: [f64; 2],
+        radius: f64,
+        sign: f64,
+    },
+    Polyline {
+        tree: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
+        /// For each facet: itself and its neighbors, and their points after a place for the node.
+        corners: Vec<(Chain, Vec<f64>)>,
+    },
+}
+
+impl Shape {
+    pub(super) fn new(obstacle: &Obstacle) -> Self {
+        match obstacle {
+            Obstacle::HalfPlane { point, normal } => {
+                let length = normal[0].hypot(normal[1]);
+                Shape::HalfPlane { point: *point, normal: normal.map(|n| n / length) }
+            }
+            Obstacle::Disk { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: 1.0 },
+            Obstacle::Ring { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: -1.0 },
+            Obstacle::Polyline { points } => {
+                let count = points.len().saturating_sub(1);
+                let closed = count > 2 && points[0] == points[count];
+                let lines = (0..count).map(|k| GeomWithData::new(Line::new(points[k], points[k + 1]), k));
+                let neighborhood = |k: usize| {
+                    let before = if k > 0 { Some(points[k - 1]) } else { closed.then(|| points[count - 1]) };
+                    let after = if k + 1 < count { Some(points[k + 2]) } else { closed.then(|| points[1]) };
+                    let chain: Vec<[f64; 2]> = before.into_iter().chain([points[k], points[k + 1]]).chain(after).collect();
+                    let facets = (1..chain.len() as u32).map(|i| [i, i + 1]).collect();
+                    (Chain::new(facets), [[0.0; 2]].iter().chain(&chain).flatten().copied().collect())
+                };
+                Shape::Polyline { tree: RTree::bulk_load(lines.collect()), corners: (0..count).map(neighborhood).collect() }
+            }
+        }
+    }
+
+    /// Distance of a point in the obstacle's frame; `None` where the function vanishes identically.
+    pub(super) fn distance(&self, x: [f64; 2]) -> Option<Distance> {
+        match self {
+            Shape::HalfPlane { point, normal } => {
+                let gap = normal[0] * (x[0] - point[0]) + normal[1] * (x[1] - point[1]);
+                Some(Distance { gap, normal: *normal, covered: true })
+            }
+            Shape::Circle { center, radius, sign } => {
+                let r = [x[0] - center[0], x[1] - center[1]];
+                let length = r[0].hypot(r[1]);
+                let normal = if length > 0.0 { r.map(|r| sign * r / length) } else { [0.0; 2] };
+                Some(Distance { gap: sign * (length - radius), normal, covered: true })
+            }
+            Shape::Polyline { tree, corners } => {
+                let (chain, points) = &corners[tree.nearest_neighbor(x)?.data];
+                let mut z = [0.0; 10];
+                z[..points.len()].copy_from_slice(points);
+                z[..2].copy_from_slice(&x);
+                let z = &z[..points.len()];
+                let measure = chain.measure(z, &[true; 3])?;
+                let mut gradient = [0.0; 10];
+                chain.add_gradient(&measure, z, 1.0, &mut gradient[..z.len()]);
+                Some(Distance { gap: measure.gap, normal: [gradient[0], gradient[1]], covered: measure.covered })
+            }
+        }
+    }
+
+    /// The line of the side on which a point is, where it is as near as that to the surface and a convex corner.
+    pub(super) fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<Shape> {
+        let Shape::Polyline { tree, corners } = self else { return None };
+        let nearest = tree.nearest_neighbor(x)?;
+        let Line { from, to } = *nearest.geom();
+        if [from, to].iter().all(|end| (x[0] - end[0]).hypot(x[1] - end[1]) > near) {
+            return None;
+        }
+        let (chain, points) = &corners[nearest.data];
+        let z: Vec<f64> = x.iter().chain(&points[2..]).copied().collect();
+        let measure = chain.measure(&z, &[true; 3])?;
+        if !measure.covered || chain.pocket(measure.facet, &z, 0.0).is_some() {
+            return None;
+        }
+        let [from, to] = chain.facets()[measure.facet as usize].map(|node| [z[2 * node as usize], z[2 * node as usize + 1]]);
+        let (along, length) = ([to[0] - from[0], to[1] - from[1]], (to[0] - from[0]).hypot(to[1] - from[1]));
+        Some(Shape::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
+    }
+
+    /// Center of a circle, the origin for others.
+    pub(super) fn center(&self) -> [f64; 2] {
+        if let Shape::Circle { center, .. } = self { *center } else { [0.0; 2] }
+    }
+
+    /// Second derivative of the distance at a point.
+    pub(super) fn curvature(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
+        match self {
+            Shape::Circle { center, sign, .. } => {
+                let r = [x[0] - center[0], x[1] - center[1]];
+                let length = r[0].hypot(r[1]);
+                if length > 0.0 {
+                    let n = r.map(|r| r / length);
+                    return [[n[1] * n[1], -n[0] * n[1]], [-n[0] * n[1], n[0] * n[0]]].map(|row| row.map(|h| sign * h / length));
+                }
+                [[0.0; 2]; 2]
+            }
+            _ => [[0.0; 2]; 2],
+        }
+    }
+
+    /// By how much the distance changes on the straight way between two points, what is farther away than `near` taken as so far.
+    pub(super) fn swing(&self, x_0: [f64; 2], x_1: [f64; 2], near: f64) -> f64 {
+        let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
+        let length = d[0].hypot(d[1]);
+        // A distance changes by no more than the way.
+        if length <= near * PASSING {
+            return 0.0;
+        }
+        let count = (4.0 * length / near).ceil().min(LOOKS);
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for k in 0..=count as usize {
+            let s = k as f64 / count;
+            let Some(distance) = self.distance([x_0[0] + s * d[0], x_0[1] + s * d[1]]) else { continue };
+            let gap = distance.gap.min(near);
+            range = [range[0].min(gap), range[1].max(gap)];
+        }
+        (range[1] - range[0]).max(0.0)
+    }
+
+    /// Whether the straight way from one point outside to another one leads through to the other side.
+    pub(super) fn is_crossed(&self, x_0: [f64; 2], x_1: [f64; 2]) -> bool {
+        let ends = [x_0, x_1].map(|x| self.distance(x));
+        let [Some(start), Some(end)] = ends else { return false };
+        let is_other_side = start.normal[0] * end.normal[0] + start.normal[1] * end.normal[1] < 0.0;
+        if !is_other_side || start.gap < 0.0 || end.gap < 0.0 {
+            return false;
+        }
+        let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
+        match self {
+            Shape::HalfPlane { .. } => false,
+            Shape::Circle { center, radius, .. } => {
+                // Opposite normals: the nearest point is between the ends.
+                let r = [center[0] - x_0[0], center[1] - x_0[1]];
+                (d[0] * r[1] - d[1] * r[0]).abs() < radius * d[0].hypot(d[1])
+            }
+            Shape::Polyline { tree, .. } => {
+                let area = AABB::from_corners([x_0[0].min(x_1[0]), x_0[1].min(x_1[1])], [x_0[0].max(x_1[0]), x_0[1].max(x_1[1])]);
+                let side = |from: [f64; 2], along: [f64; 2], x: [f64; 2]| along[0] * (x[1] - from[1]) - along[1] * (x[0] - from[0]);
+                tree.locate_in_envelope_intersecting(area).any(|facet| {
+                    let Line { from, to } = *facet.geom();
+                    let along = [to[0] - from[0], to[1] - from[1]];
+                    side(x_0, d, from) * side(x_0, d, to) < 0.0 && side(from, along, x_0) * side(from, along, x_1) < 0.0
+                })
+            }
+        }
+    }
+
+    /// Discrete gradient between two points in the obstacle's frame; increments below `PROJECTED_INCREMENT * size` have no correction.
+    pub(super) fn step_gradient(&self, x_0: [f64; 2], x_1: [f64; 2], size: f64) -> StepGradient {
+        match self {
+            Shape::HalfPlane { normal, .. } => StepGradient { bar: *normal, tangent: [[0.0; 2]; 2] },
+            Shape::Circle { center, sign, .. } => {
+                let (r_0, r_1) = ([x_0[0] - center[0], x_0[1] - center[1]], [x_1[0] - center[0], x_1[1] - center[1]]);
+                let end = r_1[0].hypot(r_1[1]);
+                let lengths = r_0[0].hypot(r_0[1]) + end;
+                if end == 0.0 {
+                    return StepGradient { bar: [0.0; 2], tangent: [[0.0; 2]; 2] };
+                }
+                let bar: [f64; 2] = std::array::from_fn(|i| sign * (r_0[i] + r_1[i]) / lengths);
+                let tangent =
+                    std::array::from_fn(|i| std::array::from_fn(|k| (if i == k { *sign } else { 0.0 } - bar[i] * r_1[k] / end) / lengths));
+                StepGradient { bar, tangent }
+            }
+            Shape::Polyline { .. } => {
+                let at = |x: [f64; 2]| self.distance(x).unwrap_or(Distance { gap: 0.0, normal: [0.0; 2], covered: false });
+                let (start, end) = (at(x_0), at(x_1));
+                let middle = at([0.5 * (x_0[0] + x_1[0]), 0.5 * (x_0[1] + x_1[1])]);
+                let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
+                let square = d[0] * d[0] + d[1] * d[1];
+                let mut gradient = StepGradient { bar: middle.normal, tangent: [[0.0; 2]; 2] };
+                let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
+                // In a small step only a corner has a remainder that is more than round-off.
+                let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
+                if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
+                    let e = remainder / square;
+                    for i in 0..2 {
+                        gradient.bar[i] += e * d[i];
+                        for k in 0..2 {
+                            gradient.tangent[i][k] = d[i] * (end.normal[k] - middle.normal[k] - 2.0 * e * d[k]) / square;
+                        }
+                        gradient.tangent[i][i] += e;
+                    }
+                }
+                gradient
+            }
+        }
+    }
+}
