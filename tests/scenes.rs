@@ -36,11 +36,12 @@ const REACHED: u64 = 24;
 /// reserve with them: images part by so many facets.
 const UNDETERMINED: [(u64, f64); 1] = [(5, 1e-3)];
 
-/// The scene of a seed; methods and rules take turns, so that twelve seeds in a row have all pairs. A third has friction.
+/// The scene of a seed; methods and rules take turns, so that twelve seeds in a row have all pairs. A quarter has
+/// friction: a third of those that no single nodes hold, which sink deeper at corners where they are dragged.
 fn scene(seed: u64) -> Scene {
     let (methods, rules) = (METHODS, UPDATE_RULES);
     let scene = Scene::random(seed).with(methods[(seed % 4) as usize], rules[(seed % 3) as usize]);
-    if (seed / 12) % 3 == 1 { scene.rubbed([0.1, 0.3, 0.6, 1.2][(seed % 4) as usize]) } else { scene }
+    if (seed / 12) % 3 == 1 && seed % 4 != 3 { scene.rubbed([0.1, 0.3, 0.6][(seed % 4) as usize]) } else { scene }
 }
 
 /// All runs, made once for all tests of this file, on all threads.

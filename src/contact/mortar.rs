@@ -9,14 +9,14 @@
 
 use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
-use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, tangent_into};
+use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
 use super::patches::Evaluation;
 use super::search::PairSearch;
 use super::slip::{self, Number, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};
 use crate::math::norms::largest_size;
-use crate::math::tolerances::{FACING, INVARIANT_INCREMENT, POSITION, REMAINDER, WHOLE};
+use crate::math::tolerances::{INVARIANT_INCREMENT, POSITION, REMAINDER, WHOLE};
 
 /// Mortar method with standard Lagrange multipliers on the secondary nodes.
 pub static MORTAR: ContactMethod = ContactMethod {
@@ -471,28 +471,8 @@ impl SlipRows for Mortar {
     }
 
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
-        let from = |k: usize| [z[2 * k] - z[0], z[2 * k + 1] - z[1]];
-        let [t, d_1, d_2] = [1, 2, 3].map(from);
-        let square = t[0] * t[0] + t[1] * t[1];
-        let [s_1, s_2] = [d_1, d_2].map(|d| (t[0] * d[0] + t[1] * d[1]) / square);
-        let extent = s_1 - s_2;
-        if extent.re() <= FACING || s_1.re() <= 0.0 || s_2.re() >= 1.0 {
-            return false;
-        }
-        let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
-        let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
-        let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
-        // Two Gauss points are exact.
-        let mut standard = [[T::from(0.0); 4]; 2];
-        for place in [-1.0, 1.0].map(|sign: f64| sign / 3f64.sqrt()) {
-            let s = middle + half * place;
-            let opposite = (s_1 - s) / extent;
-            let shares = [-s + 1.0, s, opposite - 1.0, -opposite];
-            for (weights, shape) in standard.iter_mut().zip([-s + 1.0, s]) {
-                weights.iter_mut().zip(shares).for_each(|(weight, share)| *weight += half * shape * share);
-            }
-        }
-        let length = square.re().sqrt();
+        let Some((standard, t)) = slip_weights(z) else { return false };
+        let length = (t[0] * t[0] + t[1] * t[1]).re().sqrt();
         for (k, shape) in self.shape(p).iter().enumerate() {
             for node in 0..4 {
                 let weight = standard[0][node] * shape[0] + standard[1][node] * shape[1];

@@ -21,6 +21,7 @@
 
 #![allow(clippy::needless_range_loop)] // indices are those of the formulas
 
+use super::slip::Number;
 use crate::math::tolerances::{ALIGNED, FACING};
 
 /// The five invariants, or a gradient with respect to them.
@@ -286,6 +287,33 @@ pub fn tangent_into(test: &Offsets, trial: &Offsets, share: f64, g: &Invariants,
         out[column] = -(out[16 + column] + out[32 + column] + out[48 + column]);
         out[8 + column] = -(out[24 + column] + out[40 + column] + out[56 + column]);
     }
+}
+
+/// Weights of the four nodes in the slips of a pair, `int N_A N_B ds` over the length of the facet and with the opposite sign those of the
+/// primary nodes, in the order `(x_1, x_2, y_1, y_2)`; and the secondary facet. `None` without overlap.
+pub fn slip_weights<T: Number>(z: &[T]) -> Option<(PerNode<[T; 4]>, [T; 2])> {
+    let from = |k: usize| [z[2 * k] - z[0], z[2 * k + 1] - z[1]];
+    let [t, d_1, d_2] = [1, 2, 3].map(from);
+    let square = t[0] * t[0] + t[1] * t[1];
+    let [s_1, s_2] = [d_1, d_2].map(|d| (t[0] * d[0] + t[1] * d[1]) / square);
+    let extent = s_1 - s_2;
+    if extent.re() <= FACING || s_1.re() <= 0.0 || s_2.re() >= 1.0 {
+        return None;
+    }
+    let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
+    let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
+    let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
+    // Two Gauss points are exact.
+    let mut standard = [[T::from(0.0); 4]; 2];
+    for place in [-1.0, 1.0].map(|sign: f64| sign / 3f64.sqrt()) {
+        let s = middle + half * place;
+        let opposite = (s_1 - s) / extent;
+        let shares = [-s + 1.0, s, opposite - 1.0, -opposite];
+        for (weights, shape) in standard.iter_mut().zip([-s + 1.0, s]) {
+            weights.iter_mut().zip(shares).for_each(|(weight, share)| *weight += half * shape * share);
+        }
+    }
+    Some((standard, t))
 }
 
 #[cfg(test)]

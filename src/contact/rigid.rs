@@ -14,7 +14,7 @@
 
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
-use super::rigid_shape::{Distance, Shape, StepGradient};
+use super::rigid_shape::{Distance, Obstacle, Shape, StepGradient};
 use super::slip::{self, Carrier, Number, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
@@ -22,37 +22,6 @@ use crate::math::tolerances::CROSSING;
 
 /// How near a node must be to a corner of a polyline, in shortest facets, to keep to one side of it in a step.
 const AT_CORNER: f64 = 0.02;
-
-/// Shape of a rigid obstacle at its undisplaced place.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Obstacle {
-    /// All points `x` with `normal.(x - point) <= 0`.
-    HalfPlane {
-        /// A point of the border `[length]`.
-        point: [f64; 2],
-        /// Outward normal, of any length but zero.
-        normal: [f64; 2],
-    },
-    /// A disk; bodies are outside.
-    Disk {
-        /// Center `[length]`.
-        center: [f64; 2],
-        /// Radius `[length]`.
-        radius: f64,
-    },
-    /// Everything outside of a circle; bodies are inside.
-    Ring {
-        /// Center `[length]`.
-        center: [f64; 2],
-        /// Inner radius `[length]`.
-        radius: f64,
-    },
-    /// Straight facets through the points, with the obstacle on the left; closed when the last point is the first.
-    Polyline {
-        /// Points in the order of traversal `[length]`, two at least.
-        points: Vec<[f64; 2]>,
-    },
-}
 
 /// Contact of a surface with a rigid obstacle.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@
 
 use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};
-use super::rigid::Obstacle;
+use super::rigid_shape::Obstacle;
 use super::round::RoundContact;
 use super::slip::SlipStep;
 use super::surface::Sides;

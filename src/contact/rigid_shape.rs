@@ -4,11 +4,41 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::chain::Chain;
-use super::rigid::Obstacle;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
 /// At how many places on a node's way its distance is looked at, at most.
 const LOOKS: f64 = 64.0;
+
+/// Shape of a rigid obstacle at its undisplaced place.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Obstacle {
+    /// All points `x` with `normal.(x - point) <= 0`.
+    HalfPlane {
+        /// A point of the border `[length]`.
+        point: [f64; 2],
+        /// Outward normal, of any length but zero.
+        normal: [f64; 2],
+    },
+    /// A disk; bodies are outside.
+    Disk {
+        /// Center `[length]`.
+        center: [f64; 2],
+        /// Radius `[length]`.
+        radius: f64,
+    },
+    /// Everything outside of a circle; bodies are inside.
+    Ring {
+        /// Center `[length]`.
+        center: [f64; 2],
+        /// Inner radius `[length]`.
+        radius: f64,
+    },
+    /// Straight facets through the points, with the obstacle on the left; closed when the last point is the first.
+    Polyline {
+        /// Points in the order of traversal `[length]`, two at least.
+        points: Vec<[f64; 2]>,
+    },
+}
 
 /// Distance, its gradient with respect to the point, and whether the point has an opposite.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::friction_rows::FrictionRows;
-use super::laws::{Bilateral, Penalty, RowLaw, Unilateral};
+use super::laws::{Bilateral, Equation, Penalty, RowLaw, Unilateral};
 use crate::contact::{ContactKernel, Evaluation};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::StepError;
@@ -316,14 +316,6 @@ impl ContactPair {
     }
 }
 
-/// Which rows are written into the matrix: those whose multiplier acts, with the factor of the increment in their equation.
-pub struct Written<'a> {
-    /// Whether the multiplier acts.
-    pub acts: &'a [bool],
-    /// Factor of the increment.
-    pub gradient: &'a [f64],
-}
-
 impl<'a> RowBlock<'a> {
     /// Whether its rows are tangential.
     pub fn is_slip(&self) -> bool {
@@ -375,7 +367,7 @@ impl<'a> RowBlock<'a> {
     }
 
     /// Adds rows `factor G_1` and columns `-weight columns^T` of those that press or slide.
-    pub fn constraints_into<const D: usize>(&self, written: &Written, columns: &[f64], weight: f64, values: &mut [f64]) {
+    pub fn constraints_into<const D: usize>(&self, equations: &[Equation], columns: &[f64], weight: f64, values: &mut [f64]) {
         let (patches, evaluation) = (self.pair.kernel.patches(), self.evaluation);
         let [row_places, column_places] = self.places;
         let mut place = 0;
@@ -383,9 +375,8 @@ impl<'a> RowBlock<'a> {
             let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
             let first = patches.gradient_range(p).start;
             for (m, &row) in patches.rows(p).iter().enumerate() {
-                let row = self.rows.start + row as usize;
-                if written.acts[row] && evaluation.live[p] {
-                    let factor = written.gradient[row];
+                let Equation { acts, gradient: factor, .. } = equations[self.rows.start + row as usize];
+                if acts && evaluation.live[p] {
                     for u in 0..nodes {
                         let (row_place, column_place) = (row_places[place + u], column_places[place + u]);
                         for i in 0..D {

@@ -46,9 +46,9 @@ impl FrictionRows {
 
 impl FrictionRows {
     /// Writes the factors of the multipliers that press into values of the matrix.
-    pub fn couple(&self, normal: &[f64], values: &mut [f64]) {
-        for (place, factor) in self.couplings.iter().zip(&normal[self.rows.clone()]) {
-            values[place.at(0, 0)] = *factor;
+    pub fn couple(&self, equations: &[Equation], values: &mut [f64]) {
+        for (place, equation) in self.couplings.iter().zip(&equations[self.rows.clone()]) {
+            values[place.at(0, 0)] = equation.normal;
         }
     }
 

@@ -82,8 +82,10 @@ pub enum FailureCause {
 pub enum Missing {
     /// It touches nothing.
     Support,
-    /// It touches something that does not hold it: surfaces slide without friction, or with too little.
+    /// It touches something that does not hold it: contact has no friction.
     Guidance,
+    /// The same although contacts have friction.
+    Friction,
 }
 
 /// A node whose contact state kept changing.
@@ -193,7 +195,8 @@ impl FailureReport {
             FailureCause::NoEquilibrium { steps, unbalanced, body, how, missing } => {
                 let why = match missing {
                     Some(Missing::Support) => ": it touches nothing, and no support holds it there",
-                    Some(Missing::Guidance) => ": what it touches does not hold it there, for it slides there",
+                    Some(Missing::Guidance) => ": what it touches does not hold it there, for contact has no friction",
+                    Some(Missing::Friction) => ": what it touches does not hold it there, and friction is too small for it",
                     None => "",
                 };
                 let part = if *unbalanced < 0.01 { format!("{unbalanced:.0e}") } else { format!("{unbalanced:.2}") };
@@ -217,7 +220,7 @@ impl FailureReport {
     /// How to mend it; `ease` says how less is asked for at a time.
     pub(super) fn remedy(&self, ease: Ease) -> Remedy {
         match &self.cause {
-            FailureCause::NoEquilibrium { missing: Some(Missing::Guidance), .. } => Remedy::Guide,
+            FailureCause::NoEquilibrium { missing: Some(Missing::Guidance | Missing::Friction), .. } => Remedy::Guide,
             _ if self.unheld.is_some() => Remedy::HoldBeforeRest,
             FailureCause::CyclingContact { .. } => Remedy::Ease(ease, "; surfaces should slide by less than a facet per step"),
             FailureCause::InvertedCell { .. } => Remedy::Ease(ease, ", a finer mesh there, or a smaller load"),

@@ -432,7 +432,11 @@ where
             (is_side(pair.kernel.secondary()) || is_side(pair.kernel.primary()))
                 && self.state.active[pair.rows.clone()].contains(&RowState::Closed)
         });
-        let missing = is_loose.then_some(if touches { Missing::Guidance } else { Missing::Support });
+        let missing = is_loose.then_some(match touches {
+            true if self.system.multipliers > self.system.pressing => Missing::Friction,
+            true => Missing::Guidance,
+            false => Missing::Support,
+        });
         let cause = FailureCause::NoEquilibrium { steps: course.steps, unbalanced, body, how, missing };
         let report = self.evidence(0.0, 0).report_of(cause);
         self.given_up(report)

@@ -46,9 +46,9 @@ where
         let mut needed = vec![0.0; self.multipliers];
         self.for_each_end_gradient(&at.pairs, |_, row, k, gradient| needed[row] -= gradient * given[k]);
         right.extend(hold.iter().zip(needed).map(|(hold, needed)| if *hold { needed } else { 0.0 }));
-        let diagonal: Vec<f64> = hold.iter().map(|hold| if *hold { 0.0 } else { 1.0 }).collect();
-        self.write_constraints([&at.pairs, &at.slips], &ConstraintRows::held(&hold), 1.0, |pair| &pair.gradient_end, &mut values);
-        self.matrix.finish(&diagonal, scale * self.nodes.largest_nodal_mass, &mut values);
+        let rows = ConstraintRows::held(&hold);
+        self.write_constraints([&at.pairs, &at.slips], &rows, 1.0, |pair| &pair.gradient_end, &mut values);
+        self.matrix.finish(&rows, scale * self.nodes.largest_nodal_mass, &mut values);
         self.counters.times.assembly += clock.elapsed();
         self.solve_with(&values, &mut right, Instant::now())?;
         let lambda = right.split_off(unknowns);

@@ -8,61 +8,31 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock, Written};
+use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::dynamics::parts::laws::Equation;
 
-/// The constraint rows of Newton's system: `gradient_A G_1A dq + diagonal_A lambda_A + normal_A lambda_n = right_A`.
+/// The equations of all constraint rows in Newton's system.
 #[derive(Clone)]
-pub struct ConstraintRows {
-    /// Whether the multiplier acts.
-    pub acts: Vec<bool>,
-    /// Factors of the increment.
-    pub gradient: Vec<f64>,
-    /// Diagonals.
-    pub diagonal: Vec<f64>,
-    /// Of tangential rows, factors of the multipliers that press.
-    pub normal: Vec<f64>,
-    /// Right-hand sides.
-    pub right: Vec<f64>,
-}
+pub struct ConstraintRows(pub Vec<Equation>);
 
 impl ConstraintRows {
     /// All of `count` open: `lambda = 0`.
     pub fn open(count: usize) -> Self {
-        let zeros = vec![0.0; count];
-        ConstraintRows {
-            acts: vec![false; count],
-            gradient: zeros.clone(),
-            diagonal: vec![1.0; count],
-            normal: zeros.clone(),
-            right: zeros,
-        }
+        ConstraintRows(vec![Equation::OPEN; count])
     }
 
-    /// Rows that `hold`: `G_1 dq = right`.
+    /// Rows that `hold`: `G_1 dq = 0`.
     pub fn held(hold: &[bool]) -> Self {
-        let mut rows = ConstraintRows::open(hold.len());
-        (0..hold.len()).filter(|&row| hold[row]).for_each(|row| rows.set(row, Equation::held(0.0, 0.0)));
-        rows
-    }
-
-    /// The equation of a row.
-    pub fn set(&mut self, row: usize, Equation { acts, gradient, diagonal, normal, right }: Equation) {
-        (self.acts[row], self.gradient[row], self.diagonal[row], self.normal[row], self.right[row]) =
-            (acts, gradient, diagonal, normal, right);
-    }
-
-    /// The equation of a row.
-    pub fn equation(&self, row: usize) -> Equation {
-        let (acts, gradient, diagonal) = (self.acts[row], self.gradient[row], self.diagonal[row]);
-        Equation { acts, gradient, diagonal, normal: self.normal[row], right: self.right[row] }
+        ConstraintRows(hold.iter().map(|hold| if *hold { Equation::held(0.0, 0.0) } else { Equation::OPEN }).collect())
     }
 
     /// Adds a proximal term to the rows that hold: their weighted gaps give way by so much per change of their multipliers from `lambda`.
     pub fn add_proximal(&mut self, terms: &[f64], lambda: &[f64]) {
-        for row in (0..terms.len()).filter(|&row| self.acts[row] && self.gradient[row] == 1.0 && self.normal[row] == 0.0) {
-            self.diagonal[row] += terms[row];
-            self.right[row] += terms[row] * lambda[row];
+        for (row, (term, lambda)) in self.0.iter_mut().zip(terms.iter().zip(lambda)) {
+            if row.acts && row.gradient == 1.0 && row.normal == 0.0 {
+                row.diagonal += term;
+                row.right += term * lambda;
+            }
         }
     }
 }
@@ -92,7 +62,7 @@ where
         let Linearization { forces, pairs, slips, tangent, .. } = at;
         self.write_constraints([pairs, slips], rows, start.weight(), |pair| &pair.gradient_bar, tangent);
         let mut right: Vec<f64> = forces.without_contact.iter().map(|r| -r).collect();
-        right.extend_from_slice(&rows.right);
+        right.extend(rows.0.iter().map(|row| row.right));
         if !self.given.is_empty() {
             let mut image = vec![0.0; right.len()];
             self.matrix.pattern.multiply_into(tangent, &self.given, &mut image);
@@ -101,7 +71,7 @@ where
         for (unknown, _) in self.supports.fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
             right[unknown] = self.nodes.modulus * self.given.get(unknown).unwrap_or(&0.0);
         }
-        self.matrix.finish(&rows.diagonal, self.nodes.modulus, tangent);
+        self.matrix.finish(rows, self.nodes.modulus, tangent);
         self.counters.times.factorization += clock.elapsed();
         Ok(right)
     }
@@ -131,10 +101,10 @@ impl<const D: usize> System<D> {
     ) {
         for block in self.blocks(pairs, slips) {
             block.clear_constraints::<D>(values);
-            block.constraints_into::<D>(&Written { acts: &rows.acts, gradient: &rows.gradient }, columns(block.evaluation), weight, values);
+            block.constraints_into::<D>(&rows.0, columns(block.evaluation), weight, values);
         }
         for friction in self.pairs.iter().filter_map(|pair| pair.friction.as_ref()) {
-            friction.couple(&rows.normal, values);
+            friction.couple(&rows.0, values);
         }
     }
 

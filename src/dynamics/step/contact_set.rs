@@ -153,7 +153,7 @@ pub fn constraint_rows<const D: usize>(
     for (pair, evaluation) in pairs_at(system, at) {
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
             let at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
-            rows.set(row, pair.law.equation(&at_iterate));
+            rows.0[row] = pair.law.equation(&at_iterate);
         }
     }
     let held = rows_of_nodes(system, set);
@@ -163,7 +163,7 @@ pub fn constraint_rows<const D: usize>(
         if place.pair.node_of(place.row).is_some_and(|node| held[&node] > D) {
             row.compliance = row.compliance.max(conditions.yielding[place.row]);
         }
-        rows.set(place.row, row.equation(set[place.row]));
+        rows.0[place.row] = row.equation(set[place.row]);
     }
     rows
 }

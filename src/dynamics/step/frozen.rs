@@ -23,6 +23,7 @@ use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::RowBlock;
+use crate::dynamics::parts::laws::Equation;
 
 /// Rows that may change before the matrix is factorised with another set: each costs a substitution.
 const MOST_CHANGES: usize = 64;
@@ -31,7 +32,7 @@ const MOST_CHANGES: usize = 64;
 pub struct Frozen {
     /// The rows in the factors, and those of the present set.
     rows: ConstraintRows,
-    acts: Vec<bool>,
+    present: ConstraintRows,
     /// Right-hand side and solution with that set.
     right: Vec<f64>,
     solution: Vec<f64>,
@@ -72,8 +73,7 @@ where
         let mut solution = right.clone();
         self.solve_with(&at.tangent, &mut solution, Instant::now())?;
         let base = self.row_values([&at.pairs, &at.slips], &solution);
-        let (acts, rows) = (rows.acts.clone(), rows.clone());
-        Ok(Frozen { rows, acts, right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
+        Ok(Frozen { rows: rows.clone(), present: rows.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
     }
 
     fn row_values(&self, [pairs, slips]: [&[Evaluation]; 2], solution: &[f64]) -> RowValues {
@@ -99,7 +99,7 @@ where
         let changed = |block: &RowBlock| amounts.range(block.rows.clone()).next().is_some();
         for block in self.blocks(&at.pairs, &at.slips).filter(changed) {
             for row in block.live_rows() {
-                let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.rows.acts[row.row]) else { continue };
+                let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.rows.0[row.row].acts) else { continue };
                 let gradient = &block.evaluation.gradient_bar[row.gradient];
                 for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
                     for i in 0..D {
@@ -122,7 +122,7 @@ where
 
     /// The rows with another set, whose equations are `rows`; nothing where the system should be factorised with that set instead.
     pub fn rows_with(&mut self, frozen: &mut Frozen, start: &StepStart, at: &Linearization, rows: &ConstraintRows) -> Option<RowValues> {
-        let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.equation(row) != frozen.rows.equation(row)).collect();
+        let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.0[row] != frozen.rows.0[row]).collect();
         let fresh: Vec<usize> = changed.iter().copied().filter(|row| !frozen.answers.contains_key(row)).collect();
         if frozen.answers.len() + fresh.len() > MOST_CHANGES {
             return None;
@@ -135,19 +135,20 @@ where
         }
         if changed.is_empty() {
             frozen.amounts.clear();
-            frozen.acts.clone_from(&rows.acts);
+            frozen.present.0.clone_from(&rows.0);
             return Some(frozen.base.clone());
         }
         // What a changed row must have: its equation, or no multiplier where it opens.
         let of = |row: usize, values: &RowValues| {
-            if !rows.acts[row] {
+            let Equation { acts, gradient, diagonal, normal, .. } = rows.0[row];
+            if !acts {
                 return values.lambda[row];
             }
-            let own = rows.gradient[row] * values.gaps[row] + rows.diagonal[row] * values.lambda[row];
-            if rows.normal[row] == 0.0 { own } else { own + rows.normal[row] * values.lambda[self.pressing_row(row)] }
+            let own = gradient * values.gaps[row] + diagonal * values.lambda[row];
+            if normal == 0.0 { own } else { own + normal * values.lambda[self.pressing_row(row)] }
         };
         let matrix = DMatrix::from_fn(changed.len(), changed.len(), |i, j| of(changed[i], &frozen.answers[&changed[j]]));
-        let wanted = |row: usize| if rows.acts[row] { rows.right[row] } else { 0.0 };
+        let wanted = |row: usize| if rows.0[row].acts { rows.0[row].right } else { 0.0 };
         let right = DVector::from_iterator(changed.len(), changed.iter().map(|&row| wanted(row) - of(row, &frozen.base)));
         let amounts = matrix.lu().solve(&right).filter(|amounts| amounts.iter().all(|amount| amount.is_finite()))?;
         frozen.amounts = changed.iter().copied().zip(amounts.iter().copied()).collect();
@@ -158,8 +159,8 @@ where
             values.lambda.iter_mut().zip(&answer.lambda).for_each(|(value, answer)| *value += amount * answer);
         }
         // Open rows have no multiplier, not one of round-off.
-        values.lambda.iter_mut().zip(&rows.acts).filter(|(_, acts)| !**acts).for_each(|(lambda, _)| *lambda = 0.0);
-        frozen.acts.clone_from(&rows.acts);
+        values.lambda.iter_mut().zip(&rows.0).filter(|(_, row)| !row.acts).for_each(|(lambda, _)| *lambda = 0.0);
+        frozen.present.0.clone_from(&rows.0);
         Some(values)
     }
 
@@ -177,7 +178,7 @@ where
             self.add_brought(&frozen, start.weight(), at, &amounts, &mut solution);
             self.substitute(&at.tangent, &mut solution)?;
             let unknowns = solution.len() - self.multipliers;
-            amounts.keys().filter(|&&row| !frozen.acts[row]).for_each(|row| solution[unknowns + row] = 0.0);
+            amounts.keys().filter(|&&row| !frozen.present.0[row].acts).for_each(|row| solution[unknowns + row] = 0.0);
         }
         let lambda = solution.split_off(solution.len() - self.multipliers);
         Ok((solution, lambda))

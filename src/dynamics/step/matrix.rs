@@ -3,6 +3,7 @@
 //! Vertices are the nodes with `D` components each, then the multipliers with one. Every constraint row is always in the pattern; that of a
 //! node that is not active reads `lambda = right`, so that the active set never changes the pattern.
 
+use super::constraints::ConstraintRows;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::linear::{Factorization, LinearError, LinearSolver, Pattern, Vertex};
@@ -65,9 +66,9 @@ impl Matrix {
     }
 
     /// Writes the diagonals of the multipliers, and `identity` in place of what supports hold.
-    pub fn finish(&self, diagonal: &[f64], identity: f64, values: &mut [f64]) {
-        for (place, &diagonal) in self.diagonals.iter().zip(diagonal) {
-            values[*place as usize] = diagonal;
+    pub fn finish(&self, rows: &ConstraintRows, identity: f64, values: &mut [f64]) {
+        for (place, row) in self.diagonals.iter().zip(&rows.0) {
+            values[*place as usize] = row.diagonal;
         }
         for &place in &self.zeros {
             values[place as usize] = 0.0;

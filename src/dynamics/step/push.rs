@@ -43,9 +43,9 @@ where
         let gradient = pairs.iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
         let scale = gradient / self.nodes.largest_nodal_mass;
         values.iter_mut().for_each(|value| *value *= scale);
-        let diagonal: Vec<f64> = hold.iter().map(|hold| if *hold { 0.0 } else { 1.0 }).collect();
-        self.write_constraints([pairs, &at.slips], &ConstraintRows::held(hold), 1.0, |pair| &pair.gradient_end, &mut values);
-        self.matrix.finish(&diagonal, self.nodes.modulus, &mut values);
+        let rows = ConstraintRows::held(hold);
+        self.write_constraints([pairs, &at.slips], &rows, 1.0, |pair| &pair.gradient_end, &mut values);
+        self.matrix.finish(&rows, self.nodes.modulus, &mut values);
         let mut right = vec![0.0; q_1.len()];
         self.for_each_end_gradient(pairs, |_, row, k, gradient| right[k] += scale * lambda[row] * gradient);
         right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(f, _)| *f = 0.0);

@@ -21,19 +21,18 @@ impl Scene {
         }
         line(format!("m.gravity({:?});", self.gravity));
         let method = format!("{}()", self.method.name);
-        let update = self.rule.name;
-        let friction = self.friction;
+        let rules = format!("update: \"{}\", friction: {:?}", self.rule.name, self.friction);
         for k in 0..self.bodies.len() {
             if k > 0 {
                 let primary: Vec<String> = (0..k).map(|other| format!("h{other}")).collect();
                 line(format!(
-                    "m.add_contact(\"contact {k}\", #{{ secondary: h{k}, primary: [{}], method: {method}, update: \"{update}\", friction: {friction:?} }});",
+                    "m.add_contact(\"contact {k}\", #{{ secondary: h{k}, primary: [{}], method: {method}, {rules} }});",
                     primary.join(", ")
                 ));
             }
             for (number, wall) in self.walls.iter().enumerate() {
                 line(format!(
-                    "m.add_contact(\"wall {number} and body {k}\", #{{ secondary: h{k}, primary: {}, update: \"{update}\", friction: {friction:?} }});",
+                    "m.add_contact(\"wall {number} and body {k}\", #{{ secondary: h{k}, primary: {}, {rules} }});",
                     obstacle(wall)
                 ));
             }

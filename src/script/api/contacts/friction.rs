@@ -63,7 +63,7 @@ fn coulomb() -> Function {
                 Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress that what rests bears without pressure")
                     .or(Absent::Number(0.0)),
                 number("most", "stress", Interval::Positive, "the shear stress that is never exceeded", "no bound"),
-                Parameter::number("viscosity", "stress time/length", Interval::NonNegative, "the shear stress per speed of a film")
+                Parameter::number("viscosity", "stress*time/length", Interval::NonNegative, "the shear stress per speed of a film")
                     .or(Absent::Number(0.0)),
             ]),
             "coefficient, and what else the shear stress depends on",

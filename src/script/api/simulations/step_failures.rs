@@ -76,7 +76,10 @@ impl SimulationHandle {
         let simulation = self.0.simulation.try_borrow();
         simulation.is_ok_and(|simulation| {
             let cause = simulation.failure().map(|report| &report.cause);
-            let cycles = matches!(cause, Some(CyclingContact { .. } | NoEquilibrium { missing: None | Some(Missing::Guidance), .. }));
+            let cycles = matches!(
+                cause,
+                Some(CyclingContact { .. } | NoEquilibrium { missing: None | Some(Missing::Guidance | Missing::Friction), .. })
+            );
             cycles || matches!(cause, Some(Divergence | InvertedCell { .. } | SlowConvergence))
         })
     }
