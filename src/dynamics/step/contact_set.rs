@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::conditions::{Conditions, SlipAt};
-use super::constraints::ConstraintRows;
+use super::constraint_rows::ConstraintRows;
 use super::iterate::Linearization;
 use super::system::System;
 use crate::contact::Evaluation;

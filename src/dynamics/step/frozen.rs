@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::constraints::ConstraintRows;
+use super::constraint_rows::ConstraintRows;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::StepStart;

@@ -3,7 +3,7 @@
 //! Vertices are the nodes with `D` components each, then the multipliers with one. Every constraint row is always in the pattern; that of a
 //! node that is not active reads `lambda = right`, so that the active set never changes the pattern.
 
-use super::constraints::ConstraintRows;
+use super::constraint_rows::ConstraintRows;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::linear::{Factorization, LinearError, LinearSolver, Pattern, Vertex};

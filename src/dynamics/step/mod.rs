@@ -5,6 +5,7 @@ pub mod active_set;
 pub mod assembly;
 pub mod attempts;
 pub mod conditions;
+pub mod constraint_rows;
 pub mod constraints;
 pub mod contact_set;
 pub mod convergence;

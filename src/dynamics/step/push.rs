@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::constraints::ConstraintRows;
+use super::constraint_rows::ConstraintRows;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::system::System;
