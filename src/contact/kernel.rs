@@ -191,8 +191,9 @@ pub trait RigidObstacle {
     /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}
 
-    /// By which angle a round obstacle turns about its center in this step `[rad]`: what slides on it feels that.
-    fn turn_obstacle(&mut self, _angle: f64) {}
+    /// How a rigid obstacle carries along what sticks to it in this step: by a displacement, and, if it is round, by an angle about its
+    /// center `[length]`, `[rad]`. At rest that is its motion since the equilibrium before, although it stands where it is.
+    fn carry(&mut self, _shift: [f64; 2], _angle: f64) {}
 
     /// Where a rigid obstacle is at the end of this step, as its translation `[length]`.
     fn obstacle_translation(&self) -> [f64; 2] {

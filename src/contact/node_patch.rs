@@ -216,9 +216,9 @@ impl SlipRows for Slips<'_> {
         self.starts[p].round.map_or(0.0, |round| weight * round.radius * self.turned)
     }
 
-    fn are_relative(&self) -> bool {
+    fn is_relative(&self, p: usize) -> bool {
         // A disk does not turn with the facets on it.
-        self.starts.iter().all(|start| start.round.is_none())
+        self.starts[p].round.is_none()
     }
 }
 

@@ -343,8 +343,8 @@ impl RigidObstacle for OnCurves {
         self.inner.move_obstacle(translations);
     }
 
-    fn turn_obstacle(&mut self, angle: f64) {
-        self.inner.turn_obstacle(angle);
+    fn carry(&mut self, shift: [f64; 2], angle: f64) {
+        self.inner.carry(shift, angle);
     }
 
     fn obstacle_translation(&self) -> [f64; 2] {

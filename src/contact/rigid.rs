@@ -29,8 +29,8 @@ pub struct RigidContact {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 2]; 3],
-    /// Twice the tangent of half the angle by which it turns in the step.
-    turn: f64,
+    /// How far, and by which angle, it carries along what sticks to it.
+    carried: ([f64; 2], f64),
     start: Vec<[f64; 2]>,
     /// For nodes that start at a convex corner of a polyline: the line of the side that they are on, which is theirs for the step. A node
     /// that a side pushes past the corner, and that comes back without the push, would find no solution.
@@ -48,7 +48,7 @@ impl RigidContact {
         let nodes = sides.secondary.nodes().iter();
         let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
         let lines = vec![None; sides.weights.len()];
-        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], turn: 0.0, start, lines }
+        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], carried: Default::default(), start, lines }
     }
 
     /// The obstacle as the node of that row feels it in this step.
@@ -184,14 +184,13 @@ impl SlipRows for RigidContact {
         true
     }
 
-    fn are_relative(&self) -> bool {
+    fn is_relative(&self, _p: usize) -> bool {
         false
     }
 
     fn other_side(&self) -> Carrier {
-        let ([start, middle, end], center) = (self.translations, self.shape.center());
-        let shift = std::array::from_fn(|i| end[i] - start[i]);
-        Carrier { shift, turn: self.turn, center: std::array::from_fn(|i| center[i] + middle[i]) }
+        let ((shift, angle), center, middle) = (self.carried, self.shape.center(), self.translations[1]);
+        Carrier { shift, turn: 2.0 * (0.5 * angle).tan(), center: std::array::from_fn(|i| center[i] + middle[i]) }
     }
 }
 
@@ -210,8 +209,8 @@ impl RigidObstacle for RigidContact {
         self.translations = *translations;
     }
 
-    fn turn_obstacle(&mut self, angle: f64) {
-        self.turn = if matches!(self.shape, Shape::Circle { .. }) { 2.0 * (0.5 * angle).tan() } else { 0.0 };
+    fn carry(&mut self, shift: [f64; 2], angle: f64) {
+        self.carried = (shift, if matches!(self.shape, Shape::Circle { .. }) { angle } else { 0.0 });
     }
 
     fn obstacle_translation(&self) -> [f64; 2] {

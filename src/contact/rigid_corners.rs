@@ -33,6 +33,8 @@ pub struct RigidCorners {
     /// Components of the model's positions.
     components: usize,
     translations: [[f64; 2]; 3],
+    /// How far it carries along what sticks to it.
+    shift: [f64; 2],
     /// All positions at the start of the step.
     start: Vec<f64>,
 }
@@ -65,7 +67,7 @@ impl RigidCorners {
         };
         let (weights, start) = (inner.weights().to_vec(), with(&points));
         let sides = Sides { weights, facet_size, ..sides };
-        Some(RigidCorners { inner, sides, points, components: reference.len(), translations: [[0.0; 2]; 3], start })
+        Some(RigidCorners { inner, sides, points, components: reference.len(), translations: [[0.0; 2]; 3], shift: [0.0; 2], start })
     }
 
     /// Share of the overlap that constraints of corners leave alone which those of an obstacle's points do: where a disk is small, its
@@ -151,9 +153,9 @@ impl PatchFunctions for RigidCorners {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        let ([from, _, to], mut all) = (self.translations, Evaluation::default());
+        let mut all = Evaluation::default();
         let (q_0, q_1) = (self.positions(step.q_0, 0), self.positions(step.q_1, 2));
-        let moved = self.extended(step.moved, |_| [to[0] - from[0], to[1] - from[1]]);
+        let moved = self.extended(step.moved, |_| self.shift);
         self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, ..step }, lambda, &mut all);
         self.without_points(&all, out);
     }
@@ -209,8 +211,9 @@ impl RigidObstacle for RigidCorners {
         self.translations = *translations;
     }
 
-    fn turn_obstacle(&mut self, angle: f64) {
-        self.inner.turn_obstacle(angle);
+    fn carry(&mut self, shift: [f64; 2], angle: f64) {
+        self.shift = shift;
+        self.inner.carry(shift, angle);
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {

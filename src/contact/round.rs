@@ -140,7 +140,7 @@ impl CandidateSearch for RoundContact {
 }
 
 impl RigidObstacle for RoundContact {
-    fn turn_obstacle(&mut self, angle: f64) {
+    fn carry(&mut self, _shift: [f64; 2], angle: f64) {
         self.turn = angle;
     }
 }

@@ -54,7 +54,7 @@ pub trait SlipRows {
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool;
 
     /// Whether rigid motions of the patch have no slip: not where the other side is no node.
-    fn are_relative(&self) -> bool {
+    fn is_relative(&self, _p: usize) -> bool {
         true
     }
 
@@ -215,7 +215,7 @@ fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T
     if !kernel.rows(p, z, rows, covered) {
         return false;
     }
-    if kernel.are_relative() {
+    if kernel.is_relative(p) {
         let share = 2.0 / z.len() as f64;
         let mut center = [T::from(0.0); 2];
         z.chunks_exact(2).for_each(|z| (0..2).for_each(|i| center[i] += z[i] * share));

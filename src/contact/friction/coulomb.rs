@@ -16,7 +16,7 @@ use super::law::{FrictionLaw, Limit, Sliding};
 pub struct Coulomb {
     /// Coefficient at rest over that of sliding, 1 or more.
     pub static_ratio: f64,
-    /// Speed that parts rest from sliding `[length/time]`.
+    /// Speed that parts rest from sliding `[length/time]`; infinite: everything counts as rest.
     pub transition_speed: f64,
     /// Exponent of the transition, 1 or 2.
     pub exponent: f64,
@@ -43,8 +43,7 @@ impl FrictionLaw for Coulomb {
         } else {
             (1.0, 0.0)
         };
-        let has_rest = self.transition_speed.is_finite() || self.static_ratio == 1.0;
-        let over = if has_rest { self.static_ratio - 1.0 } else { 0.0 };
+        let over = self.static_ratio - 1.0;
         let mu = coefficient * (1.0 + over * rest);
         // What does not fade with the pressure has no state that holds where a node opens.
         let (adhesion, bound) = (self.adhesion * rest, ROUGH * pressure);

@@ -206,24 +206,39 @@ impl ContactPair {
         if self.kind != PairKind::Obstacle {
             return Ok(());
         }
-        let at = |function: &Option<Amplitude>, time: f64| -> Result<f64, StepError> {
-            let Some(function) = function else { return Ok(0.0) };
-            let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
-            let value = function.value(time).map_err(failed)?;
-            if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }
-        };
-        let mut translations = [[0.0; 2]; 3];
-        for (translation, time) in translations.iter_mut().zip([time, time + 0.5 * dt, time + dt]) {
-            for (component, function) in translation.iter_mut().zip(&self.motion) {
-                *component = at(function, time)?;
-            }
-        }
-        let turned = at(&self.turn, time + dt)? - at(&self.turn, time)?;
-        self.kernel.turn_obstacle(turned);
+        let at = |time: f64| Ok([self.at(&self.motion[0], time)?, self.at(&self.motion[1], time)?]);
+        let translations = [at(time)?, at(time + 0.5 * dt)?, at(time + dt)?];
         let [start, _, end] = translations;
         self.obstacle_velocity = std::array::from_fn(|i| if dt > 0.0 { (end[i] - start[i]) / dt } else { 0.0 });
         self.kernel.move_obstacle(&translations);
+        self.carry(time, time + dt)
+    }
+
+    /// Lets a rigid obstacle carry along what sticks to it as far as it moves from one time to another.
+    ///
+    /// # Errors
+    /// A time function of its motion failed.
+    pub fn carry(&mut self, from: f64, to: f64) -> Result<(), StepError> {
+        if self.kind != PairKind::Obstacle || self.friction.is_none() {
+            return Ok(());
+        }
+        let by = |function: &Option<Amplitude>| Ok(self.at(function, to)? - self.at(function, from)?);
+        let (shift, angle) = ([by(&self.motion[0])?, by(&self.motion[1])?], by(&self.turn)?);
+        self.kernel.carry(shift, angle);
         Ok(())
+    }
+
+    /// Whether what sticks to it is carried along by a rigid obstacle that moves.
+    pub fn carries(&self) -> bool {
+        self.friction.is_some() && (self.motion.iter().any(Option::is_some) || self.turn.is_some())
+    }
+
+    /// A component of the obstacle's motion.
+    fn at(&self, function: &Option<Amplitude>, time: f64) -> Result<f64, StepError> {
+        let Some(function) = function else { return Ok(0.0) };
+        let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
+        let value = function.value(time).map_err(failed)?;
+        if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }
     }
 
     /// Where its rows begin, those that press and the tangential ones.

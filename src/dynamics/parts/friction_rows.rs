@@ -42,9 +42,7 @@ impl FrictionRows {
             couplings: Vec::new(),
         }
     }
-}
 
-impl FrictionRows {
     /// Writes the factors of the multipliers that press into values of the matrix.
     pub fn couple(&self, equations: &[Equation], values: &mut [f64]) {
         for (place, equation) in self.couplings.iter().zip(&equations[self.rows.clone()]) {
@@ -98,7 +96,7 @@ pub struct SlipRow<'a> {
     pub c: f64,
     /// Slip that counts as zero.
     pub tolerance: f64,
-    /// Whether supports keep it from sliding whatever presses: then its multiplier follows from its slip, and from nothing without one.
+    /// Whether supports keep it from sliding whatever presses: then its multiplier follows from its slip, and stays as it was without one.
     pub is_held: bool,
 }
 
@@ -137,7 +135,7 @@ impl SlipRow<'_> {
 
     /// State of a row that supports hold.
     fn held(&self) -> RowState {
-        if self.slip == 0.0 { RowState::Open } else { RowState::sliding(-self.slip) }
+        if self.is_clear(self.slip.abs()) { RowState::sliding(-self.slip) } else { RowState::Closed }
     }
 
     /// The state with which an iteration begins.
@@ -154,8 +152,8 @@ impl SlipRow<'_> {
     pub fn residual(&self) -> (f64, f64) {
         let limit = self.limit(self.slip).shear;
         let off = match self.is_held {
-            true if self.slip == 0.0 => self.lambda,
-            true => self.dry() + limit * self.slip.signum(),
+            true if self.is_clear(self.slip.abs()) => self.dry() + limit * self.slip.signum(),
+            true => self.lambda - self.lambda.clamp(-limit, limit),
             false => self.dry() - self.trial().clamp(-limit, limit),
         };
         (off / self.c, off * self.slip)
@@ -166,6 +164,7 @@ impl SlipRow<'_> {
         let Some(sense) = state.sense() else {
             return match state {
                 RowState::Open => Equation::OPEN,
+                _ if self.is_held => self.kept(),
                 _ => Equation::held(self.compliance, self.compliance * self.lambda - self.slip),
             };
         };
@@ -183,21 +182,32 @@ impl SlipRow<'_> {
         }
     }
 
+    /// The multiplier as it was, as far as the pressure bears it.
+    fn kept(&self) -> Equation {
+        let limit = self.limit(0.0).shear;
+        let (by, right) = (1.0 / self.c, self.lambda.clamp(-limit, limit) / self.c);
+        Equation { acts: true, gradient: 0.0, diagonal: by, normal: 0.0, right }
+    }
+
+    /// Whether a slip is more than round-off.
+    fn is_clear(&self, off: f64) -> bool {
+        off > tolerances::CLEARLY * self.tolerance
+    }
+
     /// The state that the row asks for, and how strongly, if it is another one; `self` is what the frozen linearization makes of it.
     pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
         if self.is_held {
-            return (state != self.held() && self.slip.abs() > self.tolerance).then(|| (self.held(), self.slip.abs()));
+            return (state != self.held()).then(|| (self.held(), self.slip.abs()));
         }
-        let clearly = |off: f64| off > tolerances::CLEARLY * self.tolerance;
         match state.sense() {
             None => {
                 let (dry, limit) = (self.dry(), self.limit(0.0).shear);
                 let over = (dry.abs() - limit) / self.c;
-                clearly(over).then(|| (RowState::sliding(dry), over))
+                self.is_clear(over).then(|| (RowState::sliding(dry), over))
             }
             Some(sense) => {
                 let back = sense * self.slip;
-                (clearly(back) && self.limit(0.0).shear > 0.0).then_some((RowState::Closed, back))
+                (self.is_clear(back) && self.limit(0.0).shear > 0.0).then_some((RowState::Closed, back))
             }
         }
     }

@@ -128,6 +128,7 @@ where
             search,
             level: self.state.level,
             preferred,
+            carried: self.state.carried,
             loads_ended: if obstacle_work != 0.0 || outside.has_load() { start.time + dt } else { self.state.loads_ended },
         };
         self.system.recycle(at);
@@ -183,12 +184,12 @@ where
             obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
         }
         for block in system.blocks(&at.pairs, &at.slips).filter(|block| block.is_slip() && block.pair.kind == PairKind::Obstacle) {
-            let on_nodes = |entry: usize| block.evaluation.gradient_bar[entry];
             for row in block.live_rows() {
                 let tau = scheme.weight * lambda[row.row];
                 for (k, entry) in row.unknowns::<D>() {
-                    obstacles[k] += tau * on_nodes(entry);
-                    obstacle_work += tau * on_nodes(entry) * at.moved[k];
+                    let force = tau * block.evaluation.gradient_bar[entry];
+                    obstacles[k] += force;
+                    obstacle_work += force * at.moved[k];
                 }
             }
             // Of that the slip is friction's, the rest that of the obstacle's motion.
@@ -203,11 +204,10 @@ where
     fn friction_work(&self, weight: f64, at: &Linearization, lambda: &[f64]) -> Vec<f64> {
         let system = &self.system;
         let mut work = vec![0.0; system.contacts().count()];
-        for (index, (pair, blocks)) in
-            system.pairs.iter().enumerate().map(|(index, pair)| (index, (pair, [&at.pairs[index], &at.slips[index]])))
-        {
+        for (index, pair) in system.pairs.iter().enumerate() {
             let contact = pair.corners.map_or(index, |corners| corners.pair);
-            work[contact] += pair.blocks(blocks).filter(RowBlock::is_slip).map(|block| weight * block.work(lambda)).sum::<f64>();
+            let slips = pair.blocks([&at.pairs[index], &at.slips[index]]).filter(RowBlock::is_slip);
+            work[contact] += slips.map(|block| weight * block.work(lambda)).sum::<f64>();
         }
         work
     }

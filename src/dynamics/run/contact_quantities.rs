@@ -18,7 +18,7 @@ use super::fields::{ContactFields, NodeState};
 use super::ledger::ContactTotals;
 use super::slip_memory::SlipMemory;
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowBlock};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow, RowBlock};
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
@@ -63,39 +63,37 @@ pub struct Tangential<'a> {
 }
 
 impl Loaded<'_> {
-    /// Tells the same of friction, with the multiplier.
+    /// Tells the force of every row that presses with its multiplier on every node of its patches: the node, whether it owns a row of the
+    /// patch, the multiplier, the force.
+    fn for_each_force<const D: usize>(&self, lambda: &[f64], tell: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.tell::<D>(lambda, self.pair.rows.start, self.pair.live_rows(self.evaluation), &self.evaluation.gradient_end, tell);
+    }
+
+    /// The same of friction.
     fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut tell: impl FnMut(u32, bool, f64, [f64; 3])) {
         let Some(Tangential { evaluation, .. }) = self.tangential else { return };
         for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
-            for row in block.live_rows() {
-                let factor = lambda[row.row - block.rows.start];
-                if factor == 0.0 {
-                    continue;
-                }
-                let gradient = &evaluation.gradient_bar[row.gradient];
-                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
-                    let mut force = [0.0; 3];
-                    (0..D).for_each(|i| force[i] = factor * gradient[i]);
-                    tell(node, self.pair.owns_row(row.patch, node), factor, force);
-                }
-            }
+            self.tell::<D>(lambda, block.rows.start, block.live_rows(), &evaluation.gradient_bar, &mut tell);
         }
     }
 
-    /// Tells the force of every row with its multiplier on every node of its patches: the node, whether it owns a row of the patch, the
-    /// force.
-    fn for_each_force<const D: usize>(&self, lambda: &[f64], mut tell: impl FnMut(u32, bool, [f64; 3])) {
-        let Loaded { pair, evaluation, .. } = self;
-        for row in pair.live_rows(evaluation) {
-            let factor = lambda[row.row - pair.rows.start];
+    fn tell<'a, const D: usize>(
+        &self,
+        lambda: &[f64],
+        first: usize,
+        rows: impl Iterator<Item = PatchRow<'a>>,
+        gradients: &[f64],
+        mut tell: impl FnMut(u32, bool, f64, [f64; 3]),
+    ) {
+        for row in rows {
+            let factor = lambda[row.row - first];
             if factor == 0.0 {
                 continue;
             }
-            let gradient = &evaluation.gradient_end[row.gradient];
-            for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+            for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
                 let mut force = [0.0; 3];
                 (0..D).for_each(|i| force[i] = factor * gradient[i]);
-                tell(node, pair.owns_row(row.patch, node), force);
+                tell(node, self.pair.owns_row(row.patch, node), factor, force);
             }
         }
     }
@@ -107,7 +105,7 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     let with_itself = secondary == contact.pair.kernel.primary();
     let count = secondary.nodes().len();
     let mut forces = ContactForces { own: vec![[0.0; 3]; count], pressed: vec![0.0; count], ..ContactForces::default() };
-    contact.for_each_force::<D>(contact.lambda, |node, own, force| {
+    contact.for_each_force::<D>(contact.lambda, |node, own, _, force| {
         forces.all.push((node, force));
         if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| forces.own[index][i] += force[i]);
@@ -116,7 +114,7 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     forces.mean = means::<D>(contact, contact.lambda, &forces.own, q, |lambda, tell| contact.for_each_force::<D>(lambda, tell));
     let mut more = vec![[0.0; 3]; count];
     for corners in corners {
-        corners.for_each_force::<D>(corners.lambda, |node, own, force| {
+        corners.for_each_force::<D>(corners.lambda, |node, own, _, force| {
             forces.all.push((node, force));
             // On a surface that touches itself, the corner's side.
             if (!with_itself || own)
@@ -150,9 +148,7 @@ fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], 
                 (0..D).for_each(|i| friction[index][i] += force[i]);
             }
         });
-        *mean_shear = means::<D>(contact, lambda, friction, q, |lambda, tell| {
-            contact.for_each_pull::<D>(lambda, |node, own, _, force| tell(node, own, force));
-        });
+        *mean_shear = means::<D>(contact, lambda, friction, q, |lambda, tell| contact.for_each_pull::<D>(lambda, tell));
     }
     for corners in corners {
         let Some(Tangential { lambda, .. }) = corners.tangential else { continue };
@@ -174,7 +170,7 @@ fn means<const D: usize>(
     lambda: &[f64],
     forces: &[[f64; 3]],
     q: &[f64],
-    for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, [f64; 3])),
+    for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, f64, [f64; 3])),
 ) -> Vec<f64> {
     let (pair, secondary) = (contact.pair, contact.pair.kernel.secondary());
     let stride = pair.kernel.rows_per_node();
@@ -183,7 +179,7 @@ fn means<const D: usize>(
     }
     let unit: Vec<f64> = secondary.nodes().iter().map(|&node| pair.circumference(node, q)).collect();
     let mut of_unit = vec![[0.0; 3]; forces.len()];
-    for_each(&unit, &mut |node, own, force| {
+    for_each(&unit, &mut |node, own, _, force| {
         if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| of_unit[index][i] += force[i]);
         }

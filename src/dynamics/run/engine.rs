@@ -107,6 +107,7 @@ where
             level: 0,
             drift: 0.0,
             preferred: Preferred::default(),
+            carried: 0.0,
             loads_ended: 0.0,
             positions,
             displacements,

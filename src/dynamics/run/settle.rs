@@ -25,6 +25,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Surface, Travel};
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::part::Pose;
+use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::conditions::Conditions;
@@ -183,9 +184,10 @@ where
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
-        let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, .. } =
+        let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
             Arc::make_mut(&mut self.state);
         *memory = self.system.memory_at_rest();
+        *carried = row.time;
         row.strain = self.system.strain_energy(u);
         let mut gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
         gaps.resize(self.system.multipliers, 0.0);
@@ -243,7 +245,8 @@ where
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
         };
-        let is_closed = prescribed == 0.0 && meets(&self.system, &at, &self.conditions_at_rest(&start));
+        let is_carried = self.rest_friction && self.state.carried != time && self.system.pairs.iter().any(ContactPair::carries);
+        let is_closed = prescribed == 0.0 && !is_carried && meets(&self.system, &at, &self.conditions_at_rest(&start));
         let imbalance = balance.judge(&self.system, at.pose(), &at.forces);
         Ok(Present { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
@@ -302,7 +305,7 @@ where
                 let (own, system) = (&self.state.slipped, &self.system);
                 let slipped = slipped(system, own, &solution.at, [1.0, 1.0], (&solution.at.lambda, &solution.active));
                 let state = Arc::make_mut(&mut self.state);
-                state.slipped = slipped;
+                (state.slipped, state.carried) = (slipped, state.row.time);
                 (state.lambda, state.active) = (solution.at.lambda.clone(), solution.active);
                 (state.positions, state.displacements) = (solution.at.q_1.clone(), solution.at.u_1.clone());
                 self.system.recycle(solution.at);
@@ -372,6 +375,7 @@ where
 
     fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
         self.system.move_obstacles(self.state.row.time, 0.0)?;
+        self.system.carry(self.state.carried, self.state.row.time)?;
         self.system.begin_deep_step(outlook, reaches).map_err(|error| self.error_of(Failure::Linear(error)))?;
         self.system.begin_friction(self.state.row.time, outlook.q)
     }

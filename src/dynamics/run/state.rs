@@ -48,6 +48,8 @@ pub struct State {
     pub(super) drift: f64,
     /// Which attempt of Newton's method the next step tries first.
     pub(super) preferred: Preferred,
+    /// Time up to which friction has felt the motion of obstacles: that of the state, but for an equilibrium that is being looked for.
+    pub(super) carried: f64,
     /// End of the last step in which a load acted.
     pub(super) loads_ended: f64,
 }

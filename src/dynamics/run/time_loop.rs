@@ -284,6 +284,7 @@ where
                 Ok(mut state) => {
                     let between = substeps.accepted();
                     state.row.time = between.unwrap_or(target);
+                    state.carried = state.row.time;
                     state.row.halvings = std::mem::take(&mut halvings);
                     let [iterations, factorizations] = std::mem::replace(&mut booked, self.work());
                     state.row.newton_iterations = booked[0] - iterations;

@@ -12,7 +12,7 @@ use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep};
 use crate::dynamics::model::part::{Remembered, Sums};
-use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
@@ -193,15 +193,13 @@ where
             return;
         }
         let mut sizes = vec![[0.0; 2]; self.multipliers - self.pressing];
-        for block in self.blocks(pairs, slips).filter(|block| block.rows.start >= self.pressing) {
+        for block in self.blocks(pairs, slips).filter(RowBlock::is_slip) {
             for row in block.live_rows() {
                 let [all, free] = &mut sizes[row.row - self.pressing];
-                let gradient = &block.evaluation.gradient_end[row.gradient];
-                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
-                    for i in 0..D {
-                        *all += gradient[i].abs();
-                        *free += if self.supports.fixed[node as usize * D + i] { 0.0 } else { gradient[i].abs() };
-                    }
+                for (unknown, entry) in row.unknowns::<D>() {
+                    let size = block.evaluation.gradient_end[entry].abs();
+                    *all += size;
+                    *free += if self.supports.fixed[unknown] { 0.0 } else { size };
                 }
             }
         }

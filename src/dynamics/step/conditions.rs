@@ -5,7 +5,6 @@ use super::system::System;
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::update_rules::Holds;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::friction_rows::{FrictionRows, SlipRow};
 use crate::dynamics::parts::laws::{Row, RowStart};
 use crate::integrators::Derivative;
 use crate::math::tolerances;
@@ -47,45 +46,6 @@ impl Conditions {
             tolerance: pair.gap_tolerance,
         }
     }
-}
-
-impl Conditions {
-    /// A tangential row of a pair at an iterate with those multipliers, that slip and that covered share.
-    pub fn slip_row<'a>(&self, friction: &'a FrictionRows, pair: &ContactPair, at: SlipAt) -> SlipRow<'a> {
-        let SlipAt { local, normal, lambda, slip, covered, around, is_held } = at;
-        let length = covered * pair.kernel.weights()[local];
-        SlipRow {
-            law: &*friction.law,
-            coefficient: friction.coefficients[local],
-            normal,
-            lambda,
-            slip,
-            speed: if self.dt > 0.0 && length > 0.0 { 1.0 / (length * self.dt) } else { 0.0 },
-            around,
-            compliance: self.compliance[friction.rows.start + local],
-            c: friction.c,
-            tolerance: pair.gap_tolerance,
-            is_held,
-        }
-    }
-}
-
-/// Where a tangential row of a pair is.
-pub struct SlipAt {
-    /// The row among those of its pair.
-    pub local: usize,
-    /// Multiplier of the row that presses.
-    pub normal: f64,
-    /// Its own.
-    pub lambda: f64,
-    /// Slip of the step.
-    pub slip: f64,
-    /// What it has opposite in mid-step.
-    pub covered: f64,
-    /// Multiplier per stress.
-    pub around: f64,
-    /// Whether supports hold it.
-    pub is_held: bool,
 }
 
 impl<const D: usize> System<D> {

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::conditions::{Conditions, SlipAt};
+use super::conditions::Conditions;
 use super::constraint_rows::ConstraintRows;
 use super::iterate::Linearization;
 use super::system::System;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::friction_rows::SlipRow;
+use crate::dynamics::parts::friction_rows::{FrictionRows, SlipRow};
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
@@ -34,6 +34,7 @@ pub struct SlipPlace<'a> {
     pub pair: &'a ContactPair,
     /// Whether it can have a multiplier at all: both rows have something opposite.
     pub exists: bool,
+    friction: &'a FrictionRows,
     local: usize,
     slip: &'a Evaluation,
     around: f64,
@@ -43,10 +44,21 @@ pub struct SlipPlace<'a> {
 impl<'a> SlipPlace<'a> {
     /// The row with what a solution makes of its slip and of both multipliers.
     pub fn with(&self, conditions: &Conditions, slip: f64, lambda: &[f64]) -> SlipRow<'a> {
-        let friction = self.pair.friction.as_ref().expect("the pair has tangential rows");
-        let (covered, normal, lambda) = (self.slip.coverage[self.local], lambda[self.pressing], lambda[self.row]);
-        let at = SlipAt { local: self.local, normal, lambda, slip, covered, around: self.around, is_held: self.is_held };
-        conditions.slip_row(friction, self.pair, at)
+        let &SlipPlace { row, pressing, pair, local, around, is_held, .. } = self;
+        let length = self.slip.coverage[local] * pair.kernel.weights()[local];
+        SlipRow {
+            law: &*self.friction.law,
+            coefficient: self.friction.coefficients[local],
+            normal: lambda[pressing],
+            lambda: lambda[row],
+            slip,
+            speed: if conditions.dt > 0.0 && length > 0.0 { 1.0 / (length * conditions.dt) } else { 0.0 },
+            around,
+            compliance: conditions.compliance[row],
+            c: self.friction.c,
+            tolerance: pair.gap_tolerance,
+            is_held,
+        }
     }
 
     /// The row at the iterate.
@@ -58,11 +70,12 @@ impl<'a> SlipPlace<'a> {
 /// All tangential rows at an iterate.
 pub fn slips_at<'a, const D: usize>(system: &'a System<D>, at: &'a Linearization) -> impl Iterator<Item = SlipPlace<'a>> {
     pairs_at(system, at).zip(&at.slips).flat_map(move |((pair, evaluation), slip)| {
-        pair.friction.iter().flat_map(|friction| friction.rows.clone().enumerate()).map(move |(local, row)| {
+        let rows = pair.friction.iter().flat_map(|friction| friction.rows.clone().enumerate().map(move |at| (friction, at)));
+        rows.map(move |(friction, (local, row))| {
             let pressing = pair.rows.start + local;
             let around = pair.node_of(pressing).map_or(1.0, |node| pair.circumference(node, &at.q_1));
             let exists = has_row(pair, evaluation, local) && slip.coverage[local] > tolerances::SLIVER && around > 0.0;
-            SlipPlace { row, pressing, pair, exists, local, slip, around, is_held: at.held[row - system.pressing] }
+            SlipPlace { row, pressing, pair, exists, friction, local, slip, around, is_held: at.held[row - system.pressing] }
         })
     })
 }

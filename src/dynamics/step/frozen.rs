@@ -81,9 +81,8 @@ where
         let mut gaps = vec![0.0; self.multipliers];
         for block in self.blocks(pairs, slips) {
             for row in block.live_rows() {
-                let gradient = &block.evaluation.gradient_end[row.gradient];
-                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
-                    (0..D).for_each(|i| gaps[row.row] += gradient[i] * increment[node as usize * D + i]);
+                for (unknown, entry) in row.unknowns::<D>() {
+                    gaps[row.row] += block.evaluation.gradient_end[entry] * increment[unknown];
                 }
             }
         }
@@ -100,13 +99,9 @@ where
         for block in self.blocks(&at.pairs, &at.slips).filter(changed) {
             for row in block.live_rows() {
                 let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.rows.0[row.row].acts) else { continue };
-                let gradient = &block.evaluation.gradient_bar[row.gradient];
-                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
-                    for i in 0..D {
-                        let unknown = node as usize * D + i;
-                        if !self.supports.fixed[unknown] {
-                            right[unknown] += amount * weight * gradient[i];
-                        }
+                for (unknown, entry) in row.unknowns::<D>() {
+                    if !self.supports.fixed[unknown] {
+                        right[unknown] += amount * weight * block.evaluation.gradient_bar[entry];
                     }
                 }
             }

@@ -344,6 +344,14 @@ impl<const D: usize> System<D> {
         self.pairs.iter_mut().try_for_each(|pair| pair.move_obstacle(time, dt))
     }
 
+    /// Lets the rigid obstacles carry along what sticks to them as far as they move from one time to another.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn carry(&mut self, from: f64, to: f64) -> Result<(), StepError> {
+        self.pairs.iter_mut().try_for_each(|pair| pair.carry(from, to))
+    }
+
     /// How far an obstacle goes from one time to another at most, over the shortest facet of what it may touch.
     ///
     /// # Errors
