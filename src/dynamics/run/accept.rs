@@ -32,8 +32,15 @@ struct Outside {
 }
 
 impl Outside {
-    fn has_load(&self) -> bool {
-        self.load.iter().any(|f| *f != 0.0)
+    /// Work of all of it along the way `moved`, one value a coordinate.
+    fn work(&self, moved: &[f64]) -> f64 {
+        let loads = self.load.iter().zip(moved).map(|(load, moved)| load * moved).sum::<f64>();
+        loads + self.obstacle_work + self.prescribed_work
+    }
+
+    /// Whether loads or obstacles pushed at all.
+    fn pushes(&self) -> bool {
+        self.obstacle_work != 0.0 || self.load.iter().any(|f| *f != 0.0)
     }
 }
 
@@ -68,9 +75,10 @@ where
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let remembered = self.remembered(motion, &at, &v_1);
-        let outside = self.outside(start, motion, &at, &lambda, &v_1)?;
+        let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
         if let Some(jump) = &jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
+            outside.obstacle_work += jump.work;
         }
         let momenta = system.nodes.momenta_of(&v_1);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
@@ -93,11 +101,7 @@ where
             + system.penalty_energy(&penalty_gap)
             + system.stored_energy(at.pose(), &memory)
             + row.reserve;
-        let obstacle_work = outside.obstacle_work + jump.as_ref().map_or(0.0, |jump| jump.work);
-        row.load_work = (0..at.q_1.len()).map(|k| outside.load[k] * at.moved[k]).sum::<f64>() + obstacle_work;
-        if !system.supports.prescribed.is_empty() {
-            row.load_work += outside.prescribed_work;
-        }
+        row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
         let frictional = self.friction_work(scheme.weight, &at, &lambda);
         // No zero with a sign where there is no friction.
@@ -129,7 +133,7 @@ where
             level: self.state.level,
             preferred,
             carried: self.state.carried,
-            loads_ended: if obstacle_work != 0.0 || outside.has_load() { start.time + dt } else { self.state.loads_ended },
+            loads_ended: if outside.pushes() { start.time + dt } else { self.state.loads_ended },
         };
         self.system.recycle(at);
         Ok(state)
