@@ -40,6 +40,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/incline", "incline.svg"),
     ("scenarios/rolling_disk", "rolling_disk.svg"),
     ("scenarios/capstan", "capstan.svg"),
+    ("scenarios/fretting", "fretting.svg"),
     ("scenarios/tumbling_block", "block.svg"),
     ("scenarios/tumbling_block_3d", "brick.svg"),
     ("tutorials/01_first_body", "plate.svg"),

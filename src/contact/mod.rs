@@ -46,7 +46,7 @@ mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces};
-pub use friction::{Coulomb, FrictionLaw, Limit, ROUGH, Sliding};
+pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
 pub use interlocking::{Interlocking, interlocking};
 pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 pub use method::{ContactMethod, MakeKernel};

@@ -39,6 +39,21 @@ impl Mesh {
         hull.sort_unstable();
         hull
     }
+
+    /// The straight pieces of a facet in the plane, given by their ends: two where it has a middle node; none of a face, which is no edge.
+    pub fn straight_pieces(&self, facet: Facet) -> Vec<[u32; 2]> {
+        let nodes: Vec<u32> = self.facet_nodes(facet).collect();
+        match nodes[..] {
+            [from, to, middle] => vec![[from, middle], [middle, to]],
+            [from, to] => vec![[from, to]],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The straight pieces of the hull of a plane mesh, the body on their left.
+    pub fn outline(&self) -> Vec<[u32; 2]> {
+        self.hull().into_iter().flat_map(|facet| self.straight_pieces(facet)).collect()
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,8 @@
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of
-//! the body (u32), for each its pressure and the vector of the pressure (f32). They are those of the report, which compresses them only.
+//! the body (u32, with [`BodyFields::contact_slip`] in the two highest bits), for each its pressure and the vector of the pressure (f32).
+//! They are those of the report, which compresses them only.
 
 use std::fmt;
 use std::sync::Arc;
@@ -30,6 +31,10 @@ const FEWEST: usize = 40;
 const FORESIGHT: usize = 4;
 /// Largest number of a component.
 const TOP: f64 = 65535.0;
+/// Bit from which on the word of a contact node tells whether it sticks or slides.
+const SLIP: u32 = 30;
+/// The bits below it.
+const PLACE: usize = (1 << SLIP) - 1;
 
 /// Stills of a run so far. A value: keep it, restore it, go on from it to the same bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -269,6 +274,7 @@ fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
             body.contact_pressure[node],
             square(body.displacement[node]),
             square(body.velocity[node]),
+            body.contact_slip[node],
         ];
         for ([low, high], value) in all.iter_mut().zip(values.into_iter().chain(body.stress[node])) {
             // What is no number leaves them as they are.
@@ -312,7 +318,8 @@ fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
     bytes.extend(low);
     let touching: Vec<usize> = (0..skin.nodes.len()).filter(|&place| body.contact_pressure[skin.nodes[place] as usize] != 0.0).collect();
     bytes.extend((touching.len() as u32).to_le_bytes());
-    touching.iter().for_each(|&place| bytes.extend((place as u32).to_le_bytes()));
+    let slip = |place: usize| body.contact_slip[skin.nodes[place] as usize] as u32;
+    touching.iter().for_each(|&place| bytes.extend((place as u32 | slip(place) << SLIP).to_le_bytes()));
     for &place in &touching {
         let node = skin.nodes[place] as usize;
         let vector = Vectors::ContactPressure.value(body, node);
@@ -347,6 +354,7 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         contact_force: vec![[0.0; 3]; nodes],
         contact_pressing: vec![[0.0; 3]; nodes],
         contact_active: vec![0.0; nodes],
+        contact_slip: vec![0.0; nodes],
     };
     for (component, [least, greatest]) in ranges.into_iter().enumerate() {
         let mut word = 0u16;
@@ -366,8 +374,10 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         }
     }
     let count = whole(take(4));
-    let touching: Vec<usize> = take(4 * count).chunks_exact(4).map(|bytes| skin.nodes[whole(bytes)] as usize).collect();
-    for node in touching {
+    let touching: Vec<usize> = take(4 * count).chunks_exact(4).map(whole).collect();
+    for word in touching {
+        let node = skin.nodes[word & PLACE] as usize;
+        fields.contact_slip[node] = (word >> SLIP) as f64;
         fields.contact_pressure[node] = number(take(4));
         for component in 0..dimension {
             // The pressure's own direction is all that is known of the force.
@@ -405,7 +415,7 @@ impl Still {
             let (places, pressures) = behind.split_at_checked(count.checked_mul(4)?)?;
             rest = pressures.get(count * 4 * (1 + skin.dimension)..)?;
             let place = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
-            places.chunks_exact(4).all(|bytes| place(bytes) < nodes).then_some(())
+            places.chunks_exact(4).all(|bytes| place(bytes) & PLACE < nodes).then_some(())
         };
         skins.iter().all(|skin| pass(skin).is_some()) && rest.is_empty()
     }
@@ -444,6 +454,7 @@ mod tests {
                     assert!((back.stress[node][i] - fields.stress[node][i]).abs() < 0.1, "of thousands");
                 }
                 assert!((back.contact_pressure[node] - fields.contact_pressure[node]).abs() < 1e-6);
+                assert_eq!(back.contact_slip[node], fields.contact_slip[node]);
             }
         }
     }

@@ -47,6 +47,7 @@ fn body(name: &str, mesh: Mesh, displacement: impl Fn([f64; 3]) -> [f64; 3], str
         contact_force: points.iter().map(|x| [0.0, x[0].min(0.0), 0.0]).collect(),
         contact_pressing: points.iter().map(|x| [0.0, x[0].min(0.0), 0.0]).collect(),
         contact_active: points.iter().map(|x| f64::from(u8::from(x[0] > 0.0))).collect(),
+        contact_slip: points.iter().map(|x| f64::from(u8::from(x[0] > 0.0) * (1 + u8::from(x[1] > 0.0)))).collect(),
         contact_gap: points.iter().map(|x| if x[0] > 0.0 { 0.0 } else { f64::NAN }).collect(),
         mesh: Arc::new(mesh),
     }

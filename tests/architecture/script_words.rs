@@ -99,6 +99,20 @@ fn violations(sources: &[Source], functions: &BTreeSet<String>, exceptions: &[(&
 }
 
 #[test]
+fn the_engine_knows_every_object_of_the_language() {
+    let engine = std::fs::read_to_string(repository().join("src/script/session/engine.rs")).expect("the engine is there");
+    let objects: Vec<String> = sources(&["src/script"])
+        .iter()
+        .flat_map(|source| {
+            source.text.lines().filter_map(|line| Some(line.strip_prefix("impl Handle for ")?.split(' ').next()?.to_string()))
+        })
+        .collect();
+    assert!(objects.len() > 15, "the objects were not found");
+    let unknown: Vec<&String> = objects.iter().filter(|name| !engine.contains(&format!("types.add::<{name}>"))).collect();
+    assert!(unknown.is_empty(), "without their texts and without hints where they are mistaken for others: {unknown:?}");
+}
+
+#[test]
 fn kernels_speak_of_no_script() {
     let functions = functions();
     assert!(functions.len() > 100 && functions.contains("settle"), "the functions were not found");

@@ -7,11 +7,8 @@ use crate::contact::{Middles, Surface};
 /// Facets of a boundary in the plane, whose body's nodes are numbered from `first_node`; a quadratic edge is two of them.
 pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
     let mesh = &model.bodies[on.body].mesh;
-    let pieces = |&facet| {
-        let nodes: Vec<u32> = mesh.facet_nodes(facet).map(|node| node + first_node as u32).collect();
-        straight_pieces(&nodes)
-    };
-    on.boundary.facets.iter().flat_map(pieces).collect()
+    let pieces = on.boundary.facets.iter().flat_map(|&facet| mesh.straight_pieces(facet));
+    pieces.map(|ends| ends.map(|node| node + first_node as u32)).collect()
 }
 
 /// The middle nodes of edges of second order on the hulls of plane bodies, whose nodes are numbered from where `first` says.
@@ -26,15 +23,6 @@ pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> Middles {
         body.mesh.hull().into_iter().map(edge)
     });
     Middles::new(edges)
-}
-
-/// The straight pieces of an edge, given by its ends and its middle node if it has one; none of a face, which is no edge.
-pub fn straight_pieces(edge: &[u32]) -> Vec<[u32; 2]> {
-    match *edge {
-        [from, to, middle] => vec![[from, middle], [middle, to]],
-        [from, to] => vec![[from, to]],
-        _ => Vec::new(),
-    }
 }
 
 /// Facets of several boundaries, those in more than one of them once.

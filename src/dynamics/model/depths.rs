@@ -8,7 +8,7 @@
 use super::amplitude::Amplitude;
 use super::boundaries::{boundary_facets, facets_of_all};
 use super::definitions::Model;
-use super::hulls::{distance, hull_ends};
+use super::hulls::distance;
 use super::interactions::{BodyBoundary, Partner};
 use crate::contact::{Obstacle, Surface};
 use crate::math::tolerances::{BESIDE, DEPTH, OPPOSITE};
@@ -100,7 +100,7 @@ impl Depths {
             }
         }
         let hull = |(body, first): (usize, &usize)| {
-            let ends = hull_ends(&model.bodies[body].mesh);
+            let ends = model.bodies[body].mesh.outline();
             ends.into_iter().map(|ends| ends.map(|node| node + *first as u32)).collect()
         };
         let hulls = firsts.iter().enumerate().take(model.bodies.len()).map(hull).collect();

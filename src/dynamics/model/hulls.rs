@@ -5,8 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::boundaries::straight_pieces;
-use crate::mesh::{Mesh, cross, is_inside};
+use crate::mesh::{cross, is_inside};
 
 /// Part of a facet that may overlap besides the rise of curved sides.
 pub const ALLOWED: f64 = 0.01;
@@ -37,12 +36,6 @@ pub struct Inside {
     pub size: f64,
     /// Where.
     pub at: [f64; 2],
-}
-
-/// The end nodes of the straight pieces of the facets of a mesh's hull.
-pub fn hull_ends(mesh: &Mesh) -> Vec<[u32; 2]> {
-    let ends = |facet| straight_pieces(&mesh.facet_nodes(facet).collect::<Vec<u32>>());
-    mesh.hull().into_iter().flat_map(ends).collect()
 }
 
 impl Hull {

@@ -6,7 +6,7 @@ use std::fmt;
 
 use super::boundaries::boundary_facets;
 use super::definitions::Model;
-use super::hulls::{ALLOWED, Hull, Inside, hull_ends};
+use super::hulls::{ALLOWED, Hull, Inside};
 use super::interactions::{Interaction, Partner};
 use crate::contact::{CandidateSearch, Evaluation, Obstacle, Outlook, PatchFunctions, RigidContact, RigidObstacle};
 use crate::integrators::Derivative;
@@ -89,7 +89,7 @@ impl Model {
     /// The hull of a body at the start.
     pub fn hull(&self, body: usize) -> Hull {
         let points = self.start(body);
-        Hull::new(body, &hull_ends(&self.bodies[body].mesh), &|node| [points[node as usize][0], points[node as usize][1]])
+        Hull::new(body, &self.bodies[body].mesh.outline(), &|node| [points[node as usize][0], points[node as usize][1]])
     }
 
     /// The interaction between two bodies.
@@ -129,7 +129,7 @@ impl Model {
     /// Whether no node of a body's hull is in front of an obstacle, some are behind it, by more than a part of a facet of that size.
     fn is_behind(&self, body: usize, shape: &Obstacle, translation: [f64; 2], size: f64) -> bool {
         let reference: Vec<f64> = self.start(body).iter().flat_map(|point| [point[0], point[1]]).collect();
-        let mut hull = RigidContact::new(&hull_ends(&self.bodies[body].mesh), shape, &reference);
+        let mut hull = RigidContact::new(&self.bodies[body].mesh.outline(), shape, &reference);
         hull.move_obstacle(&[translation; 3]);
         let (gaps, coverage) = (hull.gap(&reference), hull.coverage(&reference));
         let mut covered = (0..gaps.len()).filter(|&row| coverage[row] > 0.0).map(|row| gaps[row] / hull.weights()[row]).peekable();

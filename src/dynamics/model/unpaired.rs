@@ -1,7 +1,7 @@
 //! Bodies that nothing keeps apart: no interaction is defined between them, so they pass through each other unnoticed. In the plane only.
 
 use super::definitions::Model;
-use super::hulls::{Hull, Inside, hull_ends};
+use super::hulls::{Hull, Inside};
 
 /// Two bodies by their names.
 pub type Names = [String; 2];
@@ -27,7 +27,7 @@ impl UnpairedBodies {
         let mut bodies = Vec::new();
         for (index, body) in model.bodies.iter().enumerate() {
             let is_one = pairs.iter().flatten().any(|&other| other == index);
-            bodies.push((body.name.clone(), first, if is_one { hull_ends(&body.mesh) } else { Vec::new() }));
+            bodies.push((body.name.clone(), first, if is_one { body.mesh.outline() } else { Vec::new() }));
             first += body.mesh.points.len();
         }
         UnpairedBodies { bodies, pairs }

@@ -246,6 +246,11 @@ impl ContactPair {
         std::iter::once(self.rows.start).chain(self.friction.iter().map(|friction| friction.rows.start))
     }
 
+    /// Its tangential rows, each with the row that presses.
+    pub fn tangential(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.friction.iter().flat_map(|friction| friction.rows.clone().zip(self.rows.clone()))
+    }
+
     /// Its rows at an iterate, those that press and the tangential ones.
     pub fn blocks<'a>(&'a self, [pressing, slip]: [&'a Evaluation; 2]) -> impl Iterator<Item = RowBlock<'a>> {
         let places = &self.places;

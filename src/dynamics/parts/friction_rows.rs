@@ -145,7 +145,9 @@ impl SlipRow<'_> {
             return self.held();
         }
         let limit = self.limit(self.slip).shear;
-        if trial.abs() <= limit && limit > 0.0 { RowState::Closed } else { RowState::sliding(trial) }
+        // What is pressed by nothing yet, and does not move, begins by sticking.
+        let is_new = trial == 0.0 && self.normal <= 0.0;
+        if trial.abs() <= limit && (limit > 0.0 || is_new) { RowState::Closed } else { RowState::sliding(trial) }
     }
 
     /// Natural residual: by how much the row is off, as a slip, and the energy that goes with it.

@@ -6,7 +6,7 @@ use super::engine::Engine;
 use super::jump::Jump;
 use super::ledger::LedgerRow;
 use super::quantities::Touching;
-use super::slip_memory::slipped;
+use super::slip_memory::{add_heat, slipped};
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
@@ -68,10 +68,10 @@ where
         conditions: &Conditions,
         jump: Option<Jump>,
     ) -> Result<State, StepError> {
+        let lambda = solution.multipliers();
         let Solution { at, active, preferred } = solution;
         let search = self.system.search();
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
-        let lambda: Vec<f64> = at.lambda.iter().zip(&active).map(|(&lambda, row)| if row.acts() { lambda } else { 0.0 }).collect();
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let remembered = self.remembered(motion, &at, &v_1);
@@ -103,12 +103,13 @@ where
             + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
-        let frictional = self.friction_work(scheme.weight, &at, &lambda);
+        let frictional = self.friction_work(scheme.weight, &at, &lambda, jump.as_ref());
         // No zero with a sign where there is no friction.
         row.friction_work = frictional.iter().sum::<f64>() + 0.0;
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
-        let slipped = slipped(system, &self.state.slipped, &at, [scheme.weight, 0.0], (&lambda, &active));
+        let mut slipped = slipped(system, &self.state.slipped, &at, [scheme.weight, 0.0], (&lambda, &active));
+        jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.pressing..]));
         let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &active, slipped: &slipped };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
@@ -205,13 +206,16 @@ where
     }
 
     /// Work of friction, contact by contact `[energy]`.
-    fn friction_work(&self, weight: f64, at: &Linearization, lambda: &[f64]) -> Vec<f64> {
+    pub(super) fn friction_work(&self, weight: f64, at: &Linearization, lambda: &[f64], jump: Option<&Jump>) -> Vec<f64> {
         let system = &self.system;
         let mut work = vec![0.0; system.contacts().count()];
         for (index, pair) in system.pairs.iter().enumerate() {
             let contact = pair.corners.map_or(index, |corners| corners.pair);
             let slips = pair.blocks([&at.pairs[index], &at.slips[index]]).filter(RowBlock::is_slip);
             work[contact] += slips.map(|block| weight * block.work(lambda)).sum::<f64>();
+            if let Some(jump) = jump {
+                work[contact] += pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
+            }
         }
         work
     }

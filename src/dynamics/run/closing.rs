@@ -9,7 +9,7 @@ use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::depths::{Depth, Depths};
 use crate::dynamics::model::error::StepError;
-use crate::dynamics::model::hulls::{Hull, Inside, hull_ends};
+use crate::dynamics::model::hulls::{Hull, Inside};
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::step::conditions::Conditions;
@@ -144,7 +144,7 @@ where
         let q = &self.state.positions;
         let hull = |body: usize| {
             let first = self.system.bodies[body].nodes.start;
-            Hull::new(body, &hull_ends(&self.model.bodies[body].mesh), &|node| [0, 1].map(|i| q[2 * (first + node as usize) + i]))
+            Hull::new(body, &self.model.bodies[body].mesh.outline(), &|node| [0, 1].map(|i| q[2 * (first + node as usize) + i]))
         };
         for (index, interaction) in self.model.interactions.iter().enumerate() {
             let Partner::Surfaces(primary) = &interaction.partner else { continue };

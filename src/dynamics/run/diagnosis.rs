@@ -3,6 +3,8 @@
 //! One idea: a cause is only named where numbers show it. Nothing here changes a step; a cause that is not recognised is called slow
 //! convergence.
 
+use std::ops::Range;
+
 use super::report::{CyclingNode, FailureCause, FailureReport, IterationReport, TryReport};
 use super::state::State;
 use crate::bodies::{Elements, Inverted, Space};
@@ -119,13 +121,13 @@ where
     fn cycling_contact(&self, iterations: &[Iteration]) -> Option<FailureCause> {
         let last = &iterations[iterations.len().saturating_sub(CYCLE)..];
         let cycling = |row: usize| 2 * last.iter().filter(|iteration| iteration.changed.contains(&row)).count() >= last.len();
-        let of_pair = |pair: &ContactPair| -> Vec<CyclingNode> {
+        let of_pair = |pair: &ContactPair| -> (Vec<CyclingNode>, bool) {
             let rows = pair.kernel.rows_per_node();
-            let mut indices: Vec<usize> = pair.rows.clone().filter(|&row| cycling(row)).map(|row| (row - pair.rows.start) / rows).collect();
-            if let Some(friction) = &pair.friction {
-                indices.extend(friction.rows.clone().filter(|&row| cycling(row)).map(|row| (row - friction.rows.start) / rows));
-                indices.sort_unstable();
-            }
+            let changing = |of: Range<usize>| of.clone().filter(|&row| cycling(row)).map(move |row| (row - of.start) / rows);
+            let mut indices: Vec<usize> = changing(pair.rows.clone()).collect();
+            let is_slip = indices.is_empty();
+            indices.extend(pair.friction.iter().flat_map(|friction| changing(friction.rows.clone())));
+            indices.sort_unstable();
             indices.dedup();
             let contact = pair.corners.map_or(pair, |corners| &self.system.pairs[corners.pair]);
             let secondary = contact.kernel.secondary();
@@ -137,14 +139,14 @@ where
                 let (body, node) = self.system.owner(number as usize);
                 Some(CyclingNode { body: body.into(), node, index: place_of(number) })
             });
-            named.collect()
+            (named.collect(), is_slip)
         };
         if last.len() < CYCLE {
             return None;
         }
         let found = self.system.pairs.iter().map(|pair| (pair, of_pair(pair)));
-        let (pair, cycling) = found.max_by_key(|(_, nodes)| nodes.len()).filter(|(_, nodes)| !nodes.is_empty())?;
-        Some(FailureCause::CyclingContact { contact: pair.name.clone(), cycling, nodes: pair.kernel.row_nodes().len() })
+        let (pair, (cycling, is_slip)) = found.max_by_key(|(_, (nodes, _))| nodes.len()).filter(|(_, (nodes, _))| !nodes.is_empty())?;
+        Some(FailureCause::CyclingContact { contact: pair.name.clone(), cycling, nodes: pair.kernel.row_nodes().len(), is_slip })
     }
 
     fn inverted_cell(&self, body: &str, inverted: &Inverted) -> FailureCause {

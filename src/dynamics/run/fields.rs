@@ -33,6 +33,8 @@ pub struct BodyFields {
     pub contact_pressing: Vec<[f64; 3]>,
     /// 1 at a secondary node in contact, 0 elsewhere.
     pub contact_active: Vec<f64>,
+    /// 1 at a secondary node that friction holds, 2 at one that slides against it, 0 elsewhere.
+    pub contact_slip: Vec<f64>,
 }
 
 impl BodyFields {

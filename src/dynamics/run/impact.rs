@@ -13,6 +13,9 @@
 //! returns it (energetic restitution, after Stronge, *Impact Mechanics*, 2000). `G_1` at the end of the step and the material stiffness
 //! `K_m` have neither resultant nor moment there, so both momenta are exact. Given back at once, as in Laursen and Love (IJNME 53, 2002),
 //! the energy throws the node off again, and a plane contact opens and closes in every second step.
+//!
+//! Friction goes along with both: tangential impulses are to those that press as in the step, so that they stay within the cone together
+//! with it, and all that an impact takes along the surface is `mu` times what it takes across it.
 
 use super::engine::Engine;
 use super::jump::{Ending, Jump};
@@ -47,14 +50,43 @@ where
         if !is_closing && reserve.iter().all(|reserve| *reserve == 0.0) {
             return Ok(None);
         }
+        let slips = self.system.slips_at_rest(&solution.at.q_1, &solution.at.pairs);
         let v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
-        let mut jump = Jump::none(v.len(), reserve);
-        let mut end = Ending { motion, solution, ours, hold, v };
-        if is_closing {
-            self.close(&mut end, &mut jump)?;
+        let mut ratios = self.ratios(solution);
+        loop {
+            let mut jump = Jump::none(v.len(), reserve.clone());
+            let (ours, hold, v, slips) = (ours.clone(), hold.clone(), v.clone(), slips.clone());
+            let mut end = Ending { motion, solution, ours, hold, v, slips, ratios: ratios.clone() };
+            if is_closing {
+                self.close(&mut end, &mut jump)?;
+            }
+            self.give_back(&mut end, &mut jump)?;
+            if ratios.iter().all(|ratio| *ratio == 0.0) || self.only_takes(solution, motion.scheme.weight, &jump) {
+                return Ok(Some(jump));
+            }
+            ratios.fill(0.0);
         }
-        self.give_back(&mut end, &mut jump)?;
-        Ok(Some(jump))
+    }
+
+    /// What friction gives in a jump for a unit of what presses: as in the step, or where a row has opened as in the step before. A corner
+    /// or surface that turns has none.
+    fn ratios(&self, solution: &Solution) -> Vec<f64> {
+        let mut ratios = vec![0.0; self.system.multipliers];
+        for pair in self.system.pairs.iter().filter(|pair| pair.turn.is_none()) {
+            for (row, pressing) in pair.tangential() {
+                let lambda = if solution.active[pressing].is_closed() { &solution.at.lambda } else { &self.state.lambda };
+                if lambda[pressing] > 0.0 {
+                    ratios[row] = lambda[row] / lambda[pressing];
+                }
+            }
+        }
+        ratios
+    }
+
+    /// Whether friction only takes energy in every contact, step and jump together.
+    fn only_takes(&self, solution: &Solution, weight: f64, jump: &Jump) -> bool {
+        let lambda = solution.multipliers();
+        self.friction_work(weight, &solution.at, &lambda, Some(jump)).iter().all(|work| *work <= 0.0)
     }
 
     fn rows_at_end(&self, solution: &Solution, conditions: &Conditions) -> Rows {
@@ -84,15 +116,16 @@ where
 
     /// A plastic impact of the closed constraints; what it takes goes into their reserves, shared by the work of the impulses.
     fn close(&mut self, end: &mut Ending, jump: &mut Jump) -> Result<(), Failure> {
-        let rates = self.system.rates(&end.solution.at.pairs, &end.v);
+        let rates = self.system.rates(end.rows(), &end.v);
         let target: Vec<f64> = rates.iter().zip(&end.ours).map(|(rate, ours)| if *ours { -rate } else { 0.0 }).collect();
         let Some(push) = self.balanced_push(end, 0.0, &vec![0.0; rates.len()], &target)? else { return Ok(()) };
-        let (a, b) = self.kinetic_slopes(&end.v, &push);
+        let slopes = self.slopes(end, &push);
+        let energy = slopes.pressing[0] + slopes.pressing[1];
         let share = |row: usize| if end.hold[row] && end.ours[row] { (push.lambda[row] * rates[row]).abs() } else { 0.0 };
         let sum: f64 = (0..rates.len()).map(share).sum();
-        if a + b < 0.0 && sum > 0.0 {
-            (0..rates.len()).for_each(|row| jump.reserve[row] -= (a + b) * share(row) / sum);
-            end.add(jump, 1.0, &push, a + b);
+        if energy < 0.0 && sum > 0.0 {
+            (0..rates.len()).for_each(|row| jump.reserve[row] -= energy * share(row) / sum);
+            end.add(jump, 1.0, &push, &slopes);
         }
         Ok(())
     }

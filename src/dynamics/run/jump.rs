@@ -2,10 +2,11 @@
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
 use crate::dynamics::parts::nodal::half_product;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::Solution;
-use crate::dynamics::step::push::Push;
+use crate::dynamics::step::push::{Cause, Push};
 use crate::dynamics::step::start::Motion;
 use crate::linear::LinearError;
 
@@ -15,12 +16,14 @@ pub struct Jump {
     pub velocity: Vec<f64>,
     /// Impulse of supports and obstacles.
     pub impulse: Vec<f64>,
-    /// Kinetic energy that it gives, as seen from what pushes.
+    /// Kinetic energy that it gives without friction, as seen from what pushes.
     pub energy: f64,
     /// Kinetic energy that moving supports and obstacles add by their push.
     pub work: f64,
     /// Multipliers whose forces would give the same impulse over the step.
     pub lambda: Vec<f64>,
+    /// Work of the tangential ones `[energy]`, in the order of all rows.
+    pub friction: Vec<f64>,
     /// The reserves after the step.
     pub reserve: Vec<f64>,
 }
@@ -28,8 +31,8 @@ pub struct Jump {
 impl Jump {
     /// No change of `unknowns` velocities.
     pub fn none(unknowns: usize, reserve: Vec<f64>) -> Self {
-        let still = vec![0.0; unknowns];
-        Jump { velocity: still.clone(), impulse: still, energy: 0.0, work: 0.0, lambda: vec![0.0; reserve.len()], reserve }
+        let (still, none) = (vec![0.0; unknowns], vec![0.0; reserve.len()]);
+        Jump { velocity: still.clone(), impulse: still, energy: 0.0, work: 0.0, lambda: none.clone(), friction: none, reserve }
     }
 }
 
@@ -45,18 +48,42 @@ pub struct Ending<'a> {
     pub hold: Vec<bool>,
     /// Velocities at its end, with the jump so far.
     pub v: Vec<f64>,
+    /// What the tangential rows are at its end.
+    pub slips: Vec<Evaluation>,
+    /// Their impulses over those of the rows that press, in the order of all rows.
+    pub ratios: Vec<f64>,
+}
+
+/// Kinetic energy of `v + s w`, as seen from what pushes: second and first order in `s`.
+pub struct Slopes {
+    /// What the rows that press give.
+    pub pressing: [f64; 2],
+    /// What each tangential row gives, in the order of all rows.
+    pub friction: Vec<[f64; 2]>,
+}
+
+impl Slopes {
+    fn at([a, b]: [f64; 2], s: f64) -> f64 {
+        s * (a * s + b)
+    }
 }
 
 impl Ending<'_> {
-    /// Adds `s` times a push, which gives the energy `energy`, to the jump and to the velocities.
-    pub fn add(&mut self, jump: &mut Jump, s: f64, push: &Push, energy: f64) {
+    /// Adds `s` times a push to the jump and to the velocities.
+    pub fn add(&mut self, jump: &mut Jump, s: f64, push: &Push, slopes: &Slopes) {
         let add = |sum: &mut [f64], s: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += s * part);
         add(&mut self.v, s, &push.velocity);
         add(&mut jump.velocity, s, &push.velocity);
         add(&mut jump.impulse, s, &push.impulse);
         add(&mut jump.lambda, s / self.motion.dt, &push.lambda);
         jump.work += s * push.work;
-        jump.energy += energy;
+        jump.energy += Slopes::at(slopes.pressing, s);
+        jump.friction.iter_mut().zip(&slopes.friction).for_each(|(sum, slopes)| *sum += Slopes::at(*slopes, s));
+    }
+
+    /// What all rows are at the end of the step.
+    pub fn rows(&self) -> [&[Evaluation]; 2] {
+        [&self.solution.at.pairs, &self.slips]
     }
 
     /// Whether a row has left the active set with a reserve.
@@ -71,7 +98,8 @@ where
 {
     /// A push with the work of supports that move; nothing where constraints depend on one another: then nobody's velocity changes.
     pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<Push>, Failure> {
-        match self.system.push(&end.solution.at, beta, lambda, &end.hold, rate) {
+        let cause = Cause { rows: end.rows(), lambda, hold: &end.hold, rate, ratios: &end.ratios };
+        match self.system.push(&end.solution.at, beta, &cause) {
             Ok(mut push) => {
                 let moving = self.system.supports.prescribed.iter().zip(end.motion.prescribed_v_1);
                 push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
@@ -84,9 +112,20 @@ where
         }
     }
 
-    /// Kinetic energy of `v + s w`, as seen from what pushes: second and first order in `s`.
-    pub fn kinetic_slopes(&self, v: &[f64], push: &Push) -> (f64, f64) {
+    /// What a push gives.
+    pub fn slopes(&self, end: &Ending, push: &Push) -> Slopes {
         let momenta = self.system.nodes.momenta_of(&push.velocity);
-        (half_product(&push.velocity, &momenta), 2.0 * half_product(v, &momenta) - push.work)
+        let mut pressing = [half_product(&push.velocity, &momenta), 2.0 * half_product(&end.v, &momenta) - push.work];
+        let mut friction = vec![[0.0; 2]; push.lambda.len()];
+        if end.ratios.iter().any(|ratio| *ratio != 0.0) {
+            let after: Vec<f64> = end.v.iter().zip(&push.velocity).map(|(v, w)| v + w).collect();
+            let (before, after) = (self.system.rates(end.rows(), &end.v), self.system.rates(end.rows(), &after));
+            for row in self.system.pressing..push.lambda.len() {
+                let lambda = push.lambda[row];
+                friction[row] = [0.5 * lambda * (after[row] - before[row]), lambda * before[row]];
+                (0..2).for_each(|k| pressing[k] -= friction[row][k]);
+            }
+        }
+        Slopes { pressing, friction }
     }
 }

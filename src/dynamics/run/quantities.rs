@@ -39,7 +39,7 @@ where
         let nodes = self.system.nodes.count();
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_pressing) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
-        let mut contact_active = vec![0.0; nodes];
+        let (mut contact_active, mut contact_slip) = (vec![0.0; nodes], vec![0.0; nodes]);
         let there = self.evaluated_at(q);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
             let (contact, corners) = self.loaded(index, &there);
@@ -56,6 +56,9 @@ where
                 pressure[node] += fields.pressure[local];
                 if fields.active[local] {
                     contact_active[node] = 1.0;
+                }
+                if pair.friction.is_some() {
+                    contact_slip[node] = f64::from(fields.state[local] as u8).max(contact_slip[node]);
                 }
                 if !fields.gap[local].is_nan() {
                     gap[node] = fields.gap[local];
@@ -86,6 +89,7 @@ where
                     contact_force: contact_force[body.nodes.clone()].to_vec(),
                     contact_pressing: contact_pressing[body.nodes.clone()].to_vec(),
                     contact_active: contact_active[body.nodes.clone()].to_vec(),
+                    contact_slip: contact_slip[body.nodes.clone()].to_vec(),
                 }
             })
             .collect()

@@ -15,6 +15,8 @@ pub enum FailureCause {
         cycling: Vec<CyclingNode>,
         /// Secondary nodes of the pair.
         nodes: usize,
+        /// Whether they kept touching, and changed between stick and slip only.
+        is_slip: bool,
     },
     /// A load or a prescribed motion moves nodes too far in one step.
     LoadTooFast {
@@ -173,12 +175,10 @@ impl FailureReport {
     fn cause_text(&self) -> String {
         let residual = self.iterations.last().map_or(String::new(), |last| last.shortfall(self.iterations.len() - 1));
         match &self.cause {
-            FailureCause::CyclingContact { contact, cycling, nodes } => {
-                format!(
-                    "the contact state of {} of {nodes} nodes of contact \"{contact}\" kept changing ({}){residual}",
-                    cycling.len(),
-                    named(cycling)
-                )
+            FailureCause::CyclingContact { contact, cycling, nodes, is_slip } => {
+                let (count, between) = (cycling.len(), if *is_slip { " between stick and slip" } else { "" });
+                let named = named(cycling);
+                format!("the contact state of {count} of {nodes} nodes of contact \"{contact}\" kept changing{between} ({named}){residual}")
             }
             FailureCause::SlowConvergence => format!("the iterations did not come nearer to a solution{residual}"),
             FailureCause::Divergence => format!("the iterates left the range of numbers or grew without bound{residual}"),
@@ -222,6 +222,10 @@ impl FailureReport {
         match &self.cause {
             FailureCause::NoEquilibrium { missing: Some(Missing::Guidance | Missing::Friction), .. } => Remedy::Guide,
             _ if self.unheld.is_some() => Remedy::HoldBeforeRest,
+            FailureCause::CyclingContact { is_slip: true, .. } => Remedy::Ease(
+                ease,
+                "; friction that weakens with the speed needs steps that resolve its transition, or a larger transition speed",
+            ),
             FailureCause::CyclingContact { .. } => Remedy::Ease(ease, "; surfaces should slide by less than a facet per step"),
             FailureCause::InvertedCell { .. } => Remedy::Ease(ease, ", a finer mesh there, or a smaller load"),
             FailureCause::SingularSystem { .. } => Remedy::HoldOnce,

@@ -110,20 +110,21 @@ where
             let (pair, local) = self.place(row);
             pushes[row] = (jump.reserve[row] / self.system.pairs[pair].kernel.weights()[local]).sqrt();
         }
-        let rates = self.system.rates(&end.solution.at.pairs, &end.v);
+        let rates = self.system.rates(end.rows(), &end.v);
         let parting: f64 = pushes.iter().zip(rates).map(|(push, rate)| push * rate).sum();
         if way == Way::Parting && parting <= 0.0 {
             return Ok(false);
         }
         let Some(push) = self.smoothed_push(end, &pushes)? else { return Ok(false) };
-        let (a, b) = self.kinetic_slopes(&end.v, &push);
+        let slopes = self.slopes(end, &push);
+        let [a, b] = slopes.pressing;
         if a <= 0.0 || (way == Way::Parting && b <= 0.0) {
             return Ok(false);
         }
         let energy: f64 = opened.iter().map(|&row| jump.reserve[row]).sum();
         let root = (b * b + 4.0 * a * energy).sqrt();
         let s = if b > 0.0 { 2.0 * energy / (b + root) } else { (root - b) / (2.0 * a) };
-        end.add(jump, s, &push, s * (a * s + b));
+        end.add(jump, s, &push, &slopes);
         opened.into_iter().for_each(|row| jump.reserve[row] = 0.0);
         Ok(true)
     }

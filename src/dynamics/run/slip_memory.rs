@@ -43,6 +43,11 @@ pub fn slipped<const D: usize>(
     after
 }
 
+/// Adds to the heat what friction took at once, as its work on each tangential row.
+pub fn add_heat(slipped: &mut [SlipMemory], work: &[f64]) {
+    slipped.iter_mut().zip(work).for_each(|(memory, work)| memory.heat -= work);
+}
+
 /// Work of friction, contact by contact, that lies between two such memories `[energy]`.
 pub fn friction_work<const D: usize>(system: &System<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
     let mut work = vec![0.0; system.contacts().count()];

@@ -44,7 +44,7 @@ where
         right.iter_mut().enumerate().for_each(|(k, right)| *right = -scale * (pushed(k) + *right));
         right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(right, _)| *right = 0.0);
         let mut needed = vec![0.0; self.multipliers];
-        self.for_each_end_gradient(&at.pairs, |_, row, k, gradient| needed[row] -= gradient * given[k]);
+        self.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| needed[row] -= gradient * given[k]);
         right.extend(hold.iter().zip(needed).map(|(hold, needed)| if *hold { needed } else { 0.0 }));
         let rows = ConstraintRows::held(&hold);
         self.write_constraints([&at.pairs, &at.slips], &rows, 1.0, |pair| &pair.gradient_end, &mut values);
@@ -54,7 +54,7 @@ where
         let lambda = right.split_off(unknowns);
         right.iter_mut().zip(given).for_each(|(a, given)| *a += given);
         let mut ties = vec![0.0; unknowns];
-        self.for_each_end_gradient(&at.pairs, |_, row, k, gradient| ties[k] += lambda[row] / scale * gradient);
+        self.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| ties[k] += lambda[row] / scale * gradient);
         Ok(Accelerations { nodes: right, ties })
     }
 }

@@ -88,25 +88,20 @@ impl<const D: usize> System<D> {
         self.pairs.iter().zip(pairs).zip(slips).flat_map(|((pair, pressing), slip)| pair.blocks([pressing, slip]))
     }
 
-    /// Rates `grad Phi_A(q_1).v` of all constraints at an iterate, as seen from obstacles that move.
-    pub fn rates(&self, pairs: &[Evaluation], v: &[f64]) -> Vec<f64> {
+    /// Rates `G_A v` of all rows, of those that press and the tangential ones, as seen from obstacles that move.
+    pub fn rates(&self, rows: [&[Evaluation]; 2], v: &[f64]) -> Vec<f64> {
         let mut rates = vec![0.0; self.multipliers];
-        self.for_each_end_gradient(pairs, |pair, row, k, gradient| {
+        self.for_each_end_gradient(rows, |pair, row, k, gradient| {
             rates[row] += gradient * (v[k] - pair.obstacle_velocity_along(k % D));
         });
         rates
     }
 
-    /// Tells every entry of the gradients at the end of the step of the rows that press: pair, row, unknown, value.
-    pub fn for_each_end_gradient(&self, pairs: &[Evaluation], mut tell: impl FnMut(&ContactPair, usize, usize, f64)) {
-        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
-            for row in pair.live_rows(evaluation) {
-                let gradient = &evaluation.gradient_end[row.gradient];
-                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
-                    for i in 0..D {
-                        tell(pair, row.row, node as usize * D + i, gradient[i]);
-                    }
-                }
+    /// Tells every entry of the gradients at the end of the step of all rows: pair, row, unknown, value.
+    pub fn for_each_end_gradient(&self, [pairs, slips]: [&[Evaluation]; 2], mut tell: impl FnMut(&ContactPair, usize, usize, f64)) {
+        for block in self.blocks(pairs, slips) {
+            for row in block.live_rows() {
+                row.unknowns::<D>().for_each(|(k, entry)| tell(block.pair, row.row, k, block.evaluation.gradient_end[entry]));
             }
         }
     }

@@ -30,6 +30,13 @@ pub struct Solution {
     pub preferred: Preferred,
 }
 
+impl Solution {
+    /// The multipliers of the rows that act, 0 for others.
+    pub fn multipliers(&self) -> Vec<f64> {
+        self.at.lambda.iter().zip(&self.active).map(|(&lambda, row)| if row.acts() { lambda } else { 0.0 }).collect()
+    }
+}
+
 /// The course of Newton's method, kept for the report of a failure.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {

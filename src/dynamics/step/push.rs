@@ -7,7 +7,9 @@ use super::failure::Failure;
 use super::iterate::Linearization;
 use super::system::System;
 use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::parts::laws::Equation;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -15,7 +17,7 @@ use crate::math::tolerances;
 pub struct Push {
     /// The change.
     pub velocity: Vec<f64>,
-    /// Impulses of the constraints.
+    /// Impulses of all rows, of those that press and the tangential ones.
     pub lambda: Vec<f64>,
     /// Impulses of supports and obstacles on the nodes.
     pub impulse: Vec<f64>,
@@ -23,40 +25,60 @@ pub struct Push {
     pub work: f64,
 }
 
+/// What makes a push.
+pub struct Cause<'a> {
+    /// What the rows are at the end of the step, those that press and the tangential ones.
+    pub rows: [&'a [Evaluation]; 2],
+    /// Impulses that are given.
+    pub lambda: &'a [f64],
+    /// Rows whose rates are given, and their changes.
+    pub hold: &'a [bool],
+    pub rate: &'a [f64],
+    /// Impulses of tangential rows over those of the rows that press beside them, in the order of all rows.
+    pub ratios: &'a [f64],
+}
+
 impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// `w` with `(M + beta K_m(q_1)) w = G_1^T (lambda + mu)` and `G_1 w = rate` where `hold`, at an iterate. `K_m` is the material
-    /// stiffness: its forces have neither resultant nor moment at `q_1`, so that `v_1 + s w` has the momenta of `v_1` for every `s`, up to
-    /// what supports and obstacles push.
+    /// `w` with `(M + beta K_m(q_1)) w = G_1^T (lambda + mu)` and `G_1 w = rate` where `hold`, at an iterate; `lambda + mu` of tangential
+    /// rows is that of the row that presses times their ratio. `K_m` is the material stiffness: its forces have neither resultant nor moment at
+    /// `q_1`, so that `v_1 + s w` has the momenta of `v_1` for every `s`, up to what supports and obstacles push.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
-    pub fn push(&mut self, at: &Linearization, beta: f64, lambda: &[f64], hold: &[bool], rate: &[f64]) -> Result<Push, Failure> {
+    pub fn push(&mut self, at: &Linearization, beta: f64, cause: &Cause) -> Result<Push, Failure> {
         let clock = Instant::now();
-        let (q_1, pairs) = (&at.q_1, &at.pairs);
+        let (q_1, &Cause { rows: evaluated, lambda, hold, rate, ratios }) = (&at.q_1, cause);
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, beta, &mut values);
         let free_values = self.supports.fixed.contains(&true).then(|| values.clone());
         // Masses as large as gradients, or the round-off of the constraints would be felt as momentum.
-        let gradient = pairs.iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
+        let gradient = evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
         let scale = gradient / self.nodes.largest_nodal_mass;
         values.iter_mut().for_each(|value| *value *= scale);
-        let rows = ConstraintRows::held(hold);
-        self.write_constraints([pairs, &at.slips], &rows, 1.0, |pair| &pair.gradient_end, &mut values);
+        let mut rows = ConstraintRows::held(hold);
+        let mut given: Vec<f64> = hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }).collect();
+        for pair in &self.pairs {
+            for (row, pressing) in pair.tangential().filter(|(row, _)| ratios[*row] != 0.0) {
+                rows.0[row] = Equation { acts: true, gradient: 0.0, diagonal: 1.0, normal: -ratios[row], right: 0.0 };
+                given[row] = scale * ratios[row] * lambda[pressing];
+            }
+        }
+        self.write_constraints(evaluated, &rows, 1.0, |pair| &pair.gradient_end, &mut values);
         self.matrix.finish(&rows, self.nodes.modulus, &mut values);
         let mut right = vec![0.0; q_1.len()];
-        self.for_each_end_gradient(pairs, |_, row, k, gradient| right[k] += scale * lambda[row] * gradient);
+        self.for_each_end_gradient(evaluated, |_, row, k, gradient| right[k] += scale * lambda[row] * gradient);
         right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(f, _)| *f = 0.0);
-        right.extend(hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }));
+        right.extend(given);
         self.counters.times.assembly += clock.elapsed();
         self.solve_with(&values, &mut right, Instant::now())?;
         let mu = right.split_off(q_1.len());
         let lambda: Vec<f64> = lambda.iter().zip(&mu).map(|(lambda, mu)| lambda + mu / scale).collect();
         let mut push = Push { velocity: right, lambda, impulse: Vec::new(), work: 0.0 };
         let (mut on_nodes, mut from_obstacles, mut work) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()], 0.0);
-        self.for_each_end_gradient(pairs, |pair, row, k, gradient| {
+        self.for_each_end_gradient(evaluated, |pair, row, k, gradient| {
             let f = push.lambda[row] * gradient;
             on_nodes[k] += f;
             if pair.kind == PairKind::Obstacle {

@@ -48,6 +48,7 @@ pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pi
     let scale = |(panel, values): (&Panel, &Vec<Vec<f64>>)| {
         let label = format!("{}{}", panel.field.words(), unit(panel));
         match panel.range {
+            _ if !panel.field.kinds().is_empty() => Scale::of_kinds(panel.field.kinds(), &label),
             Some(range) => Scale::new(range, &label),
             None => Scale::new(values.iter().flatten().copied(), &label),
         }
@@ -172,6 +173,9 @@ impl<'a> Layout<'a> {
             for (body, values) in self.bodies.iter().zip(values) {
                 out.begin_named(&body.name);
                 plane::body_into(out, body, values, &camera, scale, options.is_meshed);
+                if scale.has_kinds() {
+                    plane::kinds_into(out, body, values, &camera, scale);
+                }
                 out.end();
             }
         } else {

@@ -16,6 +16,8 @@ pub enum Field {
     Displacement,
     /// Length of the velocity.
     Velocity,
+    /// Which nodes of contacts stick and which slide, as [`BodyFields::contact_slip`] tells.
+    Slip,
     /// A component of the Cauchy stress, as an index into [`BodyFields::stress`].
     Stress(Component),
 }
@@ -45,6 +47,7 @@ impl Field {
         ("contact_pressure", "contact pressure", Field::ContactPressure),
         ("displacement", "displacement", Field::Displacement),
         ("velocity", "velocity", Field::Velocity),
+        ("slip", "stick and slip", Field::Slip),
         ("stress_xx", "stress xx", Field::Stress(Component::Xx)),
         ("stress_yy", "stress yy", Field::Stress(Component::Yy)),
         ("stress_zz", "stress zz", Field::Stress(Component::Zz)),
@@ -63,6 +66,11 @@ impl Field {
         Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1)
     }
 
+    /// Names of its values 1, 2, … where these are kinds and no quantities; 0 is then none of them.
+    pub fn kinds(self) -> &'static [&'static str] {
+        if self == Field::Slip { &["sticks", "slides"] } else { &[] }
+    }
+
     /// Its value at a node.
     pub fn value(self, body: &BodyFields, node: usize) -> f64 {
         let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
@@ -72,6 +80,7 @@ impl Field {
             Field::ContactPressure => body.contact_pressure[node],
             Field::Displacement => length(body.displacement[node]),
             Field::Velocity => length(body.velocity[node]),
+            Field::Slip => body.contact_slip[node],
             Field::Stress(component) => body.stress[node][component as usize],
         }
     }

@@ -1,5 +1,7 @@
 //! A plane body: filled contours, thin cell edges where there is room for them, an outline. Walls beside it.
 
+use std::collections::BTreeMap;
+
 use super::scale::{INK, Scale};
 use super::view::{Bounds, Camera};
 use crate::dynamics::BodyFields;
@@ -11,6 +13,8 @@ use crate::output::obstacles::Wall;
 const INVISIBLE: f64 = 0.1;
 /// Cells with shorter sides, in pixels on average, are drawn without their edges: they would hide the colors.
 const ROOM_FOR_EDGES: f64 = 5.0;
+/// Width of lines that tell kinds, in pixels.
+const KIND: f64 = 4.5;
 /// What rigid obstacles are made of.
 const WALL: [u8; 3] = [176, 180, 186];
 
@@ -25,6 +29,22 @@ pub(super) fn body_into(out: &mut Drawing, body: &BodyFields, values: &[f64], ca
         out.paint(edges, Ink::Stroke(Stroke { opacity: 0.28, ..Stroke::new([0; 3], 0.5) }));
     }
     out.paint(outline, Ink::Stroke(Stroke::new(INK, 1.1)));
+}
+
+/// The hull of a plane body in the colors of the kinds that its nodes are, each up to the middle of the pieces to its neighbors.
+pub(super) fn kinds_into(out: &mut Drawing, body: &BodyFields, values: &[f64], camera: &Camera, scale: &Scale) {
+    let mut halves: BTreeMap<usize, Vec<Line>> = BTreeMap::new();
+    for ends in body.mesh.outline() {
+        let [a, b] = ends.map(|node| camera.place(body.position(node as usize)));
+        let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+        for (node, at) in [(ends[0], a), (ends[1], b)] {
+            let kind = values[node as usize] as usize;
+            if kind > 0 {
+                halves.entry(kind).or_default().push(Line::open([at, middle]));
+            }
+        }
+    }
+    halves.into_iter().for_each(|(kind, lines)| out.paint(lines, Ink::Stroke(Stroke::new(scale.kind_color(kind), KIND))));
 }
 
 /// The outline of a plane body before it was deformed.
@@ -66,8 +86,11 @@ pub(super) fn has_room_for_edges(edges: impl Iterator<Item = [Point; 2]>) -> boo
     length >= ROOM_FOR_EDGES * f64::from(count)
 }
 
-/// Filled contours: the whole patch in the color of its lowest band, then what is above each further level.
+/// Filled contours: the whole patch in the color of its lowest band, then what is above each further level; plain where values are kinds.
 pub(super) fn contours_into(out: &mut Drawing, patch: &Patch, outline: &[Line], scale: &Scale, light: f64) {
+    if scale.has_kinds() {
+        return out.paint(outline.to_vec(), Ink::Fill(scale.color(0, light)));
+    }
     let lowest = scale.band(patch.range()[0]);
     out.paint(outline.to_vec(), Ink::Fill(scale.color(lowest, light)));
     for band in lowest + 1..=scale.band(patch.range()[1]) {

@@ -10,6 +10,8 @@ pub(super) const BANDS: usize = 41;
 pub(super) const TEXT: f64 = 16.0;
 /// Outlines.
 pub(super) const INK: Color = [34; 3];
+/// Colors of kinds, none of them first; they are told apart with any color vision.
+const KINDS: [Color; 3] = [[222, 224, 228], [33, 102, 172], [230, 97, 1]];
 /// Width of the bar in pixels.
 const WIDTH: f64 = 18.0;
 
@@ -19,6 +21,8 @@ pub(super) struct Scale {
     low: f64,
     high: f64,
     label: String,
+    /// Names of the values 1, 2, … where they are kinds and no quantities.
+    kinds: &'static [&'static str],
 }
 
 impl Scale {
@@ -26,12 +30,28 @@ impl Scale {
     pub fn new(values: impl IntoIterator<Item = f64>, label: &str) -> Self {
         let axis = Axis::over(values, 6);
         let label = axis.name(label);
-        Scale { low: axis.unscaled(axis.low), high: axis.unscaled(axis.high), axis, label }
+        Scale { low: axis.unscaled(axis.low), high: axis.unscaled(axis.high), axis, label, kinds: &[] }
+    }
+
+    /// A scale of kinds with these names.
+    pub fn of_kinds(kinds: &'static [&'static str], label: &str) -> Self {
+        Scale { kinds, ..Scale::new([], label) }
+    }
+
+    /// Whether values are kinds and no quantities.
+    pub fn has_kinds(&self) -> bool {
+        !self.kinds.is_empty()
+    }
+
+    /// Color of a kind.
+    pub fn kind_color(&self, kind: usize) -> Color {
+        KINDS[kind.min(KINDS.len() - 1)]
     }
 
     /// Color of a band under a light from 0 to 1.
     pub fn color(&self, band: usize, light: f64) -> Color {
-        viridis((band as f64 + 0.5) / BANDS as f64).map(|channel| (channel * light).round() as u8)
+        let color = if self.has_kinds() { KINDS[0].map(f64::from) } else { viridis((band as f64 + 0.5) / BANDS as f64) };
+        color.map(|channel| (channel * light).round() as u8)
     }
 
     /// Lower end of a band.
@@ -47,12 +67,19 @@ impl Scale {
 
     /// Width of the bar with its numbers and the name of the field.
     pub fn width(&self) -> f64 {
-        let widest = self.axis.ticks.iter().map(|&tick| text_width(&self.axis.label(tick), TEXT)).fold(0.0, f64::max);
+        let numbers = self.axis.ticks.iter().map(|&tick| text_width(&self.axis.label(tick), TEXT));
+        let names = self.kinds.iter().map(|name| text_width(name, TEXT));
+        let widest = if self.has_kinds() { names.fold(0.0, f64::max) } else { numbers.fold(0.0, f64::max) };
         WIDTH + 8.0 + widest + 10.0 + TEXT
     }
 
     /// Draws the bar with its upper left corner there.
     pub fn bar_into(&self, out: &mut Drawing, [x, y]: Point, height: f64) {
+        let label = elided(&self.label, TEXT, height + 40.0);
+        out.upward_text([x + self.width() - 4.0, y + 0.5 * height], label, TEXT, Anchor::Middle);
+        if self.has_kinds() {
+            return self.names_into(out, [x, y + 0.5 * height]);
+        }
         for band in 0..BANDS {
             // Each reaches up to the end of the bar: no hairlines between them.
             let size = height * (1.0 - band as f64 / BANDS as f64);
@@ -65,7 +92,15 @@ impl Scale {
             out.line([[x + WIDTH, at], [x + WIDTH + 4.0, at]], thin);
             out.text([x + WIDTH + 8.0, at + 0.35 * TEXT], self.axis.label(tick), TEXT, Anchor::Start);
         }
-        let label = elided(&self.label, TEXT, height + 40.0);
-        out.upward_text([x + self.width() - 4.0, y + 0.5 * height], label, TEXT, Anchor::Middle);
+    }
+
+    /// The kinds with their names, one below the other, the middle of their left side there.
+    fn names_into(&self, out: &mut Drawing, [x, middle]: Point) {
+        let line = 1.5 * TEXT;
+        for (index, name) in self.kinds.iter().enumerate() {
+            let y = middle + line * (index as f64 - 0.5 * self.kinds.len() as f64);
+            out.filled_box([x, y], [x + WIDTH, y + TEXT], self.kind_color(index + 1));
+            out.text([x + WIDTH + 8.0, y + 0.85 * TEXT], *name, TEXT, Anchor::Start);
+        }
     }
 }

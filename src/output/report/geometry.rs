@@ -38,16 +38,8 @@ impl Surface {
         let mut edges: Vec<[u32; 2]> = polygons.iter().flat_map(|polygon| sides(polygon)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();
         edges.dedup();
-        let outline = if mesh.dimension() == 2 {
-            // Start, end and, on curved cells, the middle.
-            let halves = |facet: &Vec<u32>| match facet[..] {
-                [start, end, middle] => vec![[start, middle], [middle, end]],
-                _ => vec![[facet[0], facet[1]]],
-            };
-            hull.iter().flat_map(halves).collect()
-        } else {
-            sharp(&points, &hull)
-        };
+        let outline =
+            if mesh.dimension() == 2 { mesh.outline().into_iter().map(|ends| ends.map(place)).collect() } else { sharp(&points, &hull) };
         Surface { points, triangles, edges, outline }
     }
 }

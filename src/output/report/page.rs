@@ -136,12 +136,12 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
 /// The fields by which a picture may be colored, with their ranges in all stills.
 pub fn fields(dimension: usize, stills: &[&Still]) -> Vec<Value> {
     let fields = Field::ALL.iter().enumerate().filter(|(_, (name, ..))| dimension == 3 || !["stress_yz", "stress_xz"].contains(name));
-    let field = |(index, (name, words, _)): (usize, &(&str, &str, _))| {
+    let field_of = |(index, (name, words, field)): (usize, &(&str, &str, Field))| {
         let ranges = stills.iter().map(|still| still.extremes[index]);
         let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
-        json!({ "name": name, "words": words, "low": low, "high": high })
+        json!({ "name": name, "words": words, "low": low, "high": high, "kinds": field.kinds() })
     };
-    fields.map(field).collect()
+    fields.map(field_of).collect()
 }
 
 /// Longest vector of contact pressure in all stills.

@@ -288,30 +288,35 @@ fn table() -> Function {
         see_also: &["hat", "ramp", "sine"],
         body: body(|call| {
             let argument = call.argument("points");
-            let mut points = Vec::new();
-            for entry in argument.array()? {
-                let pair: Option<Vec<f64>> = entry.read_lock::<rhai::Array>().and_then(|pair| pair.iter().map(as_number).collect());
-                match pair.as_deref() {
-                    Some([time, value]) if time.is_finite() && value.is_finite() => points.push((*time, *value)),
-                    _ => {
-                        let given = describe(call.engine(), &entry);
-                        let failure = argument.fail("every point of `table` must be a pair `[time, value]`");
-                        return Err(failure.label(format!("this contains {given}")).hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into());
-                    }
-                }
-            }
-            match points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
-                Some(pair) => Err(argument
-                    .fail("the times of `table` must increase")
-                    .label(format!("{} comes after {}", number_text(pair[1].0), number_text(pair[0].0)))
-                    .hint("sort the points; a jump needs two times close to each other")
-                    .into()),
-                None => match Table::new(points) {
-                    Some(table) => Ok(Dynamic::from(TimeFunctionHandle(Arc::new(table)))),
-                    None => Err(argument.fail("`table` needs at least one point").hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into()),
-                },
+            match Table::new(points_of(&argument, ["time", "value"])?) {
+                Some(table) => Ok(Dynamic::from(TimeFunctionHandle(Arc::new(table)))),
+                None => Err(argument.fail("`table` needs at least one point").hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into()),
             }
         }),
+    }
+}
+
+/// Points in ascending order that are given as an array of pairs of numbers with these names.
+pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<(f64, f64)>, Failure> {
+    let function = argument.call().function.name;
+    let mut points = Vec::new();
+    for entry in argument.array()? {
+        let pair: Option<Vec<f64>> = entry.read_lock::<rhai::Array>().and_then(|pair| pair.iter().map(as_number).collect());
+        match pair.as_deref() {
+            Some([x, y]) if x.is_finite() && y.is_finite() => points.push((*x, *y)),
+            _ => {
+                let given = describe(argument.call().engine(), &entry);
+                let failure = argument.fail(format!("every point of `{function}` must be a pair `[{first}, {second}]`"));
+                return Err(failure.label(format!("this contains {given}")).hint("write `[[0.0, 0.0], [1.0, 5.0]]`"));
+            }
+        }
+    }
+    match points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
+        Some(pair) => Err(argument
+            .fail(format!("the {first}s of `{function}` must increase"))
+            .label(format!("{} comes after {}", number_text(pair[1].0), number_text(pair[0].0)))
+            .hint(format!("sort the points; a jump needs two {first}s close to each other"))),
+        None => Ok(points),
     }
 }
 

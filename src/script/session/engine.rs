@@ -14,6 +14,7 @@ use super::help;
 use super::modules::{KEEP_CONTEXT, Modules};
 use crate::machine::memory::{self, written};
 use crate::script::api;
+use crate::script::api::contacts::friction::FrictionHandle;
 use crate::script::api::contacts::methods::ContactMethodHandle;
 use crate::script::api::contacts::obstacles::ObstacleHandle;
 use crate::script::api::materials::MaterialHandle;
@@ -149,6 +150,7 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<BoundaryHandle>(engine);
     types.add::<ContactMethodHandle>(engine);
     types.add::<ObstacleHandle>(engine);
+    types.add::<FrictionHandle>(engine);
     types.add::<ProbeHandle>(engine);
     types.add::<ContactHandle>(engine);
     types.add::<ReactionHandle>(engine);

@@ -53,7 +53,7 @@ class Film {
     this.at = -1;
     this.now = bodies.map((body) => ({
       values: Array.from({ length: this.components }, () => new Float32Array(body.nodes)),
-      touching: new Uint32Array(0), pressure: new Float32Array(0), pressing: new Float32Array(0),
+      touching: new Uint32Array(0), slip: new Uint8Array(0), pressure: new Float32Array(0), pressing: new Float32Array(0),
     }));
   }
 
@@ -104,7 +104,12 @@ class Film {
       now.touching = new Uint32Array(count);
       now.pressure = new Float32Array(count);
       now.pressing = new Float32Array(count * D);
-      for (let i = 0; i < count; i += 1) now.touching[i] = view.getUint32(at + 4 * i, true);
+      now.slip = new Uint8Array(count);
+      for (let i = 0; i < count; i += 1) {
+        const word = view.getUint32(at + 4 * i, true);
+        now.touching[i] = word & 0x3fffffff;
+        now.slip[i] = word >>> 30;
+      }
       at += 4 * count;
       for (let i = 0; i < count; i += 1, at += 4 * (1 + D)) {
         now.pressure[i] = view.getFloat32(at, true);
@@ -117,7 +122,7 @@ class Film {
 
   // Values of a field at the nodes of a body in the still that is shown.
   field(name, body, out) {
-    const { values, touching, pressure } = this.now[body];
+    const { values, touching, slip, pressure } = this.now[body];
     const D = this.dimension, S = values.slice(2 * D), count = out.length;
     const length = (vector) => {
       for (let i = 0; i < count; i += 1) out[i] = vector.length === 2 ? Math.hypot(vector[0][i], vector[1][i]) : Math.hypot(vector[0][i], vector[1][i], vector[2][i]);
@@ -127,6 +132,9 @@ class Film {
     else if (name === "contact_pressure") {
       out.fill(0);
       touching.forEach((node, i) => { out[node] = pressure[i]; });
+    } else if (name === "slip") {
+      out.fill(0);
+      touching.forEach((node, i) => { out[node] = slip[i]; });
     } else if (name === "pressure") for (let i = 0; i < count; i += 1) out[i] = -(S[0][i] + S[1][i] + S[2][i]) / 3;
     else if (name === "von_mises") {
       for (let i = 0; i < count; i += 1) {

@@ -1,8 +1,8 @@
 // The page: puts the parts together, plays, and listens.
 
 const THEMES = {
-  light: { back: 0xffffffff, ink: "#1c1f24", dark: 0xff241f1c, faint: 0xff6b6660, wall: "#b0b4ba", arrow: "#c2261f", halo: "#ffffff" },
-  dark: { back: 0xff1c1714, ink: "#e8eaee", dark: 0xffeeeae8, faint: 0xff5a5148, wall: "#6a7079", arrow: "#ff8f7a", halo: "#14171c" },
+  light: { back: 0xffffffff, ink: "#1c1f24", dark: 0xff241f1c, faint: 0xff6b6660, wall: "#b0b4ba", arrow: "#c2261f", halo: "#ffffff", plain: 0xffe4e0de, kinds: ["#2166ac", "#e66101"] },
+  dark: { back: 0xff1c1714, ink: "#e8eaee", dark: 0xffeeeae8, faint: 0xff5a5148, wall: "#6a7079", arrow: "#ff8f7a", halo: "#14171c", plain: 0xff504942, kinds: ["#67a9f0", "#ff9440"] },
 };
 
 class Page {
@@ -190,15 +190,21 @@ class Page {
     const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
     const range = this.range(field);
     $("scale-title").textContent = field.words;
-    $("scale-low").textContent = brief(range[0]);
-    $("scale-middle").textContent = brief(0.5 * (range[0] + range[1]));
-    $("scale-high").textContent = brief(range[1]);
+    // Kinds of which there are none are not worth a choice.
+    this.data.fields.forEach(({ kinds, high }, k) => { $("field").options[k].hidden = kinds.length > 0 && !(high > 0); });
+    const { kinds } = field, theme = this.theme();
+    const marks = kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map(brief);
+    ["scale-low", "scale-middle", "scale-high"].forEach((id, k) => {
+      $(id).textContent = marks[k];
+      $(id).style.color = kinds.length ? theme.kinds[k >> 1] : "";
+    });
+    $("ramp").hidden = kinds.length > 0;
     const hasArrows = $("arrows").checked && !$("arrows-label").hidden;
     $("arrow-key").textContent = hasArrows ? `→ contact pressure, longest of the run ${brief(this.data.pressing)}` : "";
     const typed = $("factor").value.trim() === "" ? NaN : Number($("factor").value);
     this.scene.draw({
       field: field.name, range, factor: Number.isFinite(typed) ? typed : 1, hasMesh: $("mesh").checked, hasArrows,
-      isUndeformed: $("undeformed").checked, theme: this.theme(), obstacles: this.data.stills[this.still].obstacles,
+      hasKinds: kinds.length > 0, isUndeformed: $("undeformed").checked, theme, obstacles: this.data.stills[this.still].obstacles,
     });
     this.redraws += 1;
     this.lastRedraw = performance.now() - begun;
@@ -324,7 +330,8 @@ class Page {
     if (!found) return;
     const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
     const values = this.film.field(field.name, found.body, new Float32Array(this.bodies[found.body].nodes));
-    tip.textContent = `${this.bodies[found.body].name}: ${field.words} ${brief(values[found.node])}`;
+    const value = values[found.node], told = field.kinds.length ? field.kinds[value - 1] ?? "no" : brief(value);
+    tip.textContent = `${this.bodies[found.body].name}: ${field.words} ${told}`;
     tip.style.left = `${Math.min(event.offsetX + 14, Math.max($("canvas").clientWidth - tip.offsetWidth - 4, 0))}px`;
     tip.style.top = `${event.offsetY + 14}px`;
   }

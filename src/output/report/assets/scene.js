@@ -126,8 +126,8 @@ class Scene {
     }
   }
 
-  paintBody(k) {
-    const { triangles } = this.bodies[k], p = this.places[k], v = this.values[k], flat = this.shades[7];
+  paintBody(k, plain) {
+    const { triangles } = this.bodies[k], p = this.places[k], v = this.values[k], flat = plain ?? this.shades[7];
     for (let t = 0; t < triangles.length; t += 3) {
       const a = triangles[t], b = triangles[t + 1], c = triangles[t + 2], i = 3 * a, j = 3 * b, l = 3 * c;
       let colors = flat;
@@ -137,7 +137,7 @@ class Scene {
         // The picture's y points down, so a facet that faces the viewer turns clockwise.
         if (nz >= 0) continue;
         const lit = (-0.21 * -nx + 0.4 * ny + 0.89 * -nz) / Math.hypot(nx, ny, nz);
-        colors = this.shades[Math.round(7 * clamp(lit, 0, 1))];
+        colors = plain ?? this.shades[Math.round(7 * clamp(lit, 0, 1))];
       }
       this.triangle(p[i], p[i + 1], p[i + 2], v[a], p[j], p[j + 1], p[j + 2], v[b], p[l], p[l + 1], p[l + 2], v[c], colors);
     }
@@ -165,11 +165,12 @@ class Scene {
     const [low, high] = look.range, factor = high > low ? 255.99 / (high - low) : 0;
     this.bodies.forEach((_, k) => {
       const values = this.film.field(look.field, k, this.values[k]);
+      if (look.hasKinds) return;
       for (let i = 0; i < values.length; i += 1) values[i] = factor ? (values[i] - low) * factor : 0;
     });
     this.pixels.fill(look.theme.back);
     if (this.depths) this.depths.fill(-Infinity);
-    this.bodies.forEach((_, k) => this.paintBody(k));
+    this.bodies.forEach((_, k) => this.paintBody(k, look.hasKinds ? new Uint32Array(256).fill(look.theme.plain) : null));
     if (this.isSpace) this.spaceLines(look);
     context.putImageData(this.image, 0, 0);
     this.walls(look);
@@ -223,6 +224,24 @@ class Scene {
       context.strokeStyle = look.theme.ink;
       context.lineWidth = 1.2 * fineness;
       this.path(outline, p);
+      if (look.hasKinds) this.kinds(look, outline, p, this.values[k]);
+    });
+  }
+
+  // The outline in the colors of the kinds that its nodes are, each up to the middle of the pieces to its neighbors.
+  kinds(look, outline, p, values) {
+    const { context, fineness } = this;
+    look.theme.kinds.forEach((color, kind) => {
+      context.strokeStyle = color;
+      context.lineWidth = 4 * fineness;
+      context.beginPath();
+      for (let e = 0; e < outline.length; e += 1) {
+        if (values[outline[e]] !== kind + 1) continue;
+        const i = 3 * outline[e], j = 3 * outline[e ^ 1];
+        context.moveTo(p[i], p[i + 1]);
+        context.lineTo(0.5 * (p[i] + p[j]), 0.5 * (p[i + 1] + p[j + 1]));
+      }
+      context.stroke();
     });
   }
 

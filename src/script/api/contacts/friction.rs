@@ -2,42 +2,45 @@
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, FnPtr};
+use rhai::{Dynamic, EvalAltResult, FnPtr};
 
-use crate::contact::{Coulomb, ROUGH};
+use crate::contact::{Coulomb, FrictionCurve, ROUGH};
 use crate::dynamics::{Coefficient, Friction};
 use crate::math::catalogue::Interval;
-use crate::script::api::time_functions::{amplitude_of, place_function};
+use crate::script::api::time_functions::{amplitude_of, place_function, points_of};
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::callback::Callback;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::values::as_number;
+use crate::script::language::values::{as_number, describe};
+
+/// Speeds at which a closure is asked for its coefficient: those in this range of powers of ten, so many for each, and 0.
+const DECADES: [i32; 2] = [-12, 12];
+const SPEEDS: i32 = 128;
 
 /// A law of friction with its coefficient.
 #[derive(Clone)]
-pub struct FrictionHandle(Friction);
+pub struct FrictionHandle {
+    friction: Friction,
+    /// How it would be written.
+    written: String,
+}
 
 impl Handle for FrictionHandle {
     const NAME: &'static str = "FrictionLaw";
-    const MAKER: &'static str = "make one with `coulomb` or `rough`";
+    const MAKER: &'static str = "make one with `coulomb`, `friction_curve` or `rough`";
 
     fn describe(&self) -> String {
-        let Friction { coefficient, .. } = &self.0;
-        let coefficient = match coefficient {
-            Coefficient::Constant(value) => number_text(*value),
-            Coefficient::OverTime(function) => function.describe(),
-            Coefficient::OverPlace(function) => function.describe(),
-        };
-        format!("coulomb(#{{ coefficient: {coefficient} }})")
+        self.written.clone()
     }
 }
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![coulomb(), rough()]
+    vec![coulomb(), friction_curve(), rough()]
 }
 
 fn coulomb() -> Function {
@@ -72,7 +75,7 @@ fn coulomb() -> Function {
         example: "print(coulomb(#{ coefficient: 0.3 }));\nlet rubber = coulomb(#{ coefficient: 0.6, at_rest: 1.5, transition_speed: 0.01, \
                   viscosity: 20.0 });"
             .into(),
-        see_also: &["rough", "add_contact"],
+        see_also: &["friction_curve", "rough", "add_contact"],
         body: body(|call| {
             let options = call.options("options")?;
             let coefficient = coefficient_of(&options.argument("coefficient"))?;
@@ -101,9 +104,85 @@ fn coulomb() -> Function {
                 most: options.optional_number("most")?.unwrap_or(f64::INFINITY),
                 viscosity: options.number("viscosity")?,
             };
-            Ok(Dynamic::from(FrictionHandle(Friction { law: Arc::new(law), coefficient })))
+            let number = |name: &&str| Some(format!("{name}: {}", number_text(as_number(&options.argument(name).value())?)));
+            let others = ["at_rest", "transition_speed", "exponent", "adhesion", "most", "viscosity"];
+            let entries: Vec<String> =
+                std::iter::once(format!("coefficient: {}", written(&coefficient))).chain(others.iter().filter_map(number)).collect();
+            let written = format!("coulomb(#{{ {} }})", entries.join(", "));
+            Ok(Dynamic::from(FrictionHandle { friction: Friction { law: Arc::new(law), coefficient }, written }))
         }),
     }
+}
+
+/// How a coefficient would be written.
+fn written(coefficient: &Coefficient) -> String {
+    match coefficient {
+        Coefficient::Constant(value) => number_text(*value),
+        Coefficient::OverTime(function) => function.describe(),
+        Coefficient::OverPlace(function) => function.describe(),
+    }
+}
+
+fn friction_curve() -> Function {
+    Function {
+        name: "friction_curve",
+        form: Form::Function,
+        topic: Topic::Contact,
+        summary: "friction for a contact whose coefficient is any function of the speed with which surfaces slide on each other",
+        parameters: vec![Parameter::new(
+            "coefficient",
+            Kind::Either("an array of `[speed, coefficient]` pairs or a closure `|v| …`"),
+            "the coefficient: linear between pairs and constant beyond them; a closure is asked once at 128 speeds in every power \
+             of ten",
+        )],
+        returns: FrictionHandle::NAME,
+        example: "let measured = friction_curve([[0.0, 0.45], [0.05, 0.32], [1.0, 0.3]]);
+                  let stribeck = friction_curve(|v| 0.2 + 0.1 * exp(-v / 0.01) + 0.05 * v);"
+            .into(),
+        see_also: &["coulomb", "rough", "add_contact"],
+        body: body(|call| {
+            let argument = call.argument("coefficient");
+            let value = argument.value();
+            let (points, written) = match value.read_lock::<FnPtr>() {
+                Some(function) => {
+                    argument.check_parameters(&function, "|v|")?;
+                    (sampled(&argument, &Callback::new(call, function.clone()))?, "friction_curve(|v| …)".to_string())
+                }
+                None => {
+                    let points = points_of(&argument, ["speed", "coefficient"])?;
+                    let count = points.len();
+                    (points, format!("friction_curve([… {count} pairs …])"))
+                }
+            };
+            let Some(curve) = FrictionCurve::new(points) else {
+                let failure =
+                    argument.fail("speeds and coefficients of `friction_curve` must be 0 or more, and at least one pair is needed");
+                return Err(failure.hint("write `[[0.0, 0.45], [1.0, 0.3]]`").into());
+            };
+            let friction = Friction { law: Arc::new(curve), coefficient: Coefficient::Constant(1.0) };
+            Ok(Dynamic::from(FrictionHandle { friction, written }))
+        }),
+    }
+}
+
+/// What a closure of the speed gives at many speeds.
+fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, Box<EvalAltResult>> {
+    let powers = (DECADES[0] * SPEEDS..=DECADES[1] * SPEEDS).map(|k| 10f64.powf(f64::from(k) / f64::from(SPEEDS)));
+    let coefficient = |speed: f64| {
+        let value = closure.call([Dynamic::from(speed)])?;
+        match as_number(&value) {
+            Some(number) if number.is_finite() && number >= 0.0 => Ok((speed, number)),
+            _ => {
+                let failure = argument.fail(format!("{} must give a coefficient of 0 or more", argument.title()));
+                let given = describe(argument.call().engine(), &value);
+                Err(failure
+                    .label(format!("at the speed {} this gives {given}", number_text(speed)))
+                    .hint("write `|v| max(0.0, …)`: it is asked for speeds from 0 to 1e12")
+                    .into())
+            }
+        }
+    };
+    std::iter::once(0.0).chain(powers).map(coefficient).collect()
 }
 
 fn rough() -> Function {
@@ -115,8 +194,8 @@ fn rough() -> Function {
         parameters: Vec::new(),
         returns: FrictionHandle::NAME,
         example: "print(rough());".into(),
-        see_also: &["coulomb", "add_contact"],
-        body: body(|_| Ok(Dynamic::from(FrictionHandle(plain(Coefficient::Constant(ROUGH)))))),
+        see_also: &["coulomb", "friction_curve", "add_contact"],
+        body: body(|_| Ok(Dynamic::from(FrictionHandle { friction: plain(Coefficient::Constant(ROUGH)), written: "rough()".into() }))),
     }
 }
 
@@ -124,7 +203,7 @@ fn rough() -> Function {
 pub fn friction_parameter() -> Parameter {
     Parameter::new(
         "friction",
-        Kind::Either("a coefficient, `coulomb(…)`, `rough()` or `\"none\"`"),
+        Kind::Either("a coefficient, `coulomb(…)`, `friction_curve(…)`, `rough()` or `\"none\"`"),
         "what opposes the sliding of surfaces that are pressed: a number is the coefficient of Coulomb's law",
     )
     .or(Absent::Means("none: surfaces slide freely"))
@@ -137,7 +216,7 @@ pub fn friction_of(options: &Options) -> Result<Option<Friction>, Failure> {
         return Ok(None);
     }
     let value = argument.value();
-    if let Some(FrictionHandle(friction)) = value.clone().try_cast::<FrictionHandle>() {
+    if let Some(FrictionHandle { friction, .. }) = value.clone().try_cast::<FrictionHandle>() {
         return Ok(Some(friction));
     }
     if let Ok(word) = value.clone().into_string() {

@@ -92,6 +92,7 @@ impl Handle for FailedStepHandle {
 /// The cause in two words.
 fn name_of(cause: &FailureCause) -> &'static str {
     match cause {
+        FailureCause::CyclingContact { is_slip: true, .. } => "cycling friction",
         FailureCause::CyclingContact { .. } => "cycling contact",
         FailureCause::SlowConvergence => "slow convergence",
         FailureCause::Divergence => "divergence",

@@ -36,7 +36,8 @@ pub(super) fn keys() -> Vec<Parameter> {
             "field",
             Kind::Either("a field's name or an array of names"),
             "the field that gives the colors, or several, one panel each: `von_mises`, `pressure`, `contact_pressure`, `displacement`, \
-             `velocity`, `stress_xx`, `stress_yy`, `stress_zz`, `stress_xy`, `stress_yz`, `stress_xz`",
+             `velocity`, `slip` (which nodes stick and which slide against friction), `stress_xx`, `stress_yy`, `stress_zz`, `stress_xy`, \
+             `stress_yz`, `stress_xz`",
         )
         .or(Absent::Text("von_mises")),
         optional(
