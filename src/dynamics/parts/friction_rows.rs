@@ -96,10 +96,21 @@ pub struct SlipRow<'a> {
     pub c: f64,
     /// Slip that counts as zero.
     pub tolerance: f64,
+    /// Slip with which a row that slid has no speed at the end of the step; 0 for others.
+    pub rest: f64,
     /// Whether supports keep it from sliding whatever presses: then its multiplier follows from its slip, and stays as it was without one.
     pub is_held: bool,
 }
 
+/// What slips and multipliers a step admits beside each other: with `s` the dry multiplier against the direction of `rest`, a graph that
+/// rises in steps,
+///
+/// ```text
+/// slip < 0: s = -L    slip = 0: -L <= s <= 0    0 < slip < rest: s = 0    slip = rest: 0 <= s <= L    slip > rest: s = L
+/// ```
+///
+/// so that no state gives energy. A stick alone (`rest` = 0: `|s| <= L` where the slip is 0) would turn the speed of what comes to rest
+/// around, again and again from step to step, by forces that use up what friction holds.
 impl SlipRow<'_> {
     /// The largest multiplier at the speed of a slip, with its derivatives with respect to the pressing multiplier and to the slip's size.
     fn limit(&self, slip: f64) -> Limit {
@@ -128,9 +139,25 @@ impl SlipRow<'_> {
         self.lambda + self.film() * self.slip
     }
 
-    /// Dry multiplier that the row would have if it stuck from here.
-    fn trial(&self) -> f64 {
-        self.dry() - self.c * self.slip
+    /// Direction of `rest`, and its size: 0 where that is round-off.
+    fn stop(&self) -> (f64, f64) {
+        let size = self.rest.abs();
+        (1f64.copysign(self.rest), if self.is_clear(size) { size } else { 0.0 })
+    }
+
+    /// Where the row is on the graph with this limit, and the multiplier there: the point next to slip and multiplier, by `c`.
+    fn nearest(&self, limit: f64) -> (RowState, f64) {
+        let (sense, rest) = self.stop();
+        let z = sense * (self.c * self.slip - self.dry());
+        let (state, s) = match z {
+            _ if z < -limit => (RowState::sliding(sense), -limit),
+            _ if rest == 0.0 && z <= limit => (RowState::Closed, z),
+            _ if z <= 0.0 => (RowState::Closed, z),
+            _ if z < self.c * rest => (RowState::Turns, 0.0),
+            _ if z <= self.c * rest + limit => (RowState::Stops, z - self.c * rest),
+            _ => (RowState::sliding(-sense), limit),
+        };
+        (state, -sense * s)
     }
 
     /// State of a row that supports hold.
@@ -140,14 +167,15 @@ impl SlipRow<'_> {
 
     /// The state with which an iteration begins.
     pub fn first_state(&self) -> RowState {
-        let trial = self.trial();
         if self.is_held {
             return self.held();
         }
-        let limit = self.limit(self.slip).shear;
+        let (limit, trial) = (self.limit(self.slip).shear, self.dry() - self.c * self.slip);
         // What is pressed by nothing yet, and does not move, begins by sticking.
-        let is_new = trial == 0.0 && self.normal <= 0.0;
-        if trial.abs() <= limit && (limit > 0.0 || is_new) { RowState::Closed } else { RowState::sliding(trial) }
+        match limit > 0.0 || (trial == 0.0 && self.normal <= 0.0) {
+            true => self.nearest(limit).0,
+            false => RowState::sliding(trial),
+        }
     }
 
     /// Natural residual: by how much the row is off, as a slip, and the energy that goes with it.
@@ -156,7 +184,7 @@ impl SlipRow<'_> {
         let off = match self.is_held {
             true if self.is_clear(self.slip.abs()) => self.dry() + limit * self.slip.signum(),
             true => self.lambda - self.lambda.clamp(-limit, limit),
-            false => self.dry() - self.trial().clamp(-limit, limit),
+            false => self.dry() - self.nearest(limit).1,
         };
         (off / self.c, off * self.slip)
     }
@@ -166,7 +194,12 @@ impl SlipRow<'_> {
         let Some(sense) = state.sense() else {
             return match state {
                 RowState::Open => Equation::OPEN,
+                RowState::Turns => {
+                    let by = 1.0 / self.c;
+                    Equation { acts: true, gradient: by * self.film(), diagonal: by, normal: 0.0, right: -by * self.film() * self.slip }
+                }
                 _ if self.is_held => self.kept(),
+                RowState::Stops => Equation::held(self.compliance, self.compliance * self.lambda - self.slip + self.rest),
                 _ => Equation::held(self.compliance, self.compliance * self.lambda - self.slip),
             };
         };
@@ -201,17 +234,24 @@ impl SlipRow<'_> {
         if self.is_held {
             return (state != self.held()).then(|| (self.held(), self.slip.abs()));
         }
-        match state.sense() {
-            None => {
-                let (dry, limit) = (self.dry(), self.limit(0.0).shear);
-                let over = (dry.abs() - limit) / self.c;
-                self.is_clear(over).then(|| (RowState::sliding(dry), over))
-            }
-            Some(sense) => {
-                let back = sense * self.slip;
-                (self.is_clear(back) && self.limit(0.0).shear > 0.0).then_some((RowState::Closed, back))
-            }
-        }
+        let ((sense, rest), limit) = (self.stop(), self.limit(0.0).shear);
+        let (s, slip) = (-sense * self.dry() / self.c, sense * self.slip);
+        let (most, stopped) = (limit / self.c, self.limit(self.rest).shear / self.c);
+        let slides = |s: f64| RowState::sliding(-sense * s);
+        // How far it is beyond either end of its part of the graph, and what lies there.
+        let (below, above) = match state {
+            RowState::Open | RowState::Closed if rest == 0.0 => ((-most - s, slides(-1.0)), (s - most, slides(1.0))),
+            RowState::Open | RowState::Closed => ((-most - s, slides(-1.0)), (s, RowState::Turns)),
+            RowState::Turns => ((-slip, RowState::Closed), (slip - rest, RowState::Stops)),
+            RowState::Stops => ((-s, RowState::Turns), (s - stopped, slides(1.0))),
+            // Without a limit there is nothing but to slide, one way or the other.
+            RowState::Forward | RowState::Backward if limit <= 0.0 => return None,
+            _ if state == slides(-1.0) => ((0.0, state), (slip, RowState::Closed)),
+            _ if rest == 0.0 => ((-slip, RowState::Closed), (0.0, state)),
+            _ => ((rest - slip, RowState::Stops), (0.0, state)),
+        };
+        let (off, next) = if below.0 > above.0 { below } else { above };
+        self.is_clear(off).then_some((next, off))
     }
 }
 
@@ -222,7 +262,7 @@ mod tests {
 
     fn row(law: &dyn FrictionLaw, normal: f64, lambda: f64, slip: f64) -> SlipRow<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        SlipRow { law, coefficient, normal, lambda, slip, speed, around, compliance, c, tolerance, is_held: false }
+        SlipRow { law, coefficient, normal, lambda, slip, speed, around, compliance, c, tolerance, rest: 0.0, is_held: false }
     }
 
     /// Where a row solves the equation of its state, nothing is left of its residual unless it asks for another state; and what slides
@@ -236,18 +276,49 @@ mod tests {
             Coulomb { viscosity: 0.7, ..Coulomb::default() },
         ];
         for law in &laws {
-            for (normal, lambda, slip) in [(2.0, 0.1, 0.0), (2.0, 1.0, -0.3), (2.0, -1.0, 0.3), (0.5, 0.0, 0.1), (0.0, 0.0, 0.2)] {
-                let at = row(law, normal, lambda, slip);
+            let rows = [(2.0, 0.1, 0.0), (2.0, 1.0, -0.3), (2.0, -1.0, 0.3), (0.5, 0.0, 0.1), (0.0, 0.0, 0.2), (1.0, -0.2, 0.05)];
+            for ((normal, lambda, slip), rest) in rows.into_iter().flat_map(|row| [0.0, 0.1, -0.1, 0.4].map(|rest| (row, rest))) {
+                let at = SlipRow { rest, ..row(law, normal, lambda, slip) };
                 let state = at.first_state();
                 let Equation { gradient, diagonal, normal: by, right, .. } = at.equation(state);
-                let solved = if state == RowState::Closed {
-                    row(law, normal, lambda, slip + right / gradient)
+                let solved = if state.holds() {
+                    SlipRow { slip: slip + right / gradient, ..at }
                 } else {
-                    row(law, normal, (right - by * normal) / diagonal, slip)
+                    SlipRow { lambda: (right - by * normal) / diagonal, ..at }
                 };
                 let asks = solved.change(state).is_some();
-                assert!(asks || solved.residual().0.abs() < 1e-14, "{law:?} {normal} {lambda} {slip}");
-                assert!(asks || solved.lambda * solved.slip <= 0.0);
+                assert!(asks || solved.residual().0.abs() < 1e-14, "{law:?} {normal} {lambda} {slip} {rest} {state:?}");
+                assert!(asks || solved.lambda * solved.slip <= 0.0, "{law:?} {normal} {lambda} {slip} {rest} {state:?}");
+            }
+        }
+    }
+
+    /// Whatever slip and multiplier a row has: once it asks for no other state, it is on the graph, and there it is in one state.
+    #[test]
+    fn a_row_that_stops_changes_its_state_along_the_graph() {
+        let law = Coulomb::default();
+        for rest in [0.2_f64, -0.2] {
+            let sense = rest.signum();
+            let at = |slip: f64, s: f64| SlipRow { rest, ..row(&law, 2.0, -sense * s, sense * slip) };
+            // Limit 0.6; along the graph from sliding back to sliding on.
+            let places = [
+                (-0.1, -0.6, RowState::sliding(sense)),
+                (0.0, -0.3, RowState::Closed),
+                (0.1, 0.0, RowState::Turns),
+                (0.2, 0.4, RowState::Stops),
+                (0.3, 0.6, RowState::sliding(-sense)),
+            ];
+            for (index, (slip, s, state)) in places.into_iter().enumerate() {
+                let found = at(slip, s);
+                assert_eq!(found.first_state(), state, "{slip} {s}");
+                assert!(found.residual().0.abs() < 1e-15);
+                for (other, (.., wrong)) in places.into_iter().enumerate() {
+                    let asked = found.change(wrong).map(|(next, _)| next);
+                    // From any state the graph is gone along towards the right one; where both ends meet there is nothing to ask for.
+                    let next = if other < index { other + 1 } else { other.saturating_sub(1) };
+                    assert!(asked.is_none() || asked == Some(places[next].2), "{slip} {s}: {wrong:?} asks for {asked:?}");
+                    assert!(other != index || asked.is_none());
+                }
             }
         }
     }

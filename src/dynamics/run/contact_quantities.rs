@@ -300,7 +300,7 @@ fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeStat
     let is_held = contact.tangential.is_some() || contact.pair.kind == PairKind::Tie;
     let pressed = if is_held { NodeState::Stick } else { NodeState::Slip };
     let mut states: Vec<NodeState> = active.iter().map(|&active| if active { pressed } else { NodeState::Open }).collect();
-    let slides = |state: &RowState| state.sense().is_some();
+    let slides = |state: &RowState| state.slides();
     if let Some(Tangential { active, .. }) = contact.tangential {
         let sliding = states.iter_mut().zip(active).filter(|(_, state)| slides(state));
         sliding.for_each(|(state, _)| *state = NodeState::Slip);

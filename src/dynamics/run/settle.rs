@@ -391,6 +391,7 @@ where
             end_point: true,
             shift: vec![0.0; count],
             yielding: self.system.yielding(start),
+            stops: vec![false; count],
             dt: 0.0,
         }
     }

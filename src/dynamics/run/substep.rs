@@ -50,7 +50,7 @@ where
         let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };
         let start =
             StepStart { time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, course: Course::Motion(motion) };
-        let conditions = self.system.conditions(&start, &state.penalty_gap);
+        let conditions = self.system.conditions(&start, &state.penalty_gap, &state.active);
         if let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
             if may_be_halved {
                 return Err(Failure::Foreseen(motion));

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::failure::Failure;
 use super::iterate::Linearization;
-use super::start::{StepStart, Told};
+use super::start::{StepStart, Stopping, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep};
@@ -158,7 +158,7 @@ where
     fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
         let clock = Instant::now();
         let (derivative, weight) = (start.derivative(), start.weight());
-        let Linearization { q_1, moved, lambda, forces, pairs, slips, held, .. } = at;
+        let Linearization { q_1, moved, lambda, forces, pairs, slips, held, rests, .. } = at;
         pairs.resize_with(self.pairs.len(), Evaluation::default);
         slips.resize_with(self.pairs.len(), Evaluation::default);
         forces.contact.clear();
@@ -182,6 +182,7 @@ where
             }
         }
         self.find_held(pairs, slips, held);
+        self.find_rests(start, moved, pairs, slips, rests);
         forces.scale = forces.scale.max(largest_size(&forces.contact));
         self.counters.times.contact += clock.elapsed();
     }
@@ -204,6 +205,24 @@ where
             }
         }
         held.extend(sizes.iter().map(|[all, free]| *free <= tolerances::HELD_ROW * all));
+    }
+
+    /// Finds the slips with which tangential rows have no speed at the end of the step: 0 at rest.
+    fn find_rests(&self, start: &StepStart, moved: &[f64], pairs: &[Evaluation], slips: &[Evaluation], rests: &mut Vec<f64>) {
+        rests.clear();
+        rests.resize(self.multipliers - self.pressing, 0.0);
+        let Some(Stopping { moved: stopping, own }) = start.stopping(moved, &self.supports.prescribed).filter(|_| !rests.is_empty()) else {
+            return;
+        };
+        for block in self.blocks(pairs, slips).filter(RowBlock::is_slip) {
+            for (rest, slip) in rests[block.rows.start - self.pressing..].iter_mut().zip(&block.evaluation.gap) {
+                *rest += own * slip;
+            }
+            for row in block.live_rows() {
+                let by = |(k, entry): (usize, usize)| block.evaluation.gradient_bar[entry] * (stopping[k] - own * moved[k]);
+                rests[row.row - self.pressing] += row.unknowns::<D>().map(by).sum::<f64>();
+            }
+        }
     }
 
     fn add_contact_tangent(&mut self, start: &StepStart, at: &mut Linearization) {

@@ -5,7 +5,7 @@ use super::system::System;
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::update_rules::Holds;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::laws::{Row, RowStart};
+use crate::dynamics::parts::laws::{Row, RowStart, RowState};
 use crate::integrators::Derivative;
 use crate::math::tolerances;
 
@@ -26,6 +26,8 @@ pub struct Conditions {
     pub shift: Vec<f64>,
     /// Slip per change of the multiplier of a tangential row that sticks to a node which others hold already; empty without friction.
     pub yielding: Vec<f64>,
+    /// Whether a tangential row may come to rest within the step: it slid in the one before.
+    pub stops: Vec<bool>,
     /// Size of the step, 0 at rest.
     pub dt: f64,
 }
@@ -128,8 +130,8 @@ impl<const D: usize> System<D> {
     }
 
     /// The contact conditions of the step that has begun, by the pairs' update rules; `penalty_gap` are the weighted gaps of which penalty
-    /// potentials were functions at the end of the step before.
-    pub fn conditions(&self, start: &StepStart, penalty_gap: &[f64]) -> Conditions {
+    /// potentials were functions at the end of the step before, `active` what the rows were in it.
+    pub fn conditions(&self, start: &StepStart, penalty_gap: &[f64], active: &[RowState]) -> Conditions {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         gap_n.resize(self.multipliers, 0.0);
         let held = self.closed_gaps();
@@ -155,6 +157,7 @@ impl<const D: usize> System<D> {
             end_point,
             shift,
             yielding: self.yielding(start),
+            stops: active.iter().map(|state| state.slides()).collect(),
             dt: start.dt(),
         }
     }

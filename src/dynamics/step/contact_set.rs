@@ -38,13 +38,14 @@ pub struct SlipPlace<'a> {
     local: usize,
     slip: &'a Evaluation,
     around: f64,
+    rest: f64,
     is_held: bool,
 }
 
 impl<'a> SlipPlace<'a> {
     /// The row with what a solution makes of its slip and of both multipliers.
     pub fn with(&self, conditions: &Conditions, slip: f64, lambda: &[f64]) -> SlipRow<'a> {
-        let &SlipPlace { row, pressing, pair, local, around, is_held, .. } = self;
+        let &SlipPlace { row, pressing, pair, local, around, rest, is_held, .. } = self;
         let length = self.slip.coverage[local] * pair.kernel.weights()[local];
         SlipRow {
             law: &*self.friction.law,
@@ -57,6 +58,7 @@ impl<'a> SlipPlace<'a> {
             compliance: conditions.compliance[row],
             c: self.friction.c,
             tolerance: pair.gap_tolerance,
+            rest: if conditions.stops[row] { rest } else { 0.0 },
             is_held,
         }
     }
@@ -75,7 +77,8 @@ pub fn slips_at<'a, const D: usize>(system: &'a System<D>, at: &'a Linearization
             let pressing = pair.rows.start + local;
             let around = pair.node_of(pressing).map_or(1.0, |node| pair.circumference(node, &at.q_1));
             let exists = has_row(pair, evaluation, local) && slip.coverage[local] > tolerances::SLIVER && around > 0.0;
-            SlipPlace { row, pressing, pair, exists, friction, local, slip, around, is_held: at.held[row - system.pressing] }
+            let (rest, is_held) = (at.rests[row - system.pressing], at.held[row - system.pressing]);
+            SlipPlace { row, pressing, pair, exists, friction, local, slip, around, rest, is_held }
         })
     })
 }
@@ -188,7 +191,7 @@ fn rows_of_nodes<const D: usize>(system: &System<D>, set: &[RowState]) -> BTreeM
         let Some(friction) = &pair.friction else { continue };
         for row in pair.rows.clone().chain(friction.rows.clone()) {
             if let Some(node) = pair.node_of(row) {
-                *counts.entry(node).or_default() += usize::from(set[row].is_closed());
+                *counts.entry(node).or_default() += usize::from(set[row].holds());
             }
         }
     }

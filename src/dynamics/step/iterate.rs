@@ -25,6 +25,8 @@ pub struct Linearization {
     pub slips: Vec<Evaluation>,
     /// Tangential rows that supports hold.
     pub held: Vec<bool>,
+    /// Slips of the tangential rows with which they have no speed at the end of the step.
+    pub rests: Vec<f64>,
     /// Values of the matrix without the rows and columns of constraints.
     pub tangent: Vec<f64>,
     /// Pattern that they are of; `None` while they are not computed.

@@ -43,8 +43,8 @@ where
     Space<D>: Elements<D>,
 {
     /// `w` with `(M + beta K_m(q_1)) w = G_1^T (lambda + mu)` and `G_1 w = rate` where `hold`, at an iterate; `lambda + mu` of tangential
-    /// rows is that of the row that presses times their ratio. `K_m` is the material stiffness: its forces have neither resultant nor moment at
-    /// `q_1`, so that `v_1 + s w` has the momenta of `v_1` for every `s`, up to what supports and obstacles push.
+    /// rows is that of the row that presses times their ratio. `K_m` is the material stiffness: its forces have neither resultant nor
+    /// moment at `q_1`, so that `v_1 + s w` has the momenta of `v_1` for every `s`, up to what supports and obstacles push.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.

@@ -47,6 +47,14 @@ pub struct Motion<'a> {
     pub prescribed_v_1: &'a [f64],
 }
 
+/// What brings nodes to rest.
+pub struct Stopping {
+    /// Displacement in a step at whose end the nodes have no velocity against prescribed ones that go on.
+    pub moved: Vec<f64>,
+    /// Share of its motion in the step that an obstacle, which goes on, has beyond that.
+    pub own: f64,
+}
+
 /// What parts are told of an iterate besides where its nodes are.
 #[derive(Default)]
 pub struct Told {
@@ -67,6 +75,19 @@ impl StepStart<'_> {
     /// Whether time stands still.
     pub fn is_at_rest(&self) -> bool {
         matches!(self.course, Course::Rest { .. })
+    }
+
+    /// What brings the nodes to rest in a step that moves them by `moved`; `None` where time stands still.
+    pub fn stopping(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Option<Stopping> {
+        let Course::Motion(motion) = &self.course else { return None };
+        let slope = motion.scheme.velocity.moved;
+        let mut stopping = Vec::with_capacity(moved.len());
+        motion.affine_into(motion.scheme.velocity, &vec![0.0; moved.len()], &mut stopping);
+        stopping.iter_mut().for_each(|v| *v *= -motion.dt / slope);
+        for (prescribed, v_1) in prescribed.iter().zip(motion.prescribed_v_1) {
+            stopping[prescribed.unknown] = moved[prescribed.unknown] - motion.dt / slope * v_1;
+        }
+        Some(Stopping { moved: stopping, own: 1.0 - 1.0 / slope })
     }
 
     /// How the step is integrated.

@@ -26,6 +26,10 @@ pub enum RowState {
     Forward,
     /// A tangential row slides, its multiplier is negative.
     Backward,
+    /// A tangential row comes to rest: at the end of the step it has no speed.
+    Stops,
+    /// A tangential row turns around within the step, without dry friction.
+    Turns,
 }
 
 impl RowState {
@@ -37,6 +41,16 @@ impl RowState {
     /// Whether it is closed.
     pub fn is_closed(self) -> bool {
         self == RowState::Closed
+    }
+
+    /// Whether its multiplier follows from an equation of its gap or slip.
+    pub fn holds(self) -> bool {
+        matches!(self, RowState::Closed | RowState::Stops)
+    }
+
+    /// Whether it is a tangential row that has a speed at the end of the step.
+    pub fn slides(self) -> bool {
+        matches!(self, RowState::Forward | RowState::Backward | RowState::Turns)
     }
 
     /// Whether its multiplier may differ from zero.
@@ -54,7 +68,7 @@ impl RowState {
         match self {
             RowState::Forward => Some(1.0),
             RowState::Backward => Some(-1.0),
-            RowState::Open | RowState::Closed => None,
+            RowState::Open | RowState::Closed | RowState::Stops | RowState::Turns => None,
         }
     }
 
