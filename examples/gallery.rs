@@ -40,6 +40,8 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/incline", "incline.svg"),
     ("scenarios/rolling_disk", "rolling_disk.svg"),
     ("scenarios/capstan", "capstan.svg"),
+    ("scenarios/clutch", "clutch.svg"),
+    ("scenarios/wedge", "wedge.svg"),
     ("scenarios/fretting", "shear.svg"),
     ("scenarios/stick_slip", "stick_slip.svg"),
     ("scenarios/tumbling_block", "block.svg"),

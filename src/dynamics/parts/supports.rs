@@ -28,6 +28,11 @@ pub struct Supports {
 }
 
 impl Supports {
+    /// How many components of a node may move.
+    pub fn free_components<const D: usize>(&self, node: u32) -> usize {
+        self.fixed[node as usize * D..][..D].iter().filter(|fixed| !**fixed).count()
+    }
+
     /// The supports of a model with so many unknowns, `global` the number of a body's node in the model.
     pub fn new<const D: usize>(model: &Model, unknowns: usize, global: impl Fn(usize, u32) -> u32) -> Self {
         let mut fixed = vec![false; unknowns];

@@ -75,7 +75,8 @@ where
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let remembered = self.remembered(motion, &at, &v_1);
-        let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
+        let shear = self.shear(motion, &lambda);
+        let mut outside = self.outside(start, motion, &at, [&lambda, &shear], &v_1)?;
         if let Some(jump) = &jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
             outside.obstacle_work += jump.work;
@@ -103,12 +104,12 @@ where
             + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
-        let frictional = self.friction_work(scheme.weight, &at, &lambda, jump.as_ref());
+        let frictional = self.friction_work(&at, &shear, jump.as_ref());
         // No zero with a sign where there is no friction.
         row.friction_work = frictional.iter().sum::<f64>() + 0.0;
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
-        let mut slipped = slipped(system, &self.state.slipped, &at, [scheme.weight, 0.0], (&lambda, &active));
+        let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&shear, &active));
         jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.pressing..]));
         let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &active, slipped: &slipped };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
@@ -172,8 +173,23 @@ where
         (0..v_1.len()).map(|k| (1.0 - scheme.weight) / scheme.weight * share(k)).collect()
     }
 
+    /// The multipliers of the tangential rows in a step, by the shares that its time integrator gives to start and end; those of others are
+    /// not meant.
+    pub(super) fn shear(&self, motion: &Motion, lambda: &[f64]) -> Vec<f64> {
+        let (scheme, of_start) = (motion.scheme, &self.state.lambda);
+        let before = if scheme.remembers(History::Force) { 1.0 - scheme.weight } else { 0.0 };
+        lambda.iter().zip(of_start).map(|(lambda, of_start)| scheme.weight * lambda + before * of_start).collect()
+    }
+
     /// What pushed from outside in a step, by the shares that its time integrator gives to start and end.
-    fn outside(&self, start: &StepStart, motion: &Motion, at: &Linearization, lambda: &[f64], v_1: &[f64]) -> Result<Outside, StepError> {
+    fn outside(
+        &self,
+        start: &StepStart,
+        motion: &Motion,
+        at: &Linearization,
+        [lambda, shear]: [&[f64]; 2],
+        v_1: &[f64],
+    ) -> Result<Outside, StepError> {
         let (system, scheme, unknowns) = (&self.system, motion.scheme, at.q_1.len());
         let before = 1.0 - scheme.weight;
         let mut load = at.forces.load.clone();
@@ -190,29 +206,28 @@ where
         }
         for block in system.blocks(&at.pairs, &at.slips).filter(|block| block.is_slip() && block.pair.kind == PairKind::Obstacle) {
             for row in block.live_rows() {
-                let tau = scheme.weight * lambda[row.row];
                 for (k, entry) in row.unknowns::<D>() {
-                    let force = tau * block.evaluation.gradient_bar[entry];
+                    let force = shear[row.row] * block.evaluation.gradient_bar[entry];
                     obstacles[k] += force;
                     obstacle_work += force * at.moved[k];
                 }
             }
             // Of that the slip is friction's, the rest that of the obstacle's motion.
-            obstacle_work -= scheme.weight * block.work(lambda);
+            obstacle_work -= block.work(shear);
         }
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
         Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment })
     }
 
-    /// Work of friction, contact by contact `[energy]`.
-    pub(super) fn friction_work(&self, weight: f64, at: &Linearization, lambda: &[f64], jump: Option<&Jump>) -> Vec<f64> {
+    /// Work of friction with these multipliers, contact by contact `[energy]`.
+    pub(super) fn friction_work(&self, at: &Linearization, shear: &[f64], jump: Option<&Jump>) -> Vec<f64> {
         let system = &self.system;
         let mut work = vec![0.0; system.contacts().count()];
         for (index, pair) in system.pairs.iter().enumerate() {
             let contact = pair.corners.map_or(index, |corners| corners.pair);
             let slips = pair.blocks([&at.pairs[index], &at.slips[index]]).filter(RowBlock::is_slip);
-            work[contact] += slips.map(|block| weight * block.work(lambda)).sum::<f64>();
+            work[contact] += slips.map(|block| block.work(shear)).sum::<f64>();
             if let Some(jump) = jump {
                 work[contact] += pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
             }

@@ -61,7 +61,7 @@ where
                 self.close(&mut end, &mut jump)?;
             }
             self.give_back(&mut end, &mut jump)?;
-            if ratios.iter().all(|ratio| *ratio == 0.0) || self.only_takes(solution, motion.scheme.weight, &jump) {
+            if ratios.iter().all(|ratio| *ratio == 0.0) || self.only_takes(motion, solution, &jump) {
                 return Ok(Some(jump));
             }
             ratios.fill(0.0);
@@ -84,9 +84,9 @@ where
     }
 
     /// Whether friction only takes energy in every contact, step and jump together.
-    fn only_takes(&self, solution: &Solution, weight: f64, jump: &Jump) -> bool {
-        let lambda = solution.multipliers();
-        self.friction_work(weight, &solution.at, &lambda, Some(jump)).iter().all(|work| *work <= 0.0)
+    fn only_takes(&self, motion: &Motion, solution: &Solution, jump: &Jump) -> bool {
+        let shear = self.shear(motion, &solution.multipliers());
+        self.friction_work(&solution.at, &shear, Some(jump)).iter().all(|work| *work <= 0.0)
     }
 
     fn rows_at_end(&self, solution: &Solution, conditions: &Conditions) -> Rows {

@@ -303,7 +303,7 @@ where
                 course.parts += usize::from(is_part);
                 course.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
                 let (own, system) = (&self.state.slipped, &self.system);
-                let slipped = slipped(system, own, &solution.at, [1.0, 1.0], (&solution.at.lambda, &solution.active));
+                let slipped = slipped(system, own, &solution.at, 1.0, (&solution.at.lambda, &solution.active));
                 let state = Arc::make_mut(&mut self.state);
                 (state.slipped, state.carried) = (slipped, state.row.time);
                 (state.lambda, state.active) = (solution.at.lambda.clone(), solution.active);

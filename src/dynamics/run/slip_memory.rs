@@ -17,14 +17,14 @@ pub struct SlipMemory {
     pub heat: f64,
 }
 
-/// The same after a step that ends at an iterate with these multipliers and states, `weight` the share of the multipliers in the step,
-/// `kept` that of the slips before in what counts as the last slip: 0, or 1 where the step is a part of one.
+/// The same after a step that ends at an iterate, with the multipliers of tangential rows in the step and the states at its end, `kept` the
+/// share of the slips before in what counts as the last slip: 0, or 1 where the step is a part of one.
 pub fn slipped<const D: usize>(
     system: &System<D>,
     before: &[SlipMemory],
     at: &Linearization,
-    [weight, kept]: [f64; 2],
-    (lambda, active): (&[f64], &[RowState]),
+    kept: f64,
+    (shear, active): (&[f64], &[RowState]),
 ) -> Vec<SlipMemory> {
     let mut after = before.to_vec();
     for (pair, slips) in system.pairs.iter().zip(&at.slips) {
@@ -37,7 +37,7 @@ pub fn slipped<const D: usize>(
             memory.slip = kept * memory.slip + slip;
             memory.path += slip.abs();
             // No zero with a sign where nothing slides.
-            memory.heat += 0.0 - weight * lambda[row] * slips.gap[local];
+            memory.heat += 0.0 - shear[row] * slips.gap[local];
         }
     }
     after

@@ -176,7 +176,7 @@ pub fn constraint_rows<const D: usize>(
     for place in slips_at(system, at).filter(|place| set[place.row].acts()) {
         let mut row = place.at(conditions, at);
         // More rows than a node can move: those that stick give way, until the multipliers are found.
-        if place.pair.node_of(place.row).is_some_and(|node| held[&node] > D) {
+        if place.pair.node_of(place.row).is_some_and(|node| held[&node] > system.supports.free_components::<D>(node)) {
             row.compliance = row.compliance.max(conditions.yielding[place.row]);
         }
         rows.0[place.row] = row.equation(set[place.row]);
