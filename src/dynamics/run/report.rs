@@ -224,7 +224,7 @@ impl FailureReport {
             _ if self.unheld.is_some() => Remedy::HoldBeforeRest,
             FailureCause::CyclingContact { is_slip: true, .. } => Remedy::Ease(
                 ease,
-                "; friction that weakens with the speed needs steps that resolve its transition, or a larger transition speed",
+                "; a coefficient that falls with the speed needs steps that resolve its transition, or a larger transition speed",
             ),
             FailureCause::CyclingContact { .. } => Remedy::Ease(ease, "; surfaces should slide by less than a facet per step"),
             FailureCause::InvertedCell { .. } => Remedy::Ease(ease, ", a finer mesh there, or a smaller load"),

@@ -50,7 +50,7 @@ where
         let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };
         let start =
             StepStart { time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, course: Course::Motion(motion) };
-        let conditions = self.system.conditions(&start, &state.penalty_gap, &state.active);
+        let mut conditions = self.system.conditions(&start, &state.penalty_gap, &state.active);
         if let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
             if may_be_halved {
                 return Err(Failure::Foreseen(motion));
@@ -59,22 +59,28 @@ where
         }
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
-        let task = Task {
-            start: &start,
-            predicted: &predicted,
-            moved: &rigid,
-            lambda: &state.lambda,
-            conditions: &conditions,
-            energy,
-            tolerance: options.tolerance,
-            is_exact: self.has_drifted(energy),
-            at_least: 0,
-            is_patient: !may_be_halved,
-            preferred: state.preferred,
-            interrupted: &|| options.interrupted(),
+        let (is_exact, before) = (self.has_drifted(energy), self.system.counters);
+        let solution = loop {
+            let task = Task {
+                start: &start,
+                predicted: &predicted,
+                moved: &rigid,
+                lambda: &state.lambda,
+                conditions: &conditions,
+                energy,
+                tolerance: options.tolerance,
+                is_exact,
+                at_least: 0,
+                is_patient: !may_be_halved,
+                preferred: state.preferred,
+                interrupted: &|| options.interrupted(),
+            };
+            match solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace) {
+                // What slides and would come to rest may have no solution, but one in which it turns around.
+                Err(failure) if !matches!(failure, Failure::Fatal(_)) && conditions.stops.contains(&true) => conditions.stops.fill(false),
+                outcome => break outcome?,
+            }
         };
-        let before = self.system.counters;
-        let solution = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)?;
         let taken_back = match self.check_search(&outlook, MORE_MOTION, &solution) {
             Ok(()) if may_be_halved => self.system.came_through(&state.positions, &solution.at, &conditions).map(Failure::Foreseen),
             outcome => outcome.err(),

@@ -132,7 +132,10 @@ impl Handle for SimulationHandle {
             ),
         ];
         if !data.model.model.contact_names().is_empty() {
-            lines.push(format!("  contact: {} active nodes, largest penetration {}", row.active, number(row.max_penetration)));
+            let rubs = data.model.model.interactions.iter().any(|interaction| interaction.friction.is_some());
+            let sliding: usize = row.contacts.iter().map(|contact| contact.sliding).sum();
+            let sliding = if rubs { format!(" ({sliding} slide)") } else { String::new() };
+            lines.push(format!("  contact: {} active nodes{sliding}, largest penetration {}", row.active, number(row.max_penetration)));
         }
         lines.extend(data.remarks(&simulation));
         lines.join("\n")
