@@ -211,9 +211,10 @@ where
     fn find_rests(&self, start: &StepStart, moved: &[f64], pairs: &[Evaluation], slips: &[Evaluation], rests: &mut Vec<f64>) {
         rests.clear();
         rests.resize(self.multipliers - self.pressing, 0.0);
-        let Some(Stopping { moved: stopping, own }) = start.stopping(moved, &self.supports.prescribed).filter(|_| !rests.is_empty()) else {
+        if rests.is_empty() {
             return;
-        };
+        }
+        let Some(Stopping { moved: stopping, own }) = start.stopping(moved, &self.supports.prescribed) else { return };
         for block in self.blocks(pairs, slips).filter(RowBlock::is_slip) {
             for (rest, slip) in rests[block.rows.start - self.pressing..].iter_mut().zip(&block.evaluation.gap) {
                 *rest += own * slip;
