@@ -193,7 +193,7 @@ class Page {
     // Kinds of which there are none are not worth a choice.
     this.data.fields.forEach(({ kinds, high }, k) => { $("field").options[k].hidden = kinds.length > 0 && !(high > 0); });
     const { kinds } = field, theme = this.theme();
-    const marks = kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map(brief);
+    const marks = kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map((value) => brief(value));
     ["scale-low", "scale-middle", "scale-high"].forEach((id, k) => {
       $(id).textContent = marks[k];
       $(id).style.color = kinds.length ? theme.kinds[k >> 1] : "";
