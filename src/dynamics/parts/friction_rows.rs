@@ -145,10 +145,15 @@ impl SlipRow<'_> {
         (1f64.copysign(self.rest), if self.is_clear(size) { size } else { 0.0 })
     }
 
+    /// Dry multiplier that the row would have if it stuck from here.
+    fn trial(&self) -> f64 {
+        self.dry() - self.c * self.slip
+    }
+
     /// Where the row is on the graph with this limit, and the multiplier there: the point next to slip and multiplier, by `c`.
     fn nearest(&self, limit: f64) -> (RowState, f64) {
         let (sense, rest) = self.stop();
-        let z = sense * (self.c * self.slip - self.dry());
+        let z = -sense * self.trial();
         let (state, s) = match z {
             _ if z < -limit => (RowState::sliding(sense), -limit),
             _ if rest == 0.0 && z <= limit => (RowState::Closed, z),
@@ -170,7 +175,7 @@ impl SlipRow<'_> {
         if self.is_held {
             return self.held();
         }
-        let (limit, trial) = (self.limit(self.slip).shear, self.dry() - self.c * self.slip);
+        let (limit, trial) = (self.limit(self.slip).shear, self.trial());
         // What is pressed by nothing yet, and does not move, begins by sticking.
         match limit > 0.0 || (trial == 0.0 && self.normal <= 0.0) {
             true => self.nearest(limit).0,

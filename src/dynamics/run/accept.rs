@@ -222,17 +222,11 @@ where
 
     /// Work of friction with these multipliers, contact by contact `[energy]`.
     pub(super) fn friction_work(&self, at: &Linearization, shear: &[f64], jump: Option<&Jump>) -> Vec<f64> {
-        let system = &self.system;
-        let mut work = vec![0.0; system.contacts().count()];
-        for (index, pair) in system.pairs.iter().enumerate() {
-            let contact = pair.corners.map_or(index, |corners| corners.pair);
+        self.system.by_contact(|index, pair| {
             let slips = pair.blocks([&at.pairs[index], &at.slips[index]]).filter(RowBlock::is_slip);
-            work[contact] += slips.map(|block| block.work(shear)).sum::<f64>();
-            if let Some(jump) = jump {
-                work[contact] += pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
-            }
-        }
-        work
+            let at_once = |jump: &Jump| pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
+            slips.map(|block| block.work(shear)).sum::<f64>() + jump.map_or(0.0, at_once)
+        })
     }
 
     /// Work of contact that the update rules lose or gain on purpose `[energy]`, `reserve` that of the new state.

@@ -55,21 +55,19 @@ where
         let mut ratios = self.ratios(solution);
         loop {
             let mut jump = Jump::none(v.len(), reserve.clone());
-            let (ours, hold, v, slips) = (ours.clone(), hold.clone(), v.clone(), slips.clone());
-            let mut end = Ending { motion, solution, ours, hold, v, slips, ratios: ratios.clone() };
+            let mut end = Ending { motion, solution, ours: &ours, hold: &hold, v: v.clone(), slips: &slips, ratios: &ratios };
             if is_closing {
                 self.close(&mut end, &mut jump)?;
             }
             self.give_back(&mut end, &mut jump)?;
-            if ratios.iter().all(|ratio| *ratio == 0.0) || self.only_takes(motion, solution, &jump) {
+            if !self.drop_gaining(motion, solution, &jump, &mut ratios) {
                 return Ok(Some(jump));
             }
-            ratios.fill(0.0);
         }
     }
 
-    /// What friction gives in a jump for a unit of what presses: as in the step, or where a row has opened as in the step before. A corner
-    /// or surface that turns has none.
+    /// What friction gives in a jump for a unit of what presses: as in the step, or where a row has opened as in the step before. An
+    /// obstacle that turns has none.
     fn ratios(&self, solution: &Solution) -> Vec<f64> {
         let mut ratios = vec![0.0; self.system.multipliers];
         for pair in self.system.pairs.iter().filter(|pair| pair.turn.is_none()) {
@@ -83,10 +81,16 @@ where
         ratios
     }
 
-    /// Whether friction only takes energy in every contact, step and jump together.
-    fn only_takes(&self, motion: &Motion, solution: &Solution, jump: &Jump) -> bool {
+    /// Takes the friction of a jump away from contacts in which it would give energy, step and jump together; whether there were any.
+    fn drop_gaining(&self, motion: &Motion, solution: &Solution, jump: &Jump, ratios: &mut [f64]) -> bool {
         let shear = self.shear(motion, &solution.multipliers());
-        self.friction_work(&solution.at, &shear, Some(jump)).iter().all(|work| *work <= 0.0)
+        let work = self.friction_work(&solution.at, &shear, Some(jump));
+        let mut is_any = false;
+        let pairs = self.system.pairs.iter().enumerate();
+        for (_, pair) in pairs.filter(|(index, _)| work[self.system.contact_of(*index)] > 0.0) {
+            pair.tangential().for_each(|(row, _)| is_any |= std::mem::take(&mut ratios[row]) != 0.0);
+        }
+        is_any
     }
 
     fn rows_at_end(&self, solution: &Solution, conditions: &Conditions) -> Rows {
@@ -117,7 +121,7 @@ where
     /// A plastic impact of the closed constraints; what it takes goes into their reserves, shared by the work of the impulses.
     fn close(&mut self, end: &mut Ending, jump: &mut Jump) -> Result<(), Failure> {
         let rates = self.system.rates(end.rows(), &end.v);
-        let target: Vec<f64> = rates.iter().zip(&end.ours).map(|(rate, ours)| if *ours { -rate } else { 0.0 }).collect();
+        let target: Vec<f64> = rates.iter().zip(end.ours).map(|(rate, ours)| if *ours { -rate } else { 0.0 }).collect();
         let Some(push) = self.balanced_push(end, 0.0, &vec![0.0; rates.len()], &target)? else { return Ok(()) };
         let slopes = self.slopes(end, &push);
         let energy = slopes.pressing[0] + slopes.pressing[1];

@@ -43,15 +43,15 @@ pub struct Ending<'a> {
     /// Its solution.
     pub solution: &'a Solution,
     /// Whether a row is under the rule.
-    pub ours: Vec<bool>,
+    pub ours: &'a [bool],
     /// Whether a row is closed at the end of the step, penalties left out.
-    pub hold: Vec<bool>,
+    pub hold: &'a [bool],
     /// Velocities at its end, with the jump so far.
     pub v: Vec<f64>,
     /// What the tangential rows are at its end.
-    pub slips: Vec<Evaluation>,
+    pub slips: &'a [Evaluation],
     /// Their impulses over those of the rows that press, in the order of all rows.
-    pub ratios: Vec<f64>,
+    pub ratios: &'a [f64],
 }
 
 /// Kinetic energy of `v + s w`, as seen from what pushes: second and first order in `s`.
@@ -83,7 +83,7 @@ impl Ending<'_> {
 
     /// What all rows are at the end of the step.
     pub fn rows(&self) -> [&[Evaluation]; 2] {
-        [&self.solution.at.pairs, &self.slips]
+        [&self.solution.at.pairs, self.slips]
     }
 
     /// Whether a row has left the active set with a reserve.
@@ -98,7 +98,7 @@ where
 {
     /// A push with the work of supports that move; nothing where constraints depend on one another: then nobody's velocity changes.
     pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<Push>, Failure> {
-        let cause = Cause { rows: end.rows(), lambda, hold: &end.hold, rate, ratios: &end.ratios };
+        let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
         match self.system.push(&end.solution.at, beta, &cause) {
             Ok(mut push) => {
                 let moving = self.system.supports.prescribed.iter().zip(end.motion.prescribed_v_1);

@@ -222,10 +222,9 @@ impl FailureReport {
         match &self.cause {
             FailureCause::NoEquilibrium { missing: Some(Missing::Guidance | Missing::Friction), .. } => Remedy::Guide,
             _ if self.unheld.is_some() => Remedy::HoldBeforeRest,
-            FailureCause::CyclingContact { is_slip: true, .. } => Remedy::Ease(
-                ease,
-                "; a coefficient that falls with the speed needs steps that resolve its transition, or a larger transition speed",
-            ),
+            FailureCause::CyclingContact { is_slip: true, .. } => {
+                Remedy::Ease(ease, ", or, where the coefficient falls with the speed, a larger transition speed")
+            }
             FailureCause::CyclingContact { .. } => Remedy::Ease(ease, "; surfaces should slide by less than a facet per step"),
             FailureCause::InvertedCell { .. } => Remedy::Ease(ease, ", a finer mesh there, or a smaller load"),
             FailureCause::SingularSystem { .. } => Remedy::HoldOnce,

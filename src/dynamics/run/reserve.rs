@@ -68,7 +68,7 @@ where
     /// Rows under the rule of the contact of a row, those of its corners included.
     fn of_same_contact(&self, end: &Ending, row: usize) -> Vec<usize> {
         let pairs = &self.system.pairs;
-        let contact = |index: usize| pairs[index].corners.map_or(index, |corners| corners.pair);
+        let contact = |index: usize| self.system.contact_of(index);
         let own = contact(self.place(row).0);
         let rows = (0..pairs.len()).filter(|&index| contact(index) == own).flat_map(|index| pairs[index].rows.clone());
         rows.filter(|&row| end.ours[row]).collect()

@@ -50,12 +50,6 @@ pub fn add_heat(slipped: &mut [SlipMemory], work: &[f64]) {
 
 /// Work of friction, contact by contact, that lies between two such memories `[energy]`.
 pub fn friction_work<const D: usize>(system: &System<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
-    let mut work = vec![0.0; system.contacts().count()];
-    for (index, pair) in system.pairs.iter().enumerate() {
-        let Some(friction) = &pair.friction else { continue };
-        let contact = pair.corners.map_or(index, |corners| corners.pair);
-        let rows = friction.rows.start - system.pressing..friction.rows.end - system.pressing;
-        work[contact] += before[rows.clone()].iter().zip(&after[rows]).map(|(before, after)| before.heat - after.heat).sum::<f64>();
-    }
-    work
+    let taken = |row: usize| before[row - system.pressing].heat - after[row - system.pressing].heat;
+    system.by_contact(|_, pair| pair.tangential().map(|(row, _)| taken(row)).sum())
 }

@@ -80,9 +80,8 @@ impl StepStart<'_> {
     /// What brings the nodes to rest in a step that moves them by `moved`; `None` where time stands still.
     pub fn stopping(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Option<Stopping> {
         let Course::Motion(motion) = &self.course else { return None };
-        let slope = motion.scheme.velocity.moved;
-        let mut stopping = Vec::with_capacity(moved.len());
-        motion.affine_into(motion.scheme.velocity, &vec![0.0; moved.len()], &mut stopping);
+        let (slope, mut stopping) = (motion.scheme.velocity.moved, Vec::with_capacity(moved.len()));
+        motion.affine_into(Affine { moved: 0.0, ..motion.scheme.velocity }, moved, &mut stopping);
         stopping.iter_mut().for_each(|v| *v *= -motion.dt / slope);
         for (prescribed, v_1) in prescribed.iter().zip(motion.prescribed_v_1) {
             stopping[prescribed.unknown] = moved[prescribed.unknown] - motion.dt / slope * v_1;

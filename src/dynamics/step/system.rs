@@ -267,6 +267,18 @@ impl<const D: usize> System<D> {
         self.contacts().map(of).collect()
     }
 
+    /// Index of the contact that a pair belongs to: itself, or that whose corners it holds.
+    pub fn contact_of(&self, index: usize) -> usize {
+        self.pairs[index].corners.map_or(index, |corners| corners.pair)
+    }
+
+    /// Sums what each pair has over the contact that it belongs to.
+    pub fn by_contact(&self, of: impl Fn(usize, &ContactPair) -> f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.contacts().count()];
+        self.pairs.iter().enumerate().for_each(|(index, pair)| sums[self.contact_of(index)] += of(index, pair));
+        sums
+    }
+
     /// The pairs that are contacts of the model, with their indices.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &ContactPair)> {
         self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none())

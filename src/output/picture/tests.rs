@@ -86,6 +86,22 @@ fn field_title_and_body_names_are_text() {
 }
 
 #[test]
+fn what_sticks_and_what_slides_has_a_color_and_a_name() {
+    let mut body = cell();
+    body.contact_slip = vec![0.0; 4];
+    let drawn_with = |body: &BodyFields| drawn(std::slice::from_ref(body), &options("slip"));
+    let inside = |svg: &str| svg.split("</title>").nth(1).unwrap().split("</g>").next().unwrap().to_string();
+    let scale = Scale::of_kinds(Field::Slip.kinds(), "");
+    let colors = [1, 2].map(|kind| hex(scale.kind_color(kind)));
+    assert!(colors.iter().all(|color| !inside(&drawn_with(&body)).contains(color)));
+    (body.contact_slip[0], body.contact_slip[1]) = (1.0, 2.0);
+    let svg = drawn_with(&body);
+    well_formed(&svg);
+    assert!(colors.iter().all(|color| inside(&svg).contains(color)), "{svg}");
+    assert!(svg.contains(">sticks</text>") && svg.contains(">slides</text>"));
+}
+
+#[test]
 fn a_constant_field_has_one_color_and_a_range_makes_pictures_comparable() {
     let mut body = cell();
     body.stress = [3.0, 3.0 * (1.0 + 1e-15), 3.0, 3.0].map(|xx| [xx, 0.0, 0.0, 0.0, 0.0, 0.0]).to_vec();

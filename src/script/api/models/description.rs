@@ -33,9 +33,9 @@ pub fn describe_model(data: &ModelData) -> String {
 fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
     let named = |on: &BodyBoundary| format!("\"{}\"", model.boundary_name(on));
     model.interactions.iter().map(move |interaction| {
-        let Interaction { name, secondary, partner, equality, .. } = interaction;
+        let Interaction { name, secondary, partner, equality, friction, .. } = interaction;
         let secondary = named(secondary);
-        match partner {
+        let line = match partner {
             Partner::Surfaces(primary) => {
                 let kind = if *equality { "bilateral contact" } else { "contact" };
                 let primary: Vec<String> = primary.iter().map(named).collect();
@@ -46,7 +46,8 @@ fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
                 format!("  contact \"{name}\": secondary {secondary}, {}", describe_obstacle(shape, motion, turn.as_ref()))
             }
             Partner::Tied { to, .. } => format!("  tie \"{name}\": secondary {secondary}, primary {}", named(to)),
-        }
+        };
+        if friction.is_some() { format!("{line}, with friction") } else { line }
     })
 }
 
