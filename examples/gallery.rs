@@ -41,6 +41,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/rolling_disk", "rolling_disk.svg"),
     ("scenarios/capstan", "capstan.svg"),
     ("scenarios/clutch", "clutch.svg"),
+    ("scenarios/driven_bearing", "power.svg"),
     ("scenarios/snap_fit", "force.svg"),
     ("scenarios/wedge", "wedge.svg"),
     ("scenarios/fretting", "shear.svg"),

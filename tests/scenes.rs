@@ -89,6 +89,11 @@ fn energy_never_grows() {
 }
 
 #[test]
+fn friction_holds_no_more_than_its_coefficient_of_what_presses() {
+    assert_free_of(&[Fault::Cone]);
+}
+
+#[test]
 fn ledger_and_momenta_close() {
     assert_free_of(&[Fault::Defect, Fault::Momentum]);
 }

@@ -6,12 +6,13 @@ mod run;
 mod step;
 
 pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
-pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Prescription, Support};
+pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+pub use model::prescription::{PrescribedMotion, Prescription, Turn};
 pub use model::remedy::{Ease, Remedy};
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY, default_rule};
 pub use parts::point_mass::PointMassDefinition;

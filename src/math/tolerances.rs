@@ -242,6 +242,12 @@ pub const PLANE: f64 = 1e-12;
 /// meshes that are read from files with few digits, and no curve that anything could slide on.
 pub const STRAIGHT: f64 = 1e-7;
 
+/// Angle by which a boundary may turn at once on the way to an equilibrium `[rad]`.
+pub const EIGHTH_TURN: f64 = std::f64::consts::FRAC_PI_4;
+
+/// Second singular value of how prescribed nodes lie and move, over the first, below which they determine no rotation.
+pub const TURNS: f64 = 1e-9;
+
 /// Range of the values of a plot or a picture, relative to their size, below which they are shown as one constant: their differences are
 /// round-off, and a scale stretched over them would show noise.
 pub const FLAT: f64 = 1e-9;

@@ -22,7 +22,7 @@ fn a_homogeneous_stretch_has_its_strain_stress_and_energy_everywhere() {
     builder.fix(body, "bottom", [false, true, false]);
     let on = builder.boundary(body, "right");
     let displacement = std::sync::Arc::new(Ramp { start: 0.0, end: 1.0, value: 0.5 });
-    builder.model.prescriptions.push(Prescription { on, component: 0, displacement });
+    builder.model.prescriptions.push(Prescription::along(on, 0, displacement));
     let mut sim = builder.simulate(&integrators::ENERGY_MOMENTUM, 0.01);
     sim.settle_at(1.0).expect("it is pulled");
     let stretch: f64 = 1.25;

@@ -69,11 +69,7 @@ fn a_prescribed_motion_takes_the_force_of_its_stretch() {
     let (mut builder, body) = block(1e3);
     builder.fix(body, "left", [true, false, false]);
     builder.fix(body, "bottom", [false, true, false]);
-    let pull = Prescription {
-        on: builder.boundary(body, "right"),
-        component: 0,
-        displacement: std::sync::Arc::new(Ramp { start: 0.0, end: 1.0, value: 0.5 }),
-    };
+    let pull = Prescription::along(builder.boundary(body, "right"), 0, std::sync::Arc::new(Ramp { start: 0.0, end: 1.0, value: 0.5 }));
     let model: &mut Model = &mut builder.model;
     model.prescriptions.push(pull);
     assert_eq!(model.support_names(), ["block.left", "block.bottom", "block.right"]);

@@ -150,7 +150,7 @@ fn shaken(is_tied: bool) -> Builder {
     }
     builder.fix(left, "left", [false, true, false]);
     let on = builder.boundary(left, "left");
-    builder.model.prescriptions.push(Prescription { on, component: 0, displacement: Arc::new(Sway) });
+    builder.model.prescriptions.push(Prescription::along(on, 0, Arc::new(Sway)));
     builder.load(end, "right", LoadKind::Traction([0.0, 1.0, 0.0]), Constant(1.0));
     builder.model.gravity = [0.0, -2.0, 0.0];
     builder

@@ -7,6 +7,7 @@ use super::amplitude::Amplitude;
 use super::error::ModelError;
 use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use super::part::PartDefinition;
+use super::prescription::Prescription;
 use crate::bodies::{Formulation, Plane};
 use crate::materials::Material;
 use crate::mesh::Mesh;
@@ -31,17 +32,6 @@ pub struct Support {
     pub on: BodyBoundary,
     /// Which components (x, y, z) are held.
     pub components: [bool; 3],
-}
-
-/// Nodes whose displacement in one direction follows a time function.
-#[derive(Clone)]
-pub struct Prescription {
-    /// The nodes of this boundary.
-    pub on: BodyBoundary,
-    /// The component (0, 1, 2: x, y, z).
-    pub component: usize,
-    /// Displacement over time `[length]`.
-    pub displacement: Amplitude,
 }
 
 /// What a load does; its size follows a time function.
@@ -123,7 +113,7 @@ impl Model {
             _ => None,
         });
         let loads = self.loads.iter().map(|load| &load.amplitude).chain(&self.gravity_amplitude);
-        let all = loads.chain(self.prescriptions.iter().map(|prescription| &prescription.displacement)).chain(motions.flatten());
+        let all = loads.chain(self.prescriptions.iter().flat_map(Prescription::functions)).chain(motions.flatten());
         let mut corners: Vec<f64> = all.flat_map(|function| function.corners()).collect();
         corners.sort_by(f64::total_cmp);
         corners.dedup();
@@ -221,6 +211,9 @@ impl Model {
         if let Some(load) = self.loads.iter().find(|load| load.kind == LoadKind::Torque) {
             return breaks(format!("the torque on \"{}\"", self.boundary_name(&load.on)));
         }
+        if let Some(given) = self.prescriptions.iter().find(|given| given.turn.is_some()) {
+            return breaks(format!("the prescribed angle of \"{}\"", self.boundary_name(&given.on)));
+        }
         match self.initial_velocities.iter().find(|given| given.linear[0] != 0.0 || given.angular[2] != 0.0) {
             Some(given) => breaks(format!("the initial velocity of body \"{}\"", self.bodies[given.body].name)),
             None => Ok(()),
@@ -229,14 +222,14 @@ impl Model {
 
     /// No boundary is held and moved in one direction. Nodes that two boundaries share may be: there the motion holds.
     fn check_held_and_moved(&self) -> Result<(), ModelError> {
-        let contradicts = |support: &Support, moved: &Prescription| {
+        let contradiction = |support: &Support, moved: &Prescription| {
             let (held, on) = (&support.on, &moved.on);
             let is_same = held.body == on.body && held.boundary.facets == on.boundary.facets && held.boundary.nodes == on.boundary.nodes;
-            is_same && support.components[moved.component]
+            (0..3).find(|&i| is_same && support.components[i] && moved.moves(i))
         };
-        let both = self.prescriptions.iter().find(|moved| self.supports.iter().any(|support| contradicts(support, moved)));
-        both.map_or(Ok(()), |moved| {
-            Err(ModelError::HeldAndMoved { boundary: self.boundary_name(&moved.on), direction: ["x", "y", "z"][moved.component] })
+        let both = |moved| Some((moved, self.supports.iter().find_map(|support| contradiction(support, moved))?));
+        self.prescriptions.iter().find_map(both).map_or(Ok(()), |(moved, component)| {
+            Err(ModelError::HeldAndMoved { boundary: self.boundary_name(&moved.on), direction: ["x", "y", "z"][component] })
         })
     }
 

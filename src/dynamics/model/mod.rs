@@ -12,6 +12,7 @@ pub mod interactions;
 pub mod locking;
 pub mod overlaps;
 pub mod part;
+pub mod prescription;
 pub mod remedy;
 pub mod unpaired;
 pub mod update_rules;

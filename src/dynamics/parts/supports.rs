@@ -2,17 +2,20 @@
 //!
 //! They stay in the numbering; their rows and columns of the matrix are replaced by the identity.
 
-use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::interactions::BodyBoundary;
+use crate::dynamics::model::prescription::{PrescribedMotion, Prescription};
 
 /// A displacement component that follows a time function.
 pub struct PrescribedUnknown {
     /// Its number.
     pub unknown: usize,
-    /// Index of the time function among those of the supports.
-    function: usize,
+    /// Index of what moves it among the motions of the supports.
+    motion: usize,
+    /// Place of its node at rest `[length]`, and the direction.
+    place: [f64; 3],
+    component: usize,
 }
 
 /// All supports of a model.
@@ -21,8 +24,8 @@ pub struct Supports {
     pub fixed: Vec<bool>,
     /// Those that follow a time function.
     pub prescribed: Vec<PrescribedUnknown>,
-    /// The time functions with the names of their boundaries.
-    functions: Vec<(Amplitude, String)>,
+    /// The motions with the names of their boundaries.
+    motions: Vec<(Prescription, String)>,
     /// The components that each boundary of [`Model::support_names`] holds; each component belongs to one of them.
     pub held: Vec<Vec<usize>>,
 }
@@ -48,26 +51,30 @@ impl Supports {
                 }
             }
         }
-        let (mut prescribed, mut functions) = (Vec::new(), Vec::new());
+        let (mut prescribed, mut motions) = (Vec::new(), Vec::new());
         for prescription in &model.prescriptions {
-            for node in model.bodies[prescription.on.body].mesh.boundary_nodes(&prescription.on.boundary) {
-                let unknown = global(prescription.on.body, node) as usize * D + prescription.component;
-                fixed[unknown] = true;
-                owner[unknown] = number(&prescription.on);
-                // A later prescription of the same component replaces an earlier one.
-                prescribed.retain(|other: &PrescribedUnknown| other.unknown != unknown);
-                prescribed.push(PrescribedUnknown { unknown, function: functions.len() });
+            let mesh = &model.bodies[prescription.on.body].mesh;
+            for component in (0..D).filter(|&component| prescription.moves(component)) {
+                for node in mesh.boundary_nodes(&prescription.on.boundary) {
+                    let unknown = global(prescription.on.body, node) as usize * D + component;
+                    fixed[unknown] = true;
+                    owner[unknown] = number(&prescription.on);
+                    // A later prescription of the same component replaces an earlier one.
+                    prescribed.retain(|other: &PrescribedUnknown| other.unknown != unknown);
+                    let place = mesh.points[node as usize];
+                    prescribed.push(PrescribedUnknown { unknown, motion: motions.len(), place, component });
+                }
             }
-            functions.push((prescription.displacement.clone(), model.boundary_name(&prescription.on)));
+            motions.push((prescription.clone(), model.boundary_name(&prescription.on)));
         }
         let mut held = vec![Vec::new(); names.len()];
         owner.iter().enumerate().for_each(|(unknown, owner)| owner.iter().for_each(|&number: &usize| held[number].push(unknown)));
-        Supports { fixed, prescribed, functions, held }
+        Supports { fixed, prescribed, motions, held }
     }
 
     /// Name of the boundary that moves a prescribed unknown.
     pub fn boundary(&self, prescribed: &PrescribedUnknown) -> &str {
-        &self.functions[prescribed.function].1
+        &self.motions[prescribed.motion].1
     }
 
     /// Displacements and velocities of the prescribed unknowns at a time.
@@ -75,15 +82,31 @@ impl Supports {
     /// # Errors
     /// A time function failed or gave no finite number.
     pub fn prescribed_motion(&self, time: f64) -> Result<(Vec<f64>, Vec<f64>), StepError> {
-        let mut values = Vec::with_capacity(self.functions.len());
-        for (function, boundary) in &self.functions {
-            let failed = |source| StepError::Amplitude { boundary: boundary.clone(), time, source };
-            let (value, rate) = (function.value(time).map_err(failed)?, function.rate(time).map_err(failed)?);
-            if !value.is_finite() || !rate.is_finite() {
-                return Err(failed(format!("the time function returned {value} with rate {rate}").into()));
-            }
-            values.push((value, rate));
+        let mut motions: Vec<PrescribedMotion> = Vec::with_capacity(self.motions.len());
+        for (motion, boundary) in &self.motions {
+            motions.push(motion.at(time).map_err(|source| StepError::Amplitude { boundary: boundary.clone(), time, source })?);
         }
-        Ok(self.prescribed.iter().map(|prescribed| values[prescribed.function]).unzip())
+        Ok(self.prescribed.iter().map(|one| motions[one.motion].of(one.place, one.component)).unzip())
+    }
+
+    /// The largest angle by which a boundary turns from one time to another `[rad]`.
+    ///
+    /// # Errors
+    /// A time function failed or gave no finite number.
+    pub fn turned(&self, from: f64, to: f64) -> Result<f64, StepError> {
+        let mut largest: f64 = 0.0;
+        for (motion, boundary) in &self.motions {
+            let angle = |time| {
+                let angle = motion.at(time).map(|motion| motion.angle());
+                angle.map_err(|source| StepError::Amplitude { boundary: boundary.clone(), time, source })
+            };
+            largest = largest.max((angle(to)? - angle(from)?).abs());
+        }
+        Ok(largest)
+    }
+
+    /// Whether a boundary turns.
+    pub fn turn(&self) -> bool {
+        self.motions.iter().any(|(motion, _)| motion.turn.is_some())
     }
 }

@@ -90,6 +90,7 @@ where
                     body: body.into(),
                     node,
                     contact: self.pair_of(iteration.worst_row).map(|pair| pair.name.clone()),
+                    is_slip: iteration.worst_row >= self.system.pressing,
                 }
             })
             .collect()

@@ -3,7 +3,8 @@
 //! Loads, prescribed motions and obstacles take the way that their functions of time describe. An increment that fails is cut back, one
 //! that does not lets the next one be longer; equilibria on the way are found less exactly than the last one. Where even a small
 //! increment fails, a limit point may have been reached: then damped steps may find what lies beyond (a snap-through). Obstacles go by no
-//! more than a facet in an increment: what they jumped over would not be felt.
+//! more than a facet in an increment: what they jumped over would not be felt. Boundaries turn by no more than an eighth of a turn: to its
+//! end a motion at once goes the shorter way round.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use super::slip_memory::{SlipMemory, friction_work};
 use super::state::{Clock, State};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
-use crate::math::tolerances::PASSING;
+use crate::math::tolerances::{EIGHTH_TURN, PASSING};
 
 /// Change of an increment after one that failed, and after one that did not.
 const SHORTER: f64 = 0.25;
@@ -71,10 +72,10 @@ where
         Ok(report)
     }
 
-    /// All at once if obstacles let it, or in increments, or at once with all remedies.
+    /// All at once if obstacles and turns let it, or in increments, or at once with all remedies.
     fn settle_later(&mut self, from: f64, time: f64) -> Result<SettleReport, StepError> {
         let begun = self.state.clone();
-        let may_be_at_once = self.system.obstacle_motion(from, time)? <= PASSING;
+        let may_be_at_once = !self.goes_far(from, time)?;
         if may_be_at_once {
             match self.settle_once(time, Care::Exact) {
                 Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) => self.take_back(&begun),
@@ -90,6 +91,11 @@ where
         }
     }
 
+    /// Whether anything goes farther from one time to another than in an increment.
+    fn goes_far(&mut self, from: f64, to: f64) -> Result<bool, StepError> {
+        Ok(self.system.obstacle_motion(from, to)? > PASSING || self.system.supports.turned(from, to)? > EIGHTH_TURN)
+    }
+
     fn settle_in_increments(&mut self, from: f64, end: f64) -> Result<SettleReport, StepError> {
         let (mut done, mut share, mut steps) = (0.0, FIRST, 0);
         let mut reached = self.state.clone();
@@ -98,7 +104,7 @@ where
             share = if is_jump { JUMP } else { share };
             let time = |part: f64| if part == 1.0 { end } else { from + part * (end - from) };
             let after = |share: f64| if done + share * (1.0 + REST) >= 1.0 { 1.0 } else { done + share };
-            while share >= LEAST && self.system.obstacle_motion(time(done), time(after(share)))? > PASSING {
+            while share >= LEAST && self.goes_far(time(done), time(after(share)))? {
                 share *= 0.5;
             }
             let next = after(share);

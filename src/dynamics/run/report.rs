@@ -137,6 +137,8 @@ pub struct IterationReport {
     pub node: usize,
     /// Contact pair with the largest violation.
     pub contact: Option<String>,
+    /// Whether what is violated there is the law of friction.
+    pub is_slip: bool,
 }
 
 /// The report on a step that failed for good.
@@ -222,8 +224,9 @@ impl FailureReport {
         match &self.cause {
             FailureCause::NoEquilibrium { missing: Some(Missing::Guidance | Missing::Friction), .. } => Remedy::Guide,
             _ if self.unheld.is_some() => Remedy::HoldBeforeRest,
-            FailureCause::CyclingContact { is_slip: true, .. } => {
-                Remedy::Ease(ease, ", or, where the coefficient falls with the speed, a larger transition speed")
+            FailureCause::CyclingContact { is_slip: true, .. } => Remedy::Ease(ease, FRICTION),
+            FailureCause::SlowConvergence | FailureCause::Divergence if self.iterations.last().is_some_and(|last| last.fails_by_slip()) => {
+                Remedy::Ease(ease, FRICTION)
             }
             FailureCause::CyclingContact { .. } => Remedy::Ease(ease, "; surfaces should slide by less than a facet per step"),
             FailureCause::InvertedCell { .. } => Remedy::Ease(ease, ", a finer mesh there, or a smaller load"),
@@ -239,7 +242,15 @@ impl FailureReport {
     }
 }
 
+/// What helps friction besides.
+const FRICTION: &str = ", or, where the coefficient falls with the speed, a larger transition speed";
+
 impl IterationReport {
+    /// Whether the forces balance and the law of friction is what is missing.
+    fn fails_by_slip(&self) -> bool {
+        self.is_slip && self.residual <= self.target && self.gap_violation > 1.0
+    }
+
     /// What is still wrong after `count` iterations, to follow another clause.
     fn shortfall(&self, count: usize) -> String {
         let what = if self.residual > self.target {
@@ -249,7 +260,8 @@ impl IterationReport {
             )
         } else if self.gap_violation > 1.0 {
             let contact = self.contact.as_deref().unwrap_or("");
-            format!("the gap condition of contact \"{contact}\" is violated by {:.1e} times what is tolerated", self.gap_violation)
+            let condition = if self.is_slip { "friction law" } else { "gap condition" };
+            format!("the {condition} of contact \"{contact}\" is violated by {:.1e} times what is tolerated", self.gap_violation)
         } else {
             format!("the residual can still move {:.1e} times the energy that `tolerance` allows", self.energy)
         };

@@ -225,6 +225,13 @@ impl Simulation {
         self.steps.closed_nodes()
     }
 
+    /// Multipliers of the last step in every row of every contact with friction: what presses `[stress]`, and what holds against
+    /// sliding `[stress]`, which the law of friction bounds by the first. Corners have forces `[force]`, axisymmetric bodies stresses
+    /// times circumferences.
+    pub fn friction_multipliers(&self) -> Vec<[f64; 2]> {
+        self.steps.friction_multipliers()
+    }
+
     /// Why the last step that failed for good did so; `None` when none has failed.
     pub fn failure(&self) -> Option<&FailureReport> {
         self.steps.failure()

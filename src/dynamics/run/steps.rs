@@ -41,6 +41,7 @@ pub trait Steps: Send {
     fn contact(&self, name: &str) -> Option<ContactFields>;
     fn contact_surfaces(&self) -> Vec<ContactSurface>;
     fn closed_nodes(&self) -> Vec<usize>;
+    fn friction_multipliers(&self) -> Vec<[f64; 2]>;
     fn failure(&self) -> Option<&FailureReport>;
     fn failed_fields(&self) -> Option<Vec<BodyFields>>;
     fn halvings(&self) -> &[Halving];

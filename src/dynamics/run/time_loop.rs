@@ -20,6 +20,7 @@ use super::tally::Tally;
 use super::validity::Excess;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::failure::Failure;
 use crate::math::tolerances;
 
@@ -187,6 +188,11 @@ where
 
     fn closed_nodes(&self) -> Vec<usize> {
         self.system.closed_nodes(&self.state.active)
+    }
+
+    fn friction_multipliers(&self) -> Vec<[f64; 2]> {
+        let rows = self.system.pairs.iter().flat_map(ContactPair::tangential);
+        rows.map(|(row, pressing)| [pressing, row].map(|row| self.state.lambda[row])).collect()
     }
 
     fn halvings(&self) -> &[Halving] {

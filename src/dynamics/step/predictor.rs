@@ -4,9 +4,12 @@
 //! belongs to the piece's angular momentum. Elastic velocities are left out (they are noise when dt is many element periods), and a
 //! rotation proper does not inflate the body as `q_0 + dt v_0` does. Pieces with supports start where they are.
 
+use std::collections::BTreeMap;
+
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::part::Pose;
+use crate::math::tolerances;
 
 /// Predicted positions of all nodes at the end of a step.
 pub fn rigid_motion<const D: usize>(system: &System<D>, q_0: &[f64], v_0: &[f64], dt: f64) -> Vec<f64>
@@ -87,7 +90,13 @@ pub fn follow_prescribed<const D: usize>(system: &System<D>, q_0: &[f64], displa
     for unknown in (0..q_0.len()).filter(|&unknown| system.supports.fixed[unknown] && !is_prescribed[unknown]) {
         count[system.nodes.pieces[unknown / D] as usize][unknown % D] += 1;
     }
+    let turned = if system.supports.turn() { turns(system, q_0, &target) } else { BTreeMap::new() };
     for unknown in (0..q_0.len()).filter(|&unknown| !system.supports.fixed[unknown]) {
+        if let Some(turn) = turned.get(&system.nodes.pieces[unknown / D]) {
+            let moved = turn.to + turn.rotation * (vector::<D>(q_0, unknown / D) - turn.from);
+            predicted[unknown] = moved[unknown % D];
+            continue;
+        }
         let (piece, i) = (system.nodes.pieces[unknown / D] as usize, unknown % D);
         if count[piece][i] > 0 {
             predicted[unknown] += motion[piece][i] / count[piece][i] as f64;
@@ -96,6 +105,48 @@ pub fn follow_prescribed<const D: usize>(system: &System<D>, q_0: &[f64], displa
     for (k, prescribed) in system.supports.prescribed.iter().enumerate() {
         predicted[prescribed.unknown] = target(k);
     }
+}
+
+/// A rigid motion that takes one point to another.
+struct RigidMotion {
+    from: nalgebra::Vector3<f64>,
+    to: nalgebra::Vector3<f64>,
+    rotation: nalgebra::Matrix3<f64>,
+}
+
+/// The rigid motions of connected components that come nearest to that of their prescribed nodes (Kabsch, Acta Cryst. A 32, 1976), where
+/// these determine one.
+fn turns<const D: usize>(system: &System<D>, q_0: &[f64], target: &impl Fn(usize) -> f64) -> BTreeMap<u32, RigidMotion> {
+    let mut targets: BTreeMap<usize, [Option<f64>; 3]> = BTreeMap::new();
+    for (k, one) in system.supports.prescribed.iter().enumerate() {
+        targets.entry(one.unknown / D).or_default()[one.unknown % D] = Some(target(k));
+    }
+    let mut points: BTreeMap<u32, Vec<[nalgebra::Vector3<f64>; 2]>> = BTreeMap::new();
+    for (node, target) in targets {
+        if target[..D].iter().all(Option::is_some) {
+            let target = target.map(Option::unwrap_or_default);
+            points.entry(system.nodes.pieces[node]).or_default().push([vector::<D>(q_0, node), target.into()]);
+        }
+    }
+    // What stands stays, without round-off.
+    let least = tolerances::JUMP * system.nodes.extent;
+    let moving = points.into_iter().filter(|(_, points)| points.iter().any(|[from, to]| (to - from).norm() > least));
+    moving.filter_map(|(piece, points)| Some((piece, nearest_motion::<D>(&points)?))).collect()
+}
+
+fn nearest_motion<const D: usize>(points: &[[nalgebra::Vector3<f64>; 2]]) -> Option<RigidMotion> {
+    let mean = |k: usize| points.iter().map(|pair| pair[k]).sum::<nalgebra::Vector3<f64>>() / points.len() as f64;
+    let (from, to) = (mean(0), mean(1));
+    let mut covariance: nalgebra::Matrix3<f64> = points.iter().map(|[a, b]| (b - to) * (a - from).transpose()).sum();
+    if D == 2 {
+        // In the plane the third direction stays.
+        covariance.m33 = covariance.norm();
+    }
+    let svd = covariance.svd(true, true);
+    let (u, v_t, values) = (svd.u?, svd.v_t?, svd.singular_values);
+    let sign = (u.determinant() * v_t.determinant()).signum();
+    let rotation = u * nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(1.0, 1.0, sign)) * v_t;
+    (values[1] > tolerances::TURNS * values[0]).then_some(RigidMotion { from, to, rotation })
 }
 
 /// Displacements in a step to predicted positions, those of prescribed nodes with the accuracy of their own size.

@@ -11,7 +11,7 @@ use super::units::{Dimension, Units};
 use crate::contact::Obstacle;
 use crate::dynamics::{
     Amplitude, Change, Coefficient, Friction, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, TimeFunction,
-    TimeFunctionError,
+    TimeFunctionError, Turn,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
@@ -188,7 +188,7 @@ impl Motion {
                 Partner::Obstacle { shape, motion, turn } => {
                     *shape = self.obstacle(shape);
                     *turn = turn.as_ref().map(|turn| self.amplitude(turn, 1.0));
-                    *motion = self.obstacle_motion(motion);
+                    *motion = self.along(motion.each_ref());
                 }
                 Partner::Tied { reach, .. } => *reach = reach.map(|reach| units.length * reach),
             }
@@ -232,11 +232,16 @@ impl Motion {
         }
     }
 
-    fn obstacle_motion(&self, [x, y]: &[Option<Amplitude>; 2]) -> [Option<Amplitude>; 2] {
+    /// Displacements over time along both directions of the plane.
+    fn along(&self, displacement: [&Option<Amplitude>; 2]) -> [Option<Amplitude>; 2] {
         let turned = |factors: [f64; 2]| -> Option<Amplitude> {
-            let terms = factors.into_iter().zip([x, y]).filter(|(factor, _)| *factor != 0.0);
+            let terms = factors.into_iter().zip(displacement).filter(|(factor, _)| *factor != 0.0);
             let terms: Vec<_> = terms.filter_map(|(factor, inner)| Some((self.units.length * factor, inner.clone()?))).collect();
-            (!terms.is_empty()).then(|| Arc::new(Combined { terms, time: self.units.time }) as Amplitude)
+            match &terms[..] {
+                [] => None,
+                [(factor, inner)] => Some(self.amplitude(inner, *factor)),
+                _ => Some(Arc::new(Combined { terms, time: self.units.time })),
+            }
         };
         [turned([self.cosine, -self.sine]), turned([self.sine, self.cosine])]
     }
@@ -249,15 +254,19 @@ impl Motion {
     }
 
     fn prescription(&self, model: &Model, given: &Prescription) -> Result<Prescription, String> {
-        let (component, sign) = match (given.component, self.quarters) {
-            (2, _) | (_, Some(0)) => (given.component, 1.0),
-            (component, Some(2)) => (component, -1.0),
-            // (x, y) becomes (-y, x) at one quarter and (y, -x) at three
-            (component, Some(quarters)) => (1 - component, if (component == 0) == (quarters == 1) { 1.0 } else { -1.0 }),
-            (_, None) => return Err(oblique(&format!("the prescribed displacement of \"{}\"", model.boundary_name(&given.on)))),
-        };
-        let displacement = self.amplitude(&given.displacement, sign * self.units.length);
-        Ok(Prescription { on: given.on.clone(), component, displacement })
+        let [x, y, z] = &given.displacement;
+        // Where one of the two directions is free, the same is to be free afterwards.
+        if given.turn.is_none() && x.is_some() != y.is_some() && self.quarters.is_none() {
+            return Err(oblique(&format!("the prescribed displacement of \"{}\"", model.boundary_name(&given.on))));
+        }
+        let [x, y] = self.along([x, y]);
+        let z = z.as_ref().map(|z| self.amplitude(z, self.units.length));
+        let turn = given.turn.as_ref().map(|Turn { center, axis, angle }| Turn {
+            center: self.point(*center),
+            axis: self.vector(*axis, 1.0),
+            angle: self.amplitude(angle, 1.0),
+        });
+        Ok(Prescription { on: given.on.clone(), displacement: [x, y, z], turn })
     }
 
     fn material(&self, material: &Material) -> Result<Material, String> {

@@ -12,6 +12,9 @@ use super::oracle::{Depth, Oracle, Sums};
 /// Energy that may be gained, over the energy scale: two hundred steps of Newton's tolerance of 1e-13, and round-off of positions.
 pub const GAIN: f64 = 1e-10;
 
+/// Shear beyond what friction bears of the pressure, over the largest that it has borne by then.
+pub const CONE: f64 = 1e-9;
+
 /// Defect of the ledger in one step, over the energy scale.
 pub const DEFECT: f64 = 1e-11;
 
@@ -41,6 +44,8 @@ pub enum Fault {
     Gained,
     /// Friction has given energy.
     Rubbed,
+    /// Friction holds more than it can.
+    Cone,
     /// The ledger does not close.
     Defect,
     /// Momentum or angular momentum has changed, though nothing acts from outside.
@@ -54,12 +59,13 @@ pub enum Fault {
 }
 
 impl Fault {
-    pub const ALL: [Fault; 10] = [
+    pub const ALL: [Fault; 11] = [
         Fault::Failed,
         Fault::Crushed,
         Fault::Slow,
         Fault::Gained,
         Fault::Rubbed,
+        Fault::Cone,
         Fault::Defect,
         Fault::Momentum,
         Fault::Ledger,
@@ -74,6 +80,7 @@ impl Fault {
             Fault::Slow => "SLOW",
             Fault::Gained => "GAINED",
             Fault::Rubbed => "RUBBED",
+            Fault::Cone => "CONE",
             Fault::Defect => "DEFECT",
             Fault::Momentum => "MOMENTUM",
             Fault::Ledger => "LEDGER",
@@ -119,6 +126,8 @@ pub struct Record {
     pub reserve: f64,
     /// Largest work of friction of a piece: it must not be positive.
     pub rubbed: f64,
+    /// Shear of a row beyond what friction bears, over the largest by now.
+    pub cone: f64,
     /// What contact has lost since the start, as the ledger says.
     pub lost: f64,
     /// Reserve kept at the end of a piece at which no contact is closed.
@@ -148,6 +157,7 @@ pub struct Outcome {
     /// Largest values of the run.
     pub gain: f64,
     pub rubbed: f64,
+    pub cone: f64,
     pub defect: f64,
     pub momentum: f64,
     pub disagreement: f64,
@@ -197,6 +207,7 @@ impl Outcome {
         };
         judge(Fault::Gained, |outcome| &mut outcome.gain, record.gain, GAIN, "");
         judge(Fault::Rubbed, |outcome| &mut outcome.rubbed, record.rubbed, DEFECT, "");
+        judge(Fault::Cone, |outcome| &mut outcome.cone, record.cone, CONE, "");
         judge(Fault::Defect, |outcome| &mut outcome.defect, record.defect, DEFECT, "");
         judge(Fault::Momentum, |outcome| &mut outcome.momentum, record.momentum, MOMENTUM, "");
         judge(Fault::Ledger, |outcome| &mut outcome.disagreement, record.disagreement, DISAGREEMENT, "");
@@ -302,7 +313,7 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
     // The energy that must not be exceeded.
     let mut bound = start.total();
     // Of each contact whether it was closed at the end of the piece before; what all have lost; the largest force of one.
-    let (mut was_closed, mut lost, mut force) = (Vec::new(), 0.0, 0.0f64);
+    let (mut was_closed, mut lost, mut force, mut borne) = (Vec::new(), 0.0, 0.0f64, 0.0f64);
     for step in 1..=scene.steps {
         let mut record = Record { step, ..Record::default() };
         let mut pieces = 0;
@@ -331,6 +342,10 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
             let fault = if is_crushed(scene, &sim) { Fault::Crushed } else { Fault::Failed };
             return outcome.find(fault, step, f64::INFINITY, &error.to_string());
         }
+        let multipliers = sim.friction_multipliers();
+        borne = multipliers.iter().map(|[pressing, _]| scene.friction * pressing).fold(borne, f64::max);
+        let beyond = multipliers.iter().map(|[pressing, shear]| shear.abs() - scene.friction * pressing.max(0.0));
+        record.cone = beyond.fold(0.0, worse) / borne.max(f64::MIN_POSITIVE);
         let (state, row) = (sim.shared_state(), sim.row());
         record.sums = oracle.sums(&state.positions, &state.velocities);
         let total = record.sums.total();

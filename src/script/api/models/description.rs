@@ -1,8 +1,9 @@
 //! A model in words, as `print` shows it.
 
 use super::data::ModelData;
+use super::supports::UPRIGHT;
 use crate::contact::Obstacle;
-use crate::dynamics::{Amplitude, BodyBoundary, Interaction, Model, Partner};
+use crate::dynamics::{Amplitude, BodyBoundary, Interaction, Model, Partner, Prescription};
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::wording::joined;
@@ -16,9 +17,9 @@ pub fn describe_model(data: &ModelData) -> String {
         let names = ["x", "y", "z"].into_iter().zip(support.components).take(model.dimension()).filter(|(_, held)| *held);
         format!("  fixed \"{}\" in {}", model.boundary_name(&support.on), names.map(|(name, _)| name).collect::<Vec<_>>().join(", "))
     }));
-    lines.extend(model.prescriptions.iter().map(|prescription| {
-        let (component, boundary) = (["x", "y", "z"][prescription.component], model.boundary_name(&prescription.on));
-        format!("  prescribed {component} of \"{boundary}\": {}", prescription.displacement.describe())
+    lines.extend(model.prescriptions.iter().flat_map(|given| {
+        let boundary = model.boundary_name(&given.on);
+        prescribed(given).into_iter().map(move |(what, function)| format!("  prescribed {what} of \"{boundary}\": {function}"))
     }));
     lines.extend(data.loads.iter().map(|load| format!("  {}", load.title)));
     if model.gravity != [0.0; 3] {
@@ -27,6 +28,18 @@ pub fn describe_model(data: &ModelData) -> String {
     lines.extend(model.parts.iter().map(|part| format!("  {}", part.describe())));
     lines.extend(describe_contacts(model));
     lines.join("\n")
+}
+
+/// What is prescribed, and how it changes, such as `x` and `ramp(0, 1, 0.1)`.
+pub fn prescribed(given: &Prescription) -> Vec<(String, String)> {
+    let along = ["x", "y", "z"].into_iter().zip(&given.displacement);
+    let along = along.filter_map(|(name, function)| Some((name.to_string(), function.as_ref()?.describe())));
+    let turn = given.turn.iter().map(|turn| {
+        let axis = if turn.axis == UPRIGHT { String::new() } else { format!(" and the axis {}", vector_text(&turn.axis)) };
+        let center = if axis.is_empty() { &turn.center[..2] } else { &turn.center[..] };
+        (format!("angle about {}{axis}", vector_text(center)), turn.angle.describe())
+    });
+    along.chain(turn).collect()
 }
 
 /// One line for each contact, obstacle or tie.

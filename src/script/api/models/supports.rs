@@ -5,14 +5,17 @@ use rhai::Dynamic;
 use super::arguments::{boundary_of, boundary_parameter};
 use super::change::change;
 use super::handle::ModelHandle;
-use crate::dynamics::{Prescription, Support};
+use crate::dynamics::{Prescription, Support, Turn};
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// The axis about which everything in the plane turns.
+pub const UPRIGHT: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// `fix`: holds nodes where they are.
 pub fn fix() -> Function {
@@ -45,30 +48,20 @@ pub fn prescribe() -> Function {
         name: "prescribe",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "moves the nodes of a boundary in given directions as time functions say",
-        parameters: vec![
-            boundary_parameter(),
-            Parameter::new(
-                "displacements",
-                Kind::Options(
-                    ["x", "y", "z"]
-                        .map(|name| {
-                            let free = Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time");
-                            free.of("length").or(Absent::Means("free"))
-                        })
-                        .into(),
-                ),
-                "displacements over time",
-            ),
-        ],
+        summary: "moves the nodes of a boundary in given directions as time functions say, or turns them about a point (in space: about the \
+                  axis through it) and moves them along",
+        parameters: vec![boundary_parameter(), Parameter::new("motion", Kind::Options(motion_options()), "the motion over time")],
         returns: "",
-        example: plate_example("press.prescribe(plate.boundary(\"top\"), #{ y: ramp(0.0, 0.1, -0.05) });"),
+        example: plate_example(
+            "press.prescribe(plate.boundary(\"top\"), #{ y: ramp(0.0, 0.1, -0.05) });\n\
+             press.prescribe(plate.boundary(\"bottom\"), #{ angle: |t| deg(90) * t, about: [1.0, 0.5] });",
+        ),
         see_also: &["fix"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (on, options) = (boundary_of(&call.argument("boundary"), &model)?, call.options("displacements")?);
+            let (on, options) = (boundary_of(&call.argument("boundary"), &model)?, call.options("motion")?);
             let dimension = model.0.borrow().model.dimension();
-            let mut prescriptions = Vec::new();
+            let mut displacement = [const { None }; 3];
             for (component, name) in ["x", "y", "z"].into_iter().enumerate() {
                 let argument = options.argument(name);
                 if !argument.is_given() {
@@ -78,17 +71,55 @@ pub fn prescribe() -> Function {
                     let failure = argument.fail("the model is plane: there is no direction `z`");
                     return Err(failure.hint("remove the option").into());
                 }
-                let displacement = amplitude_of(&argument)?;
-                prescriptions.push(Prescription { on: on.clone(), component, displacement });
+                displacement[component] = Some(amplitude_of(&argument)?);
             }
-            if prescriptions.is_empty() {
-                let failure = call.argument("displacements").fail("`prescribe` names no direction");
+            let turn = turn(&options, dimension)?;
+            if turn.is_none() && displacement.iter().all(Option::is_none) {
+                let failure = call.argument("motion").fail("`prescribe` names no direction");
                 return Err(failure.hint("name one, such as `#{ y: ramp(0.0, 1.0, -0.1) }`; `fix` holds nodes where they are").into());
             }
-            change(call, &model, |data| data.model.prescriptions.extend(prescriptions))?;
+            change(call, &model, |data| data.model.prescriptions.push(Prescription { on, displacement, turn }))?;
             Ok(Dynamic::UNIT)
         }),
     }
+}
+
+/// What `prescribe` takes.
+fn motion_options() -> Vec<Parameter> {
+    let along = ["x", "y", "z"].map(|name| {
+        let free = Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time");
+        free.of("length").or(Absent::Means("free, or none where the nodes turn"))
+    });
+    let angle = Parameter::new("angle", Kind::Amplitude, "the angle by which they turn over time, counter-clockwise");
+    let about = Parameter::new("about", Kind::Vector, "the point about which they turn, moved along with them");
+    let axis = Parameter::new("axis", Kind::Vector, "the direction of the axis, in space");
+    let turn = [
+        angle.of("rad").or(Absent::Means("none")),
+        about.of("length").or(Absent::Means("the origin")),
+        axis.of("1").or(Absent::Means("[0, 0, 1]")),
+    ];
+    along.into_iter().chain(turn).collect()
+}
+
+/// The turn that the options of `prescribe` ask for.
+fn turn(options: &Options, dimension: usize) -> Result<Option<Turn>, Failure> {
+    let [angle, about, axis] = ["angle", "about", "axis"].map(|name| options.argument(name));
+    if !angle.is_given() {
+        return match [about, axis].into_iter().find(Argument::is_given) {
+            Some(given) => Err(given.fail(format!("{} has no meaning without an angle", given.title())).hint("add `angle: |t| …`")),
+            None => Ok(None),
+        };
+    }
+    let center = if about.is_given() { about.vector(dimension)? } else { [0.0; 3] };
+    let direction = if axis.is_given() { axis.vector(3)? } else { UPRIGHT };
+    if dimension == 2 && direction != UPRIGHT {
+        return Err(axis.fail("the model is plane: it turns about the third axis").hint("remove the option"));
+    }
+    let size = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if size == 0.0 {
+        return Err(axis.fail(format!("{} has no direction", axis.title())).label("this has length 0").hint("such as `[0.0, 0.0, 1.0]`"));
+    }
+    Ok(Some(Turn { center, axis: direction.map(|x| x / size), angle: amplitude_of(&angle)? }))
 }
 
 fn components(argument: &Argument, dimension: usize) -> Result<[bool; 3], Failure> {

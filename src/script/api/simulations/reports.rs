@@ -14,7 +14,7 @@ use crate::output::{Report, ReportTable, Still, kept_rows, report, shapes};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::writing::path_parameter;
-use crate::script::api::models::description::describe_obstacle;
+use crate::script::api::models::description::{describe_obstacle, prescribed};
 use crate::script::api::parameters::Overrides;
 use crate::script::api::remedies::explained;
 use crate::script::language::arguments::Arguments;
@@ -200,9 +200,9 @@ fn conditions(data: &SimulationData) -> Vec<Vec<String>> {
         let names: Vec<&str> = names.map(|(name, _)| name).collect();
         vec![format!("\"{}\"", model.boundary_name(&support.on)), format!("fixed in {}", joined(&names, "and"))]
     });
-    let moved = model.prescriptions.iter().map(|given| {
-        let motion = format!("prescribed {}: {}", AXES[given.component], given.displacement.describe());
-        vec![format!("\"{}\"", model.boundary_name(&given.on)), motion]
+    let moved = model.prescriptions.iter().flat_map(|given| {
+        let boundary = format!("\"{}\"", model.boundary_name(&given.on));
+        prescribed(given).into_iter().map(move |(what, function)| vec![boundary.clone(), format!("prescribed {what}: {function}")])
     });
     let loads = model.loads.iter().zip(&data.model.loads).map(|(load, note)| {
         let what = note.title.split(" on \"").next().unwrap_or(&note.title);

@@ -1,0 +1,134 @@
+//! Nodes that move as time functions say.
+
+use nalgebra::Vector3;
+
+use super::amplitude::{Amplitude, TimeFunctionError};
+use super::interactions::BodyBoundary;
+
+/// The nodes of a boundary, moved along, turned, or both:
+///
+/// ```text
+/// x(t) = X + d(t) + (R(angle(t)) - 1) (X - center)
+/// ```
+///
+/// Without a turn the directions in which no displacement is given are free.
+#[derive(Clone)]
+pub struct Prescription {
+    /// The nodes of this boundary.
+    pub on: BodyBoundary,
+    /// Displacement `d` in every direction over time `[length]`.
+    pub displacement: [Option<Amplitude>; 3],
+    /// How they turn besides.
+    pub turn: Option<Turn>,
+}
+
+/// A turn about an axis.
+#[derive(Clone)]
+pub struct Turn {
+    /// A point of the axis in the reference configuration `[length]`.
+    pub center: [f64; 3],
+    /// Its direction, of length 1.
+    pub axis: [f64; 3],
+    /// The angle over time `[rad]`.
+    pub angle: Amplitude,
+}
+
+/// What a prescription does at a time.
+pub struct PrescribedMotion<'a> {
+    /// Displacement and velocity.
+    shift: [[f64; 2]; 3],
+    /// The turn with its angle and that one's rate.
+    turn: Option<(&'a Turn, [f64; 2])>,
+}
+
+impl Prescription {
+    /// A displacement in one direction (0, 1, 2: x, y, z); the others are free.
+    pub fn along(on: BodyBoundary, component: usize, displacement: Amplitude) -> Self {
+        let mut all = [const { None }; 3];
+        all[component] = Some(displacement);
+        Prescription { on, displacement: all, turn: None }
+    }
+
+    /// Whether it says how the nodes move in a direction.
+    pub fn moves(&self, component: usize) -> bool {
+        self.turn.is_some() || self.displacement[component].is_some()
+    }
+
+    /// All its time functions.
+    pub fn functions(&self) -> impl Iterator<Item = &Amplitude> {
+        self.displacement.iter().flatten().chain(self.turn.as_ref().map(|turn| &turn.angle))
+    }
+
+    /// The motion at a time.
+    ///
+    /// # Errors
+    /// A time function failed, or returned no finite number.
+    pub fn at(&self, time: f64) -> Result<PrescribedMotion<'_>, TimeFunctionError> {
+        let mut shift = [[0.0; 2]; 3];
+        for (values, function) in shift.iter_mut().zip(&self.displacement) {
+            if let Some(function) = function {
+                *values = at(function, time)?;
+            }
+        }
+        let turn = self.turn.as_ref().map(|turn| at(&turn.angle, time).map(|values| (turn, values))).transpose()?;
+        Ok(PrescribedMotion { shift, turn })
+    }
+}
+
+/// Value and rate of a time function.
+fn at(function: &Amplitude, time: f64) -> Result<[f64; 2], TimeFunctionError> {
+    let (value, rate) = (function.value(time)?, function.rate(time)?);
+    match value.is_finite() && rate.is_finite() {
+        true => Ok([value, rate]),
+        false => Err(format!("the time function returned {value} with rate {rate}").into()),
+    }
+}
+
+impl PrescribedMotion<'_> {
+    /// Angle of the turn `[rad]`.
+    pub fn angle(&self) -> f64 {
+        self.turn.map_or(0.0, |(_, [angle, _])| angle)
+    }
+
+    /// Displacement `[length]` and velocity `[length/time]` in one direction of a node that was at `place`.
+    pub fn of(&self, place: [f64; 3], component: usize) -> (f64, f64) {
+        let [value, rate] = self.shift[component];
+        let Some((Turn { center, axis, .. }, [angle, spin])) = self.turn else { return (value, rate) };
+        let (axis, arm) = (Vector3::from(*axis), Vector3::from(place) - Vector3::from(center.to_owned()));
+        let across = axis.cross(&arm);
+        // Small for a small angle: (R - 1) r = sin a x r + (1 - cos) a x (a x r).
+        let turned = across * angle.sin() + axis.cross(&across) * (2.0 * (0.5 * angle).sin().powi(2));
+        let velocity = axis.cross(&(arm + turned)) * spin;
+        (value + turned[component], rate + velocity[component])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::dynamics::model::amplitude::Ramp;
+    use crate::mesh::Boundary;
+
+    /// A point goes around the axis, keeps its distance from it and its height, and moves with the speed of the circle.
+    #[test]
+    fn a_turn_is_a_rotation_about_its_axis() {
+        let ramp = |value| Arc::new(Ramp { start: 0.0, end: 2.0, value }) as Amplitude;
+        let axis = Vector3::new(1.0, 2.0, 2.0) / 3.0;
+        let turn = Turn { center: [0.3, -0.1, 0.2], axis: axis.into(), angle: ramp(3.0) };
+        let on = BodyBoundary { body: 0, boundary: Boundary::of_facets("", Vec::new()) };
+        let given = Prescription { on, displacement: [None, Some(ramp(0.5)), None], turn: Some(turn) };
+        let place = [1.3, 0.4, -0.7];
+        let arm = Vector3::from(place) - Vector3::new(0.3, -0.1, 0.2);
+        for time in [0.0, 1e-6, 0.7, 1.6] {
+            let motion = given.at(time).unwrap();
+            let (u, v): (Vec<f64>, Vec<f64>) = (0..3).map(|i| motion.of(place, i)).unzip();
+            let turned = arm + Vector3::from_vec(u) - Vector3::new(0.0, 0.25 * time, 0.0);
+            let exact = nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(axis), 1.5 * time) * arm;
+            assert!((turned - exact).norm() < 1e-15 * (1.0 + 10.0 * time), "{turned} {exact}");
+            let speed = Vector3::from_vec(v) - Vector3::new(0.0, 0.25, 0.0);
+            assert!((speed - axis.cross(&exact) * 1.5).norm() < 1e-14);
+        }
+    }
+}
