@@ -191,8 +191,8 @@ impl Row {
         let count = |fault| self.counts.get(&fault).copied().unwrap_or(0);
         let worst = &self.worst;
         println!(
-            "{name:28} {:5} {:7} {:6} {:7} {:4} {:6} {:6} {:4} {:6} {:8} {:6} {:5} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:8.1e} {:8.1e} {:6.2} \
-             {:8.2} {:7.2} {:6.2} {:8}",
+            "{name:28} {:5} {:7} {:6} {:7} {:4} {:6} {:6} {:4} {:6} {:8} {:6} {:5} {:5} {:5}  {:8.1e} {:8.1e} {:8.1e} {:8.1e} {:8.1e} \
+             {:6.2} {:8.2} {:7.2} {:6.2} {:8}",
             self.runs,
             self.touched,
             count(Fault::Failed),
@@ -223,8 +223,8 @@ impl Row {
 
 /// Columns of the table: runs, those in which anything touched, those with each fault, those deeper than one and a half times the
 /// limit; what contact loses in the mean, over the energy; largest values; iterations of an accepted piece, halvings.
-const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained rubbed cone defect momentum ledger  deep >0.15 apart      \
-                      lost     gain     cone   defect momentum  depth crossing misread  iter. halvings";
+const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained rubbed cone defect momentum ledger  deep \
+                      >0.15 apart      lost     gain     cone   defect momentum  depth crossing misread  iter. halvings";
 
 /// Seeds and numbers of axes that are asked for, and on how many threads.
 fn jobs(arguments: &Arguments, axes: usize) -> (Vec<(u64, usize)>, usize) {

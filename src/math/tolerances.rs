@@ -282,6 +282,9 @@ pub const TANGENTIAL: f64 = 0.01;
 /// Augmentation of tangential rows that stick to a node which other rows hold in all directions.
 pub const SHARED_AUGMENTATION: f64 = 100.0;
 
+/// The part of that by which such rows go on to give way while their set stays: without any they would be dependent.
+pub const LEAST_YIELDING: f64 = 1e-4;
+
 /// Part of a tangential row's gradient that supports must leave free, or they hold it.
 pub const HELD_ROW: f64 = 1e-8;
 

@@ -90,7 +90,7 @@ where
         proximal: Option<&[f64]>,
         frozen: &mut Option<Frozen>,
     ) -> Result<RowValues, Failure> {
-        let mut rows = constraint_rows(self.system, at, self.task.conditions, set);
+        let mut rows = constraint_rows(self.system, at, self.task.conditions, set, self.yielding);
         if let Some(terms) = proximal {
             rows.add_proximal(terms, &at.lambda);
         }

@@ -158,12 +158,14 @@ pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, cond
     set
 }
 
-/// The constraint rows for a set of active nodes.
+/// The constraint rows for a set of active nodes; `yielding` is how far tangential rows of nodes with more rows than motions give way, over
+/// what they do at first.
 pub fn constraint_rows<const D: usize>(
     system: &System<D>,
     at: &Linearization,
     conditions: &Conditions,
     set: &[RowState],
+    yielding: f64,
 ) -> ConstraintRows {
     let mut rows = ConstraintRows::open(system.multipliers);
     for (pair, evaluation) in pairs_at(system, at) {
@@ -177,7 +179,7 @@ pub fn constraint_rows<const D: usize>(
         let mut row = place.at(conditions, at);
         // More rows than a node can move: those that stick give way, until the multipliers are found.
         if place.pair.node_of(place.row).is_some_and(|node| held[&node] > system.supports.free_components::<D>(node)) {
-            row.compliance = row.compliance.max(conditions.yielding[place.row]);
+            row.compliance = row.compliance.max(yielding * conditions.yielding[place.row]);
         }
         rows.0[place.row] = row.equation(set[place.row]);
     }

@@ -126,6 +126,10 @@ where
 /// An increment of the positions, and the multipliers that go with it.
 pub(super) type Increment = (Vec<f64>, Vec<f64>);
 
+/// How much less tangential rows of nodes with more rows than motions give way from iteration to iteration: with the same share of the rest
+/// left in each, they would take tens.
+const STIFFER: f64 = 4.0;
+
 /// An attempt that goes on.
 pub(super) struct Attempt<'a, const D: usize> {
     pub(super) system: &'a mut System<D>,
@@ -141,6 +145,8 @@ pub(super) struct Attempt<'a, const D: usize> {
     taken: f64,
     /// Proximal term of the multipliers over the compliance of their nodes, where no set solved the last linearisation without one.
     pub(super) proximal: Option<f64>,
+    /// How far tangential rows of nodes with more rows than motions give way: less and less while their set stays.
+    pub(super) yielding: f64,
 }
 
 /// Solves one step in one way; `trace` tells its course.
@@ -170,6 +176,7 @@ where
         first_limit: limit,
         taken: 1.0,
         proximal: None,
+        yielding: 1.0,
         system,
         task,
     };
@@ -207,12 +214,13 @@ where
         (increment, new_lambda) = match strategy {
             Strategy::InnerLoop => attempt.finish_set(&mut at, &mut set)?,
             Strategy::Backtracking => {
-                let rows = constraint_rows(attempt.system, &at, task.conditions, &set);
+                let rows = constraint_rows(attempt.system, &at, task.conditions, &set, attempt.yielding);
                 attempt.system.solve(task.start, &mut at, &rows)?
             }
         };
         record.changed = (0..set.len()).filter(|&row| set[row] != attempt.active[row]).collect();
         record.active = set.iter().filter(|row| row.is_closed()).count();
+        attempt.yielding = if record.changed.is_empty() { (attempt.yielding / STIFFER).max(tolerances::LEAST_YIELDING) } else { 1.0 };
         attempt.active = set;
         attempt.adapt_limit(trace.iterations.last(), &record);
         trace.iterations.push(record);

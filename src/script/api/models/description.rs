@@ -1,9 +1,8 @@
 //! A model in words, as `print` shows it.
 
 use super::data::ModelData;
-use super::supports::UPRIGHT;
 use crate::contact::Obstacle;
-use crate::dynamics::{Amplitude, BodyBoundary, Interaction, Model, Partner, Prescription};
+use crate::dynamics::{Amplitude, BodyBoundary, Interaction, Model, Partner, Prescription, Turn};
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::wording::joined;
@@ -35,7 +34,7 @@ pub fn prescribed(given: &Prescription) -> Vec<(String, String)> {
     let along = ["x", "y", "z"].into_iter().zip(&given.displacement);
     let along = along.filter_map(|(name, function)| Some((name.to_string(), function.as_ref()?.describe())));
     let turn = given.turn.iter().map(|turn| {
-        let axis = if turn.axis == UPRIGHT { String::new() } else { format!(" and the axis {}", vector_text(&turn.axis)) };
+        let axis = if turn.axis == Turn::UPRIGHT { String::new() } else { format!(" and the axis {}", vector_text(&turn.axis)) };
         let center = if axis.is_empty() { &turn.center[..2] } else { &turn.center[..] };
         (format!("angle about {}{axis}", vector_text(center)), turn.angle.describe())
     });

@@ -14,9 +14,6 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// The axis about which everything in the plane turns.
-pub const UPRIGHT: [f64; 3] = [0.0, 0.0, 1.0];
-
 /// `fix`: holds nodes where they are.
 pub fn fix() -> Function {
     Function {
@@ -48,8 +45,8 @@ pub fn prescribe() -> Function {
         name: "prescribe",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "moves the nodes of a boundary in given directions as time functions say, or turns them about a point (in space: about the \
-                  axis through it) and moves them along",
+        summary: "moves the nodes of a boundary in given directions as time functions say, or turns them about a point (in space: about \
+                  the axis through it) and moves them along",
         parameters: vec![boundary_parameter(), Parameter::new("motion", Kind::Options(motion_options()), "the motion over time")],
         returns: "",
         example: plate_example(
@@ -111,8 +108,8 @@ fn turn(options: &Options, dimension: usize) -> Result<Option<Turn>, Failure> {
         };
     }
     let center = if about.is_given() { about.vector(dimension)? } else { [0.0; 3] };
-    let direction = if axis.is_given() { axis.vector(3)? } else { UPRIGHT };
-    if dimension == 2 && direction != UPRIGHT {
+    let direction = if axis.is_given() { axis.vector(3)? } else { Turn::UPRIGHT };
+    if dimension == 2 && direction != Turn::UPRIGHT {
         return Err(axis.fail("the model is plane: it turns about the third axis").hint("remove the option"));
     }
     let size = direction.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -11,6 +11,9 @@ use crate::script::language::host::Host;
 use crate::script::language::scan::Target;
 use crate::script::language::wording::joined;
 
+/// Contacts that a warning names at most.
+const NAMED: usize = 6;
+
 impl SimulationHandle {
     /// Warns of loads that never acted and contact that never closed.
     pub fn warn_of_idle_parts(&self, host: &Host) {
@@ -33,7 +36,11 @@ impl SimulationHandle {
             [] => return,
             [name] => (format!("contact \"{name}\" never closed"), "no node of its secondary side was active in any step"),
             _ => {
-                let names: Vec<String> = open.iter().map(|name| format!("\"{name}\"")).collect();
+                let mut names: Vec<String> = open.iter().map(|name| format!("\"{name}\"")).collect();
+                if let Some(more) = names.len().checked_sub(NAMED).filter(|more| *more > 1) {
+                    names.truncate(NAMED);
+                    names.push(format!("{more} more"));
+                }
                 (format!("contacts {} never closed", joined(&names, "and")), "no node of their secondary sides was active in any step")
             }
         };
