@@ -46,6 +46,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/wedge", "wedge.svg"),
     ("scenarios/fretting", "shear.svg"),
     ("scenarios/stick_slip", "stick_slip.svg"),
+    ("scenarios/pile", "pile.svg"),
     ("scenarios/tumbling_block", "block.svg"),
     ("scenarios/tumbling_block_3d", "brick.svg"),
     ("tutorials/01_first_body", "plate.svg"),
