@@ -363,7 +363,7 @@ fn report_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 }
 
 fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
-    let Checkpoint { origin, courses, journal, files } = Checkpoint::read(path).map_err(|error| {
+    let Checkpoint { origin, simulations, journal, files } = Checkpoint::read(path).map_err(|error| {
         let message = Diagnostic::error(Class::Script, format!("the checkpoint \"{}\" is no good", path.display()));
         Box::new(message.cause(error.to_string()).hint("resume from the one before it, or run the script anew"))
     })?;
@@ -375,9 +375,9 @@ fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
         ("computations", journal.events.into()),
         ("files", files.len().into()),
     ];
-    for course in courses {
-        let (step, time) = course.reached;
-        facts.push(("simulation", format!("\"{}\": step {step}, t = {time}, {} unknowns", course.name, course.unknowns).into()));
+    for saved in simulations {
+        let (step, time) = saved.reached;
+        facts.push(("simulation", format!("\"{}\": step {step}, t = {time}, {} unknowns", saved.name, saved.unknowns).into()));
     }
     Ok(facts)
 }

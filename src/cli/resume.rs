@@ -123,10 +123,10 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
         Box::new(error.hint("the run began there, and the paths of its script and files are relative to it"))
     })?;
     compare(&origin, &Origin::now(&origin), arguments.anyway)?;
-    if let (Some(until), [course, ..]) = (arguments.until, &checkpoint.courses[..])
-        && until < course.reached.1
+    if let (Some(until), [saved, ..]) = (arguments.until, &checkpoint.simulations[..])
+        && until < saved.reached.1
     {
-        let error = refusal(format!("the run has passed t = {until}")).cause(format!("the checkpoint is at t = {}", course.reached.1));
+        let error = refusal(format!("the run has passed t = {until}")).cause(format!("the checkpoint is at t = {}", saved.reached.1));
         return Err(Box::new(error.hint("name a later time with `--until`, or an earlier checkpoint")));
     }
     let interrupt = interrupt()

@@ -142,9 +142,9 @@ pub trait CandidateSearch: PatchFunctions {
     }
 
     /// Tells the nodes of patch `p` that take part in this step. The others are there for later steps.
-    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
+    fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
         if self.search().is_none_or(|search| search.near[p]) {
-            self.patches().nodes(p).iter().copied().for_each(tell);
+            self.patches().nodes(p).iter().copied().for_each(visit);
         }
     }
 

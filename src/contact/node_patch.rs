@@ -133,12 +133,12 @@ impl Start {
 }
 
 /// Tells what measures each row of the present step at `q`: the row, and its measure.
-fn for_each_measure(sides: &Sides, starts: &[Start], q: &[f64], mut tell: impl FnMut(usize, Measure)) {
+fn for_each_measure(sides: &Sides, starts: &[Start], q: &[f64], mut visit: impl FnMut(usize, Measure)) {
     let mut z = Vec::new();
     for (p, start) in starts.iter().enumerate() {
         start.gather_into(sides.patches.nodes(p), q, &mut z);
         for (&row, measure) in sides.patches.rows(p).iter().zip(start.measures(&z)) {
-            measure.into_iter().for_each(|measure| tell(row as usize, measure));
+            measure.into_iter().for_each(|measure| visit(row as usize, measure));
         }
     }
 }

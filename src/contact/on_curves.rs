@@ -311,8 +311,8 @@ impl CandidateSearch for OnCurves {
         self.inner.overlooks(&self.points.points(q_0), &self.points.points(q_1), tolerance)
     }
 
-    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
-        let mut parts = |point: u32| self.points.parts(point as usize).iter().for_each(|&(node, _)| tell(node));
+    fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
+        let mut parts = |point: u32| self.points.parts(point as usize).iter().for_each(|&(node, _)| visit(node));
         self.members[p].iter().for_each(|member| self.inner.for_each_participant(member.patch, &mut parts));
     }
 

@@ -43,7 +43,7 @@ const SMOOTH: f64 = 0.94;
 
 /// Middle nodes with the ends of their edges, `[middle, from, to]`, in ascending order.
 #[derive(Clone, Debug, Default)]
-pub struct Middles(Vec<[u32; 3]>);
+pub struct ProxyNodes(Vec<[u32; 3]>);
 
 /// Which nodes of the secondary side have constraints, and how contact sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,12 +54,12 @@ pub enum RowsOf {
     Nodes,
 }
 
-impl Middles {
+impl ProxyNodes {
     /// Of edges given by their ends and their middle.
     pub fn new(edges: impl Iterator<Item = [u32; 3]>) -> Self {
         let mut middles: Vec<[u32; 3]> = edges.map(|[from, to, middle]| [middle, from, to]).collect();
         middles.sort_unstable();
-        Middles(middles)
+        ProxyNodes(middles)
     }
 
     /// The edge in whose middle a node is.
@@ -250,7 +250,7 @@ fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usi
 }
 
 impl Curves {
-    fn new(middles: &Middles, sides: [&[[u32; 2]]; 2], reference: &[f64]) -> Self {
+    fn new(middles: &ProxyNodes, sides: [&[[u32; 2]]; 2], reference: &[f64]) -> Self {
         // Facets of both sides are about alike long.
         let length = sides.map(|facets| mean_length(facets, reference)).into_iter().fold(f64::INFINITY, f64::min);
         // Per node: the edges that come to it and leave it; others that meet there.
@@ -356,9 +356,9 @@ mod tests {
     }
 
     /// A chain of edges through these nodes, ends and middles in turn.
-    fn chain(nodes: u32) -> (Middles, Vec<[u32; 2]>) {
+    fn chain(nodes: u32) -> (ProxyNodes, Vec<[u32; 2]>) {
         let edges = (0..nodes / 2).map(|k| [2 * k, (2 * k + 2) % nodes.next_multiple_of(2), 2 * k + 1]);
-        (Middles::new(edges.clone()), edges.flat_map(|[a, b, m]| [[a, m], [m, b]]).collect())
+        (ProxyNodes::new(edges.clone()), edges.flat_map(|[a, b, m]| [[a, m], [m, b]]).collect())
     }
 
     /// Closed form: the consistent forces of a straight quadratic edge of length l with its middle off by s are l/6 + 2/3 s, 2/3 l and
@@ -400,7 +400,7 @@ mod tests {
     fn facets_between_corners_stay_as_they_are() {
         let q = [0.0, 0.0, 1.0, 0.0, 1.0, 1.0];
         let facets = [[0, 1], [1, 2]];
-        let seen = Middles::default().seen([&facets, &[]], &q, RowsOf::Facets);
+        let seen = ProxyNodes::default().seen([&facets, &[]], &q, RowsOf::Facets);
         assert!(seen.on_curves.is_none() && *seen.secondary == facets && *seen.reference == q);
     }
 }

@@ -118,9 +118,9 @@ impl CandidateSearch for RoundContact {
         changed
     }
 
-    fn for_each_participant(&self, p: usize, tell: &mut dyn FnMut(u32)) {
+    fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
         let nodes = self.sides.patches.nodes(p);
-        self.start[p].places.iter().map(|&place| nodes[place as usize]).for_each(tell);
+        self.start[p].places.iter().map(|&place| nodes[place as usize]).for_each(visit);
     }
 
     fn candidates(&self) -> Option<&Candidates> {

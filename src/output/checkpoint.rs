@@ -105,7 +105,7 @@ impl Origin {
 
 /// What is known of a simulation besides.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Course {
+pub struct SavedSimulation {
     /// Its name.
     pub name: String,
     /// Its unknowns.
@@ -128,7 +128,7 @@ pub struct Checkpoint {
     /// What the run depends on.
     pub origin: Origin,
     /// Its simulations.
-    pub courses: Vec<Course>,
+    pub simulations: Vec<SavedSimulation>,
     /// How far the journal goes.
     pub journal: Mark,
     /// Files of the run that go with it.
@@ -176,8 +176,8 @@ pub enum CheckpointError {
 impl Checkpoint {
     /// Where its simulations stand, as the end of a sentence.
     pub fn reached(&self) -> String {
-        let one = |course: &Course| format!("\"{}\" at t = {} (step {})", course.name, course.reached.1, course.reached.0);
-        let all: Vec<String> = self.courses.iter().map(one).collect();
+        let one = |saved: &SavedSimulation| format!("\"{}\" at t = {} (step {})", saved.name, saved.reached.1, saved.reached.0);
+        let all: Vec<String> = self.simulations.iter().map(one).collect();
         if all.is_empty() { String::new() } else { format!(" {}", all.join(", ")) }
     }
 
@@ -331,8 +331,8 @@ mod tests {
 
     fn checkpoint() -> Checkpoint {
         let file = CountedFile { name: "fields/fields_000000.vtu".into(), time: Some(0.0), length: 5, checksum: 7 };
-        let course = Course { name: "drop".into(), unknowns: 12, reached: (3, 0.3), ..Course::default() };
-        Checkpoint { courses: vec![course; 2], files: vec![file; 3], ..Checkpoint::default() }
+        let saved = SavedSimulation { name: "drop".into(), unknowns: 12, reached: (3, 0.3), ..SavedSimulation::default() };
+        Checkpoint { simulations: vec![saved; 2], files: vec![file; 3], ..Checkpoint::default() }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::definitions::Model;
 use super::interactions::BodyBoundary;
-use crate::contact::{Middles, Surface};
+use crate::contact::{ProxyNodes, Surface};
 
 /// Facets of a boundary in the plane, whose body's nodes are numbered from `first_node`; a quadratic edge is two of them.
 pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
@@ -12,7 +12,7 @@ pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> V
 }
 
 /// The middle nodes of edges of second order on the hulls of plane bodies, whose nodes are numbered from where `first` says.
-pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> Middles {
+pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> ProxyNodes {
     let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.kind.is_quadratic());
     let edges = curved.flat_map(|(index, body)| {
         let first = first(index) as u32;
@@ -22,7 +22,7 @@ pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> Middles {
         };
         body.mesh.hull().into_iter().map(edge)
     });
-    Middles::new(edges)
+    ProxyNodes::new(edges)
 }
 
 /// Facets of several boundaries, those in more than one of them once.

@@ -79,7 +79,7 @@ pub enum Refusal {
 /// A part of a model that pushes on nodes.
 pub trait Part: Send {
     /// Tells groups of nodes that it couples: every two of a group have a block in the matrix.
-    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32]));
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32]));
 
     /// Finds its places in a new pattern.
     fn place(&mut self, pattern: &Pattern);

@@ -22,8 +22,8 @@ pub struct Body<const D: usize> {
 }
 
 impl<const D: usize> Part for Body<D> {
-    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
-        self.elements.cliques().iter().for_each(|clique| tell(clique));
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.elements.cliques().iter().for_each(|clique| visit(clique));
     }
 
     fn place(&mut self, pattern: &Pattern) {

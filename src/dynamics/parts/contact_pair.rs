@@ -265,7 +265,7 @@ impl ContactPair {
     }
 
     /// Tells groups of vertices that it couples; its rows follow `nodes` nodes.
-    pub fn for_each_coupling(&self, nodes: usize, tell: &mut dyn FnMut(&[u32])) {
+    pub fn for_each_coupling(&self, nodes: usize, visit: &mut dyn FnMut(&[u32])) {
         let (patches, mut clique) = (self.kernel.patches(), Vec::new());
         for p in 0..patches.len() {
             clique.clear();
@@ -273,11 +273,11 @@ impl ContactPair {
             for first in self.first_rows() {
                 clique.extend(patches.rows(p).iter().map(|row| (nodes + first) as u32 + row));
             }
-            tell(&clique);
+            visit(&clique);
         }
         if let Some(friction) = &self.friction {
             // What no patch holds has a row of its own, too.
-            self.rows.clone().zip(friction.rows.clone()).for_each(|(row, slip)| tell(&[row, slip].map(|row| (nodes + row) as u32)));
+            self.rows.clone().zip(friction.rows.clone()).for_each(|(row, slip)| visit(&[row, slip].map(|row| (nodes + row) as u32)));
         }
     }
 

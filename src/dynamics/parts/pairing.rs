@@ -2,7 +2,7 @@
 
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
-use crate::contact::{ContactKernel, Middles, NodeToSegment, RigidContact, RigidCorners, RowsOf, Tie};
+use crate::contact::{ContactKernel, NodeToSegment, ProxyNodes, RigidContact, RigidCorners, RowsOf, Tie};
 use crate::dynamics::model::boundaries::{facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
@@ -15,7 +15,7 @@ use crate::math::tolerances;
 pub fn contact_pairs(
     model: &Model,
     facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>,
-    middles: &Middles,
+    middles: &ProxyNodes,
     reference: &[f64],
     default_rule: &'static UpdateRule,
 ) -> Vec<ContactPair> {
@@ -41,7 +41,7 @@ struct Pairing<'a> {
     /// Facets of a boundary in the numbering of the model.
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
     /// Middle nodes of edges of second order.
-    middles: &'a Middles,
+    middles: &'a ProxyNodes,
     /// Positions at rest.
     reference: &'a [f64],
     /// Their largest coordinate.

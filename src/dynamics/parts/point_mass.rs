@@ -53,8 +53,8 @@ struct PointMass {
 }
 
 impl Part for PointMass {
-    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
-        tell(&[self.node]);
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(&[self.node]);
     }
 
     fn place(&mut self, _pattern: &Pattern) {}

@@ -92,8 +92,8 @@ impl Spring {
 }
 
 impl Part for Spring {
-    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
-        tell(&self.nodes);
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(&self.nodes);
     }
 
     fn place(&mut self, pattern: &Pattern) {

@@ -129,12 +129,12 @@ impl ViscousBody {
         if self.kinematics == Kinematics::Linear { 0.0 } else { share }
     }
 
-    /// Calls `tell` for every point with its cell, its deformations at start and end, and the strains of its branches.
+    /// Calls `visit` for every point with its cell, its deformations at start and end, and the strains of its branches.
     fn for_each_point<const D: usize>(
         &self,
         at: &Iterate,
         memory: &[f64],
-        mut tell: impl FnMut(usize, &Point, [Deformation<D>; 2], &[Strain<D>]),
+        mut visit: impl FnMut(usize, &Point, [Deformation<D>; 2], &[Strain<D>]),
     ) {
         let (count, mut strains, mut index) = (self.viscosity.branches.len(), Vec::new(), 0);
         for (cell, points) in self.points.iter().enumerate() {
@@ -142,7 +142,7 @@ impl ViscousBody {
                 strains.clear();
                 strains.extend(self.memory_of(index, memory).chunks_exact(self.components()).take(count).map(Strain::<D>::unpacked));
                 let f = [at.u_0, at.u_1].map(|u| self.deformation::<D>(cell, point, u));
-                tell(cell, point, f, &strains);
+                visit(cell, point, f, &strains);
                 index += 1;
             }
         }

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::jump::Jump;
 use super::ledger::LedgerRow;
 use super::quantities::Touching;
 use super::slip_memory::{add_heat, slipped};
 use super::state::State;
+use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::parts::contact_pair::{PairKind, RowBlock};
@@ -66,7 +66,7 @@ where
         motion: &Motion,
         solution: Solution,
         conditions: &Conditions,
-        jump: Option<Jump>,
+        jump: Option<VelocityCorrection>,
     ) -> Result<State, StepError> {
         let lambda = solution.multipliers();
         let Solution { at, active, preferred } = solution;
@@ -142,8 +142,8 @@ where
     }
 
     /// Sums over the contacts, with the work of friction in each.
-    fn book_contacts(&self, row: &mut LedgerRow, q: &[f64], touching: &Touching, jump: Option<&Jump>, frictional: &[f64]) {
-        let pressed = |jump: &Jump| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
+    fn book_contacts(&self, row: &mut LedgerRow, q: &[f64], touching: &Touching, jump: Option<&VelocityCorrection>, frictional: &[f64]) {
+        let pressed = |jump: &VelocityCorrection| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
         let pressing: Option<Vec<f64>> = jump.map(pressed);
         let touching = Touching { lambda: pressing.as_deref().unwrap_or(touching.lambda), ..*touching };
         row.contacts = self.contact_totals(q, &touching);
@@ -221,10 +221,10 @@ where
     }
 
     /// Work of friction with these multipliers, contact by contact `[energy]`.
-    pub(super) fn friction_work(&self, at: &Linearization, shear: &[f64], jump: Option<&Jump>) -> Vec<f64> {
+    pub(super) fn friction_work(&self, at: &Linearization, shear: &[f64], jump: Option<&VelocityCorrection>) -> Vec<f64> {
         self.system.by_contact(|index, pair| {
             let slips = pair.blocks([&at.pairs[index], &at.slips[index]]).filter(RowBlock::is_slip);
-            let at_once = |jump: &Jump| pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
+            let at_once = |jump: &VelocityCorrection| pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
             slips.map(|block| block.work(shear)).sum::<f64>() + jump.map_or(0.0, at_once)
         })
     }
@@ -236,7 +236,7 @@ where
         weight: f64,
         lambda: &[f64],
         conditions: &Conditions,
-        jump: Option<&Jump>,
+        jump: Option<&VelocityCorrection>,
         reserve: f64,
     ) -> f64 {
         let (system, old) = (&self.system, &self.state.row);
@@ -258,7 +258,14 @@ where
     }
 
     /// Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
-    fn book_momentum_defects(&self, row: &mut LedgerRow, start: &StepStart, at: &Linearization, outside: &Outside, jump: Option<&Jump>) {
+    fn book_momentum_defects(
+        &self,
+        row: &mut LedgerRow,
+        start: &StepStart,
+        at: &Linearization,
+        outside: &Outside,
+        jump: Option<&VelocityCorrection>,
+    ) {
         let (system, old, dt) = (&self.system, &self.state.row, row.dt);
         let (mut external, mut turning) = ([0.0; 3], [0.0; 3]);
         for node in 0..system.nodes.count() {

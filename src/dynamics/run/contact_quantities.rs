@@ -65,25 +65,25 @@ pub struct Tangential<'a> {
 impl Loaded<'_> {
     /// Tells the force of every row that presses with its multiplier on every node of its patches: the node, whether it owns a row of the
     /// patch, the multiplier, the force.
-    fn for_each_force<const D: usize>(&self, lambda: &[f64], tell: impl FnMut(u32, bool, f64, [f64; 3])) {
-        self.tell::<D>(lambda, self.pair.rows.start, self.pair.live_rows(self.evaluation), &self.evaluation.gradient_end, tell);
+    fn for_each_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.visit::<D>(lambda, self.pair.rows.start, self.pair.live_rows(self.evaluation), &self.evaluation.gradient_end, visit);
     }
 
     /// The same of friction.
-    fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut tell: impl FnMut(u32, bool, f64, [f64; 3])) {
+    fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         let Some(Tangential { evaluation, .. }) = self.tangential else { return };
         for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
-            self.tell::<D>(lambda, block.rows.start, block.live_rows(), &evaluation.gradient_bar, &mut tell);
+            self.visit::<D>(lambda, block.rows.start, block.live_rows(), &evaluation.gradient_bar, &mut visit);
         }
     }
 
-    fn tell<'a, const D: usize>(
+    fn visit<'a, const D: usize>(
         &self,
         lambda: &[f64],
         first: usize,
         rows: impl Iterator<Item = PatchRow<'a>>,
         gradients: &[f64],
-        mut tell: impl FnMut(u32, bool, f64, [f64; 3]),
+        mut visit: impl FnMut(u32, bool, f64, [f64; 3]),
     ) {
         for row in rows {
             let factor = lambda[row.row - first];
@@ -93,7 +93,7 @@ impl Loaded<'_> {
             for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
                 let mut force = [0.0; 3];
                 (0..D).for_each(|i| force[i] = factor * gradient[i]);
-                tell(node, self.pair.owns_row(row.patch, node), factor, force);
+                visit(node, self.pair.owns_row(row.patch, node), factor, force);
             }
         }
     }
@@ -111,7 +111,7 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
             (0..D).for_each(|i| forces.own[index][i] += force[i]);
         }
     });
-    forces.mean = means::<D>(contact, contact.lambda, &forces.own, q, |lambda, tell| contact.for_each_force::<D>(lambda, tell));
+    forces.mean = means::<D>(contact, contact.lambda, &forces.own, q, |lambda, visit| contact.for_each_force::<D>(lambda, visit));
     let mut more = vec![[0.0; 3]; count];
     for corners in corners {
         corners.for_each_force::<D>(corners.lambda, |node, own, _, force| {
@@ -148,7 +148,7 @@ fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], 
                 (0..D).for_each(|i| friction[index][i] += force[i]);
             }
         });
-        *mean_shear = means::<D>(contact, lambda, friction, q, |lambda, tell| contact.for_each_pull::<D>(lambda, tell));
+        *mean_shear = means::<D>(contact, lambda, friction, q, |lambda, visit| contact.for_each_pull::<D>(lambda, visit));
     }
     for corners in corners {
         let Some(Tangential { lambda, .. }) = corners.tangential else { continue };

@@ -18,7 +18,7 @@
 //! with it, and all that an impact takes along the surface is `mu` times what it takes across it.
 
 use super::engine::Engine;
-use super::jump::{Ending, Jump};
+use super::velocity_correction::{Ending, VelocityCorrection};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::failure::Failure;
@@ -45,7 +45,12 @@ where
     ///
     /// # Errors
     /// The run was interrupted.
-    pub fn velocity_jump(&mut self, motion: &Motion, solution: &Solution, conditions: &Conditions) -> Result<Option<Jump>, Failure> {
+    pub fn velocity_jump(
+        &mut self,
+        motion: &Motion,
+        solution: &Solution,
+        conditions: &Conditions,
+    ) -> Result<Option<VelocityCorrection>, Failure> {
         let Rows { ours, hold, reserve, is_closing } = self.rows_at_end(solution, conditions);
         if !is_closing && reserve.iter().all(|reserve| *reserve == 0.0) {
             return Ok(None);
@@ -54,7 +59,7 @@ where
         let v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
         let mut ratios = self.ratios(solution);
         loop {
-            let mut jump = Jump::none(v.len(), reserve.clone());
+            let mut jump = VelocityCorrection::none(v.len(), reserve.clone());
             let mut end = Ending { motion, solution, ours: &ours, hold: &hold, v: v.clone(), slips: &slips, ratios: &ratios };
             if is_closing {
                 self.close(&mut end, &mut jump)?;
@@ -82,7 +87,7 @@ where
     }
 
     /// Takes the friction of a jump away from contacts in which it would give energy, step and jump together; whether there were any.
-    fn drop_gaining(&self, motion: &Motion, solution: &Solution, jump: &Jump, ratios: &mut [f64]) -> bool {
+    fn drop_gaining(&self, motion: &Motion, solution: &Solution, jump: &VelocityCorrection, ratios: &mut [f64]) -> bool {
         let shear = self.shear(motion, &solution.multipliers());
         let work = self.friction_work(&solution.at, &shear, Some(jump));
         let mut is_any = false;
@@ -119,7 +124,7 @@ where
     }
 
     /// A plastic impact of the closed constraints; what it takes goes into their reserves, shared by the work of the impulses.
-    fn close(&mut self, end: &mut Ending, jump: &mut Jump) -> Result<(), Failure> {
+    fn close(&mut self, end: &mut Ending, jump: &mut VelocityCorrection) -> Result<(), Failure> {
         let rates = self.system.rates(end.rows(), &end.v);
         let target: Vec<f64> = rates.iter().zip(end.ours).map(|(rate, ours)| if *ours { -rate } else { 0.0 }).collect();
         let Some(push) = self.balanced_push(end, 0.0, &vec![0.0; rates.len()], &target)? else { return Ok(()) };

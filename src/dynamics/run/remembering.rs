@@ -9,7 +9,7 @@ use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::scheme_memory::SchemeMemory;
-use crate::dynamics::step::start::{Course, StepStart};
+use crate::dynamics::step::start::{StepKind, StepStart};
 use crate::integrators::History;
 
 /// Part of a step over which the acceleration of a prescribed node is the change of its velocity: a kink at the start does not count.
@@ -27,8 +27,8 @@ where
         }
         let undamped = vec![0.0; self.system.bodies.len()];
         let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
-        let course = Course::Rest { damping: &undamped, velocities: Some(&state.velocities) };
-        let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, course };
+        let kind = StepKind::Rest { damping: &undamped, velocities: Some(&state.velocities) };
+        let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, kind };
         self.system.move_obstacles(state.row.time, 0.0)?;
         let begun = self.system.begin_step(&Outlook::within(&state.positions, 0.0)).map_err(Failure::Linear);
         let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));

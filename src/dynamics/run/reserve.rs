@@ -6,10 +6,10 @@
 //! approaches: the energy is exact all the same. What cannot be given even so is lost at once, in the work of contact.
 
 use super::engine::Engine;
-use super::jump::{Ending, Jump};
+use super::velocity_correction::{Ending, VelocityCorrection};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::push::Push;
+use crate::dynamics::step::impulse_response::ImpulseResponse;
 use crate::math::tolerances;
 
 /// Gap in secondary facets up to which an open constraint takes over the reserve of one that has slid off.
@@ -32,7 +32,7 @@ where
     ///
     /// # Errors
     /// The run was interrupted.
-    pub fn give_back(&mut self, end: &mut Ending, jump: &mut Jump) -> Result<(), Failure> {
+    pub fn give_back(&mut self, end: &mut Ending, jump: &mut VelocityCorrection) -> Result<(), Failure> {
         let slid_off = self.opened(end, jump).into_iter().filter(|&row| !self.is_opposite(end, row));
         for row in slid_off.collect::<Vec<_>>() {
             self.hand_to_closed(end, jump, row);
@@ -49,7 +49,7 @@ where
     }
 
     /// Rows that have left the active set with a reserve.
-    fn opened(&self, end: &Ending, jump: &Jump) -> Vec<usize> {
+    fn opened(&self, end: &Ending, jump: &VelocityCorrection) -> Vec<usize> {
         (0..end.ours.len()).filter(|&row| end.has_opened(row, &jump.reserve)).collect()
     }
 
@@ -75,7 +75,7 @@ where
     }
 
     /// Hands the reserve of a row to the closed ones of its contact in equal parts, if there are any.
-    fn hand_to_closed(&self, end: &Ending, jump: &mut Jump, row: usize) {
+    fn hand_to_closed(&self, end: &Ending, jump: &mut VelocityCorrection, row: usize) {
         let closed: Vec<usize> = self.of_same_contact(end, row).into_iter().filter(|&other| end.hold[other]).collect();
         if !closed.is_empty() {
             let share = std::mem::take(&mut jump.reserve[row]) / closed.len() as f64;
@@ -84,7 +84,7 @@ where
     }
 
     /// Hands the reserve of a row to the nearest open one of its contact that is opposite something, if one is near.
-    fn hand_to_nearest(&self, end: &Ending, jump: &mut Jump, row: usize) {
+    fn hand_to_nearest(&self, end: &Ending, jump: &mut VelocityCorrection, row: usize) {
         let facets = |row: usize| {
             let (pair, local) = self.place(row);
             let kernel = &self.system.pairs[pair].kernel;
@@ -100,7 +100,7 @@ where
 
     /// Open constraints push in proportion to the impact that their reserve stands for, and give it back: `v + s w` with the positive root
     /// of `a s^2 + b s = reserve`. Whether nothing is left to give.
-    fn push_apart(&mut self, end: &mut Ending, jump: &mut Jump, way: Way) -> Result<bool, Failure> {
+    fn push_apart(&mut self, end: &mut Ending, jump: &mut VelocityCorrection, way: Way) -> Result<bool, Failure> {
         let opened = self.opened(end, jump);
         if opened.is_empty() {
             return Ok(true);
@@ -130,7 +130,7 @@ where
     }
 
     /// A push smoothed by the stiffness, or by the mass alone where the stiffness's round-off would be felt as momentum.
-    fn smoothed_push(&mut self, end: &Ending, pushes: &[f64]) -> Result<Option<Push>, Failure> {
+    fn smoothed_push(&mut self, end: &Ending, pushes: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
         let still = vec![0.0; pushes.len()];
         match self.balanced_push(end, 0.25 * end.motion.dt * end.motion.dt, pushes, &still)? {
             Some(push) => Ok(Some(push)),

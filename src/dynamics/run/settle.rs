@@ -34,7 +34,7 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed};
-use crate::dynamics::step::start::{Course, StepStart};
+use crate::dynamics::step::start::{StepKind, StepStart};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -158,21 +158,21 @@ where
         let iterations_before = self.statistics.newton_iterations;
         let balance = Balance::new(&self.system, &self.model);
         let begun = self.state.positions.clone();
-        let mut course = Progress::new(begun.len(), Closing::of(&self.model), stride, care);
+        let mut progress = Progress::new(begun.len(), Closing::of(&self.model), stride, care);
         let at = loop {
-            let present = self.look(&balance, &course)?;
+            let present = self.look(&balance, &progress)?;
             if present.is_closed && present.imbalance.excess() <= if care == Care::Coarse { COARSE } else { 1.0 } {
                 break present.at;
             }
-            if present.is_closed && self.gains_nothing(&present.imbalance, &mut course.best) {
+            if present.is_closed && self.gains_nothing(&present.imbalance, &mut progress.best) {
                 // Forces and pairs are those of the state that was taken back.
-                break self.look(&balance, &course)?.at;
+                break self.look(&balance, &progress)?.at;
             }
             let is_gone = present.positions.iter().zip(&begun).any(|(q, begun)| (q - begun).abs() > GONE * self.system.nodes.extent);
-            if is_gone || course.steps - course.parts == MAX_STEPS || course.parts == MAX_PARTS || course.stuck == MAX_STUCK {
-                return Err(self.no_equilibrium(&balance, &present.imbalance, &course));
+            if is_gone || progress.steps - progress.parts == MAX_STEPS || progress.parts == MAX_PARTS || progress.stuck == MAX_STUCK {
+                return Err(self.no_equilibrium(&balance, &present.imbalance, &progress));
             }
-            self.step_to_rest(&balance, &present, &mut course)?;
+            self.step_to_rest(&balance, &present, &mut progress)?;
             self.system.recycle(present.at);
         };
         Arc::make_mut(&mut self.state).search = self.system.search();
@@ -200,9 +200,9 @@ where
         row.active = self.system.touching(active);
         row.max_penetration = contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
         (row.contacts, row.reactions, row.probes) = (contacts, reactions, probes);
-        self.check_overlaps(&course.closing)?;
+        self.check_overlaps(&progress.closing)?;
         Ok(SettleReport {
-            steps: course.steps,
+            steps: progress.steps,
             newton_iterations: self.statistics.newton_iterations - iterations_before,
             strain: self.state.row.strain,
             active: self.state.row.active,
@@ -217,15 +217,15 @@ where
     }
 
     /// Judges the present state, with the contact pairs of a state at rest.
-    fn look(&mut self, balance: &Balance, course: &Progress) -> Result<Present, StepError> {
+    fn look(&mut self, balance: &Balance, progress: &Progress) -> Result<Present, StepError> {
         let (positions, displacements) = (self.state.positions.clone(), self.state.displacements.clone());
         let (mut displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
         let prescribed = &self.system.supports.prescribed;
         let now: Vec<f64> = prescribed.iter().map(|one| displacements[one.unknown]).collect();
         let farthest = displacement.iter().zip(&now).fold(0.0, |farthest: f64, (then, now)| farthest.max((then - now).abs()));
-        let is_whole = course.share == 1.0 && farthest <= course.stride;
+        let is_whole = progress.share == 1.0 && farthest <= progress.stride;
         if !is_whole {
-            let share = course.share.min(course.stride / farthest);
+            let share = progress.share.min(progress.stride / farthest);
             displacement.iter_mut().zip(&now).for_each(|(then, now)| *then = now + share * (*then - now));
         }
         let mut predicted = positions.clone();
@@ -234,12 +234,12 @@ where
         let prescribed = largest_size(&moved);
         let still = vec![0.0; self.system.nodes.count()];
         let travel = Travel::Each { sizes: &still, besides: 2.0 * prescribed };
-        let reaches = course.closing.reaches(&self.system, &positions, self.state.row.time);
+        let reaches = progress.closing.reaches(&self.system, &positions, self.state.row.time);
         self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach, depth: 0.0 }, &reaches)?;
         let undamped = vec![0.0; self.system.bodies.len()];
         let memory = self.state.memory.clone();
-        let (time, course) = (self.state.row.time, Course::Rest { damping: &undamped, velocities: None });
-        let start = StepStart { time, q_0: &positions, u_0: &displacements, memory: &memory, course };
+        let (time, kind) = (self.state.row.time, StepKind::Rest { damping: &undamped, velocities: None });
+        let start = StepStart { time, q_0: &positions, u_0: &displacements, memory: &memory, kind };
         let at = match self.system.linearize(&start, &positions, &vec![0.0; positions.len()], &self.state.lambda) {
             Ok(at) => at,
             Err(Failure::Fatal(error)) => return Err(error),
@@ -273,15 +273,15 @@ where
     }
 
     /// A damped step, or the experience that more damping is needed or more motion to be expected.
-    fn step_to_rest(&mut self, balance: &Balance, present: &Present, course: &mut Progress) -> Result<(), StepError> {
+    fn step_to_rest(&mut self, balance: &Balance, present: &Present, progress: &mut Progress) -> Result<(), StepError> {
         let Present { positions, displacements, imbalance, .. } = present;
-        let plan = self.plan(balance, imbalance, course, positions);
+        let plan = self.plan(balance, imbalance, progress, positions);
         // How far nodes may move: as their piece is expected to, and both sides as far as is prescribed.
-        let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| course.leeway * size).collect();
+        let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| progress.leeway * size).collect();
         // Where something was overlooked, what was not expected to move did.
         let facet = self.shortest_facet();
-        let unexpected = if course.leeway > 1.0 && facet.is_finite() { course.leeway * FALL * facet } else { 0.0 };
-        let besides = 2.0 * present.prescribed + unexpected + course.closing.motion(&self.system, &present.reaches);
+        let unexpected = if progress.leeway > 1.0 && facet.is_finite() { progress.leeway * FALL * facet } else { 0.0 };
+        let besides = 2.0 * present.prescribed + unexpected + progress.closing.motion(&self.system, &present.reaches);
         let outlook = Outlook { q: positions, travel: Travel::Each { sizes: &sizes, besides }, reach: self.options.reach, depth: 0.0 };
         self.begin_at_rest(&outlook, &present.reaches)?;
         let mut predicted = present.predicted.clone();
@@ -289,19 +289,19 @@ where
         let mut moved: Vec<f64> = predicted.iter().zip(positions).map(|(new, old)| new - old).collect();
         self.system.supports.prescribed.iter().for_each(|one| moved[one.unknown] = present.moved[one.unknown]);
         let memory = self.state.memory.clone();
-        let rest = Course::Rest { damping: &plan.damping, velocities: None };
-        let start = StepStart { time: self.state.row.time, q_0: positions, u_0: displacements, memory: &memory, course: rest };
+        let rest = StepKind::Rest { damping: &plan.damping, velocities: None };
+        let start = StepStart { time: self.state.row.time, q_0: positions, u_0: displacements, memory: &memory, kind: rest };
         let mut conditions = self.conditions_at_rest(&start);
-        let closes_in_part = course.closing.limit(&self.system, positions, &mut conditions);
-        let outcome = self.damped_step(&start, [&predicted, &moved], &conditions, course.care);
+        let closes_in_part = progress.closing.limit(&self.system, positions, &mut conditions);
+        let outcome = self.damped_step(&start, [&predicted, &moved], &conditions, progress.care);
         let is_part = closes_in_part || (present.prescribed > 0.0 && !present.is_whole);
-        let refused = match outcome.and_then(|solution| self.check_search(&outlook, course.leeway, &solution).map(|()| solution)) {
+        let refused = match outcome.and_then(|solution| self.check_search(&outlook, progress.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
             Ok(solution) if present.is_pushed_by(&solution.at.moved, &self.system.supports.fixed) => {
                 let motion = solution.at.moved.clone();
-                course.parts += usize::from(is_part);
-                course.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
+                progress.parts += usize::from(is_part);
+                progress.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
                 let (own, system) = (&self.state.slipped, &self.system);
                 let slipped = slipped(system, own, &solution.at, 1.0, (&solution.at.lambda, &solution.active));
                 let state = Arc::make_mut(&mut self.state);
@@ -315,25 +315,25 @@ where
             Ok(_) => None,
         };
         let is_overlooked = matches!(refused, Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }));
-        if course.tries == MAX_TRIES || (course.care != Care::Patient && refused.is_some() && !is_overlooked) {
+        if progress.tries == MAX_TRIES || (progress.care != Care::Patient && refused.is_some() && !is_overlooked) {
             return Err(match refused {
                 Some(failure) => self.failed(&failure, 0.0, 0),
-                None => self.no_equilibrium(balance, imbalance, course),
+                None => self.no_equilibrium(balance, imbalance, progress),
             });
         }
-        course.tries += 1;
+        progress.tries += 1;
         match refused {
-            Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => course.leeway *= WIDER,
+            Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => progress.leeway *= WIDER,
             _ => {
                 // Of an overlap less is closed first. For a motion, damping helps where its end is near, and a shorter way where it is not.
                 if closes_in_part {
-                    course.closing.failed();
+                    progress.closing.failed();
                 }
-                if present.prescribed > 0.0 && course.tries >= EARLY_TRIES {
-                    course.share *= SHORTER;
+                if present.prescribed > 0.0 && progress.tries >= EARLY_TRIES {
+                    progress.share *= SHORTER;
                 }
-                if !closes_in_part || course.tries > EARLY_TRIES {
-                    course.excess *= MORE_DAMPING;
+                if !closes_in_part || progress.tries > EARLY_TRIES {
+                    progress.excess *= MORE_DAMPING;
                 }
             }
         }
@@ -341,7 +341,7 @@ where
     }
 
     /// The damping of the next step, and how far it is expected to move the pieces.
-    fn plan(&self, balance: &Balance, imbalance: &Imbalance, course: &Progress, q: &[f64]) -> Plan {
+    fn plan(&self, balance: &Balance, imbalance: &Imbalance, progress: &Progress, q: &[f64]) -> Plan {
         let facet = self.shortest_facet();
         let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
         // What is far from all others may fall farther, but not turn farther.
@@ -350,15 +350,15 @@ where
         let mut damping = vec![0.0f64; self.system.bodies.len()];
         for ((piece, pull), &fall) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls) {
             let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(tolerances::LEAST_DAMPING * piece.frequency_squared);
-            damping[piece.body] = damping[piece.body].max(course.excess * needed);
+            damping[piece.body] = damping[piece.body].max(progress.excess * needed);
         }
         let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };
         for (number, ((piece, pull), &fall)) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls).enumerate() {
             let (mu, flies) = (plan.damping[piece.body], fall > turn);
             plan.shift.push(if flies { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
             let loose = (pull.shift_size() + pull.turn) / mu;
-            let expected = match &course.travelled {
-                _ if course.stood >= MAX_STOOD => 0.0,
+            let expected = match &progress.travelled {
+                _ if progress.stood >= MAX_STOOD => 0.0,
                 // What is held by contact moves less and less.
                 Some(travelled) if !flies => loose.min(2.0 * travelled[number]),
                 _ => loose,
@@ -425,8 +425,8 @@ where
     }
 
     /// The error where damped steps lead to no equilibrium.
-    fn no_equilibrium(&mut self, balance: &Balance, imbalance: &Imbalance, course: &Progress) -> StepError {
-        let (body, how) = self.moving_body(&course.motion);
+    fn no_equilibrium(&mut self, balance: &Balance, imbalance: &Imbalance, progress: &Progress) -> StepError {
+        let (body, how) = self.moving_body(&progress.motion);
         let number = self.system.bodies.iter().position(|other| other.name == body).unwrap_or(0);
         let nodes = self.system.bodies[number].nodes.clone();
         let pulls = || balance.pieces.iter().zip(&imbalance.pieces).filter(|(piece, _)| piece.body == number).map(|(_, pull)| pull);
@@ -442,7 +442,7 @@ where
             true => Missing::Guidance,
             false => Missing::Support,
         });
-        let cause = FailureCause::NoEquilibrium { steps: course.steps, unbalanced, body, how, missing };
+        let cause = FailureCause::NoEquilibrium { steps: progress.steps, unbalanced, body, how, missing };
         let report = self.evidence(0.0, 0).report_of(cause);
         self.given_up(report)
     }

@@ -9,7 +9,7 @@ use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed, rigid_motion};
-use crate::dynamics::step::start::{Course, Motion, StepStart};
+use crate::dynamics::step::start::{Motion, StepKind, StepStart};
 use crate::math::tolerances;
 
 /// How much more motion than was expected a step may have: impacts add elastic motion to the prediction. Where something was overlooked, as
@@ -49,7 +49,7 @@ where
         let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &*state.remembered, &prescribed_v_1[..]);
         let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };
         let start =
-            StepStart { time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, course: Course::Motion(motion) };
+            StepStart { time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, kind: StepKind::Motion(motion) };
         let mut conditions = self.system.conditions(&start, &state.penalty_gap, &state.active);
         if let Some(motion) = self.system.foreseen(&state.positions, &predicted, &conditions, &state.active) {
             if may_be_halved {

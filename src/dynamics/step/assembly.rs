@@ -80,7 +80,7 @@ where
         let (mut internal, mut motion) = (std::mem::take(&mut self.spare.internal), std::mem::take(&mut self.spare.motion));
         let mut told = std::mem::take(&mut self.spare.told);
         internal.resize(unknowns, 0.0);
-        self.tell(start, q_1, moved, &mut told);
+        self.visit(start, q_1, moved, &mut told);
         forces.load.clear();
         forces.load.resize(unknowns, 0.0);
         let iterate = start.iterate(q_1, u_1, &told);
@@ -133,17 +133,17 @@ where
     }
 
     /// What the parts of the model are told of an iterate.
-    fn tell(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
+    fn visit(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
         told.inertia.clear();
         told.inertia.extend((0..self.bodies.len()).map(|body| start.inertia(body)));
         let others = !self.others.is_empty();
-        start.tell(q_1, moved, &self.supports.prescribed, [others || !self.loads.is_empty(), others], told);
+        start.visit(q_1, moved, &self.supports.prescribed, [others || !self.loads.is_empty(), others], told);
     }
 
     /// What the parts remember after a step that ends at an iterate, and what they have dissipated in it `[energy]`.
     pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> (Arc<Vec<Vec<f64>>>, f64) {
         let mut told = Told::default();
-        self.tell(start, &at.q_1, &at.moved, &mut told);
+        self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         let mut dissipated = 0.0;
         let remembered = self.parts().zip(start.memory).map(|(part, memory)| {

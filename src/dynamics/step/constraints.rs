@@ -98,10 +98,10 @@ impl<const D: usize> System<D> {
     }
 
     /// Tells every entry of the gradients at the end of the step of all rows: pair, row, unknown, value.
-    pub fn for_each_end_gradient(&self, [pairs, slips]: [&[Evaluation]; 2], mut tell: impl FnMut(&ContactPair, usize, usize, f64)) {
+    pub fn for_each_end_gradient(&self, [pairs, slips]: [&[Evaluation]; 2], mut visit: impl FnMut(&ContactPair, usize, usize, f64)) {
         for block in self.blocks(pairs, slips) {
             for row in block.live_rows() {
-                row.unknowns::<D>().for_each(|(k, entry)| tell(block.pair, row.row, k, block.evaluation.gradient_end[entry]));
+                row.unknowns::<D>().for_each(|(k, entry)| visit(block.pair, row.row, k, block.evaluation.gradient_end[entry]));
             }
         }
     }

@@ -16,11 +16,11 @@ pub struct StepStart<'a> {
     /// What parts remember, block by block.
     pub memory: &'a [Vec<f64>],
     /// What opposes the forces.
-    pub course: Course<'a>,
+    pub kind: StepKind<'a>,
 }
 
 /// What opposes the forces in a step.
-pub enum Course<'a> {
+pub enum StepKind<'a> {
     /// Inertia: time passes.
     Motion(Motion<'a>),
     /// A damping `mu M (q_1 - q_0)` with a factor for each body: time stands still.
@@ -74,12 +74,12 @@ impl StepStart<'_> {
 
     /// Whether time stands still.
     pub fn is_at_rest(&self) -> bool {
-        matches!(self.course, Course::Rest { .. })
+        matches!(self.kind, StepKind::Rest { .. })
     }
 
     /// What brings the nodes to rest in a step that moves them by `moved`; `None` where time stands still.
     pub fn stopping(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Option<Stopping> {
-        let Course::Motion(motion) = &self.course else { return None };
+        let StepKind::Motion(motion) = &self.kind else { return None };
         let (slope, mut stopping) = (motion.scheme.velocity.moved, Vec::with_capacity(moved.len()));
         motion.affine_into(Affine { moved: 0.0, ..motion.scheme.velocity }, moved, &mut stopping);
         stopping.iter_mut().for_each(|v| *v *= -motion.dt / slope);
@@ -91,17 +91,17 @@ impl StepStart<'_> {
 
     /// How the step is integrated.
     fn scheme(&self) -> &'static Scheme {
-        match &self.course {
-            Course::Motion(motion) => motion.scheme,
-            Course::Rest { .. } => &REST,
+        match &self.kind {
+            StepKind::Motion(motion) => motion.scheme,
+            StepKind::Rest { .. } => &REST,
         }
     }
 
     /// Factor of a body's mass in the tangent.
     pub fn inertia(&self, body: usize) -> f64 {
-        match &self.course {
-            Course::Motion(Motion { scheme, dt, .. }) => scheme.inertia(*dt),
-            Course::Rest { damping, .. } => REST.weight * damping[body],
+        match &self.kind {
+            StepKind::Motion(Motion { scheme, dt, .. }) => scheme.inertia(*dt),
+            StepKind::Rest { damping, .. } => REST.weight * damping[body],
         }
     }
 
@@ -117,17 +117,17 @@ impl StepStart<'_> {
 
     /// Its share of the static forces at the end of the step before; empty where it remembers none.
     pub fn remembered_force(&self) -> &[f64] {
-        match &self.course {
-            Course::Motion(motion) => motion.remembered_force(),
-            Course::Rest { .. } => &[],
+        match &self.kind {
+            StepKind::Motion(motion) => motion.remembered_force(),
+            StepKind::Rest { .. } => &[],
         }
     }
 
     /// Size of the step, 0 at rest.
     pub fn dt(&self) -> f64 {
-        match &self.course {
-            Course::Motion(motion) => motion.dt,
-            Course::Rest { .. } => 0.0,
+        match &self.kind {
+            StepKind::Motion(motion) => motion.dt,
+            StepKind::Rest { .. } => 0.0,
         }
     }
 
@@ -139,7 +139,7 @@ impl StepStart<'_> {
     /// What the mass opposes in a step with that displacement: by the factor of [`Self::inertia`] a force `[length]`.
     pub fn opposed_into(&self, moved: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
         out.clear();
-        let Course::Motion(motion) = &self.course else {
+        let StepKind::Motion(motion) = &self.kind else {
             out.extend_from_slice(moved);
             return;
         };
@@ -153,7 +153,7 @@ impl StepStart<'_> {
     }
 
     /// What parts are told of an iterate that moves the nodes by `moved`, of which those that see positions and velocities are told all.
-    pub fn tell(&self, q_1: &[f64], moved: &[f64], prescribed: &[PrescribedUnknown], [positions, velocities]: [bool; 2], told: &mut Told) {
+    pub fn visit(&self, q_1: &[f64], moved: &[f64], prescribed: &[PrescribedUnknown], [positions, velocities]: [bool; 2], told: &mut Told) {
         if positions {
             self.derivative().placement().test.positions_into(self.q_0, q_1, &mut told.q_test);
         }
@@ -164,9 +164,9 @@ impl StepStart<'_> {
 
     /// An iterate as parts see it.
     pub fn iterate<'b>(&'b self, q_1: &'b [f64], u_1: &'b [f64], told: &'b Told) -> Iterate<'b> {
-        let velocity_slope = match &self.course {
-            Course::Motion(Motion { scheme, dt, .. }) => scheme.velocity_of_forces().moved / dt,
-            Course::Rest { .. } => 0.0,
+        let velocity_slope = match &self.kind {
+            StepKind::Motion(Motion { scheme, dt, .. }) => scheme.velocity_of_forces().moved / dt,
+            StepKind::Rest { .. } => 0.0,
         };
         Iterate {
             derivative: self.derivative(),
@@ -186,13 +186,13 @@ impl StepStart<'_> {
 
     /// Velocities where the forces of the step act; those of prescribed nodes at its end are what their time functions say.
     fn velocities_of_forces_into(&self, moved: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
-        match &self.course {
-            Course::Rest { velocities, .. } => {
+        match &self.kind {
+            StepKind::Rest { velocities, .. } => {
                 out.clear();
                 out.resize(moved.len(), 0.0);
                 velocities.iter().for_each(|velocities| out.copy_from_slice(velocities));
             }
-            Course::Motion(motion) => {
+            StepKind::Motion(motion) => {
                 motion.affine_into(motion.scheme.velocity_of_forces(), moved, out);
                 if self.derivative().placement().test == Configuration::End {
                     motion.prescribe(prescribed, out);

@@ -67,7 +67,7 @@ pub struct LiveRow {
 
 /// A simulation as readers see it.
 #[derive(Clone)]
-pub struct Course {
+pub struct FollowedSimulation {
     /// What does not change.
     pub model: Arc<LiveModel>,
     /// Names of the history's columns.
@@ -105,7 +105,7 @@ pub struct Shared {
     /// Number of the last change.
     pub change: u64,
     /// The simulations in the order in which the script made them.
-    pub courses: Vec<Course>,
+    pub simulations: Vec<FollowedSimulation>,
     /// What the user was warned of, and the change that told the last.
     pub warnings: (u64, Vec<String>),
     /// What the run does now.
@@ -173,24 +173,24 @@ impl Shared {
 
     fn apply(&mut self, number: usize, what: Handed) {
         let change = self.next();
-        let Some(course) = self.courses.get_mut(number) else { return };
+        let Some(followed) = self.simulations.get_mut(number) else { return };
         match what {
             Handed::Row(row) => {
-                course.row_count = row.number + 1;
-                course.rows.push(change, Arc::new(row));
-                course.thin(change);
+                followed.row_count = row.number + 1;
+                followed.rows.push(change, Arc::new(row));
+                followed.thin(change);
             }
             Handed::Cut(rows) => {
-                course.row_count = course.row_count.min(rows);
-                course.rows.retain(change, |row| row.number < rows);
+                followed.row_count = followed.row_count.min(rows);
+                followed.rows.retain(change, |row| row.number < rows);
             }
             Handed::Columns(names) => {
-                course.shaped = change;
-                course.columns = Arc::new(course.columns.iter().cloned().chain(names).collect());
+                followed.shaped = change;
+                followed.columns = Arc::new(followed.columns.iter().cloned().chain(names).collect());
             }
             Handed::Stills(stills) => {
                 let mut known = 0;
-                course.stills.retain(change, |still| {
+                followed.stills.retain(change, |still| {
                     let stays = stills.get(known).is_some_and(|new| Arc::ptr_eq(new, still));
                     known += usize::from(stays);
                     stays
@@ -198,19 +198,19 @@ impl Shared {
                 for still in stills.into_iter().skip(known) {
                     let change = self.change + 1;
                     self.change = change;
-                    course.stills.push(change, still);
+                    followed.stills.push(change, still);
                 }
             }
-            Handed::Problem(problem) => course.problem = (change, Arc::new(problem)),
+            Handed::Problem(problem) => followed.problem = (change, Arc::new(problem)),
             Handed::End(outcome, findings) => {
-                course.outcome = Some(outcome);
-                course.findings = (change, findings);
+                followed.outcome = Some(outcome);
+                followed.findings = (change, findings);
             }
         }
     }
 }
 
-impl Course {
+impl FollowedSimulation {
     /// Keeps of each stretch of a long history its last row and its peaks, and the rows of stills; stretches double as it grows.
     fn thin(&mut self, change: u64) {
         if self.rows.entries().len() <= ROWS {
@@ -272,7 +272,7 @@ impl LiveSimulation {
     pub fn begin(live: &Arc<LiveReport>, model: LiveModel, columns: Vec<String>) -> Self {
         let mut shared = live.look();
         let change = shared.next();
-        shared.courses.push(Course {
+        shared.simulations.push(FollowedSimulation {
             model: Arc::new(model),
             columns: Arc::new(columns),
             shaped: change,
@@ -284,7 +284,7 @@ impl LiveSimulation {
             findings: (change, Vec::new()),
             outcome: None,
         });
-        let number = shared.courses.len() - 1;
+        let number = shared.simulations.len() - 1;
         drop(shared);
         LiveSimulation { live: live.clone(), number, waiting: Vec::new(), stills: (0, None), told: None }
     }
@@ -358,7 +358,7 @@ mod tests {
     }
 
     fn numbers(live: &LiveReport) -> Vec<usize> {
-        live.look().courses[0].rows.entries().iter().map(|(_, row)| row.number).collect()
+        live.look().simulations[0].rows.entries().iter().map(|(_, row)| row.number).collect()
     }
 
     #[test]
@@ -371,14 +371,14 @@ mod tests {
             row.halvings = usize::from(number == 77_777);
             simulation.row(number, &row, vec![number as f64]);
             if number % 9999 == 0 {
-                assert!(live.look().courses[0].rows.entries().len() <= ROWS);
+                assert!(live.look().simulations[0].rows.entries().len() <= ROWS);
             }
         }
         let kept = numbers(&live);
         assert!(kept.len() <= ROWS && kept.len() > 500 && kept.windows(2).all(|pair| pair[0] < pair[1]), "{}", kept.len());
         assert!([0, 1234, 77_777, 99_999].iter().all(|number| kept.contains(number)));
         simulation.cut(50_000);
-        assert_eq!(live.look().courses[0].row_count, 50_000);
+        assert_eq!(live.look().simulations[0].row_count, 50_000);
         assert!(numbers(&live).iter().all(|&number| number < 50_000));
     }
 
@@ -394,6 +394,6 @@ mod tests {
         assert!(numbers(&live).is_empty(), "it did not wait");
         simulation.row(1, &LedgerRow::default(), vec![2.0]);
         assert_eq!(numbers(&live), [0, 1]);
-        assert_eq!(live.look().courses[0].rows.entries()[1].1.values, [2.0]);
+        assert_eq!(live.look().simulations[0].rows.entries()[1].1.values, [2.0]);
     }
 }

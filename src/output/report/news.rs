@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::assets::{STYLE, WAITING};
 use super::blob::blob;
-use super::live::{Course, LiveReport, LiveRow, Shared};
+use super::live::{FollowedSimulation, LiveReport, LiveRow, Shared};
 use super::page::{Report, bytes_of, fields, page, pressing};
 use crate::output::recording::Still;
 
@@ -25,21 +25,22 @@ impl LiveReport {
     /// The page of a simulation by its number, of the newest without one. It has all that there is, and asks for what comes.
     pub fn page(&self, simulation: Option<usize>) -> Vec<u8> {
         let shared = self.look();
-        let number = simulation.filter(|&number| number < shared.courses.len()).or(shared.courses.len().checked_sub(1));
+        let number = simulation.filter(|&number| number < shared.simulations.len()).or(shared.simulations.len().checked_sub(1));
         let Some(number) = number else { return WAITING.replace("{{style}}", STYLE).into_bytes() };
-        let (course, state) = (shared.courses[number].clone(), self.state(&shared, Some(number)));
+        let (followed, state) = (shared.simulations[number].clone(), self.state(&shared, Some(number)));
         let (change, warnings) = (shared.change, shared.warnings.1.clone());
         drop(shared);
-        self.page_of(&course, number, change, warnings, state)
+        self.page_of(&followed, number, change, warnings, state)
     }
 
-    fn page_of(&self, course: &Course, number: usize, change: u64, warnings: Vec<String>, state: Value) -> Vec<u8> {
-        let (model, (_, problem)) = (&course.model, &course.problem);
-        let (row_numbers, rows): (Vec<u64>, Vec<&Arc<LiveRow>>) = course.rows.entries().iter().map(|(number, row)| (*number, row)).unzip();
+    fn page_of(&self, followed: &FollowedSimulation, number: usize, change: u64, warnings: Vec<String>, state: Value) -> Vec<u8> {
+        let (model, (_, problem)) = (&followed.model, &followed.problem);
+        let (row_numbers, rows): (Vec<u64>, Vec<&Arc<LiveRow>>) =
+            followed.rows.entries().iter().map(|(number, row)| (*number, row)).unzip();
         let (still_numbers, stills): (Vec<u64>, Vec<&Still>) =
-            course.stills.entries().iter().map(|(number, still)| (*number, &**still)).unzip();
+            followed.stills.entries().iter().map(|(number, still)| (*number, &**still)).unzip();
         let value = |row: &LiveRow, column: usize| row.values.get(column).copied().unwrap_or(f64::NAN);
-        let columns = course.columns.iter().enumerate();
+        let columns = followed.columns.iter().enumerate();
         let live = json!({
             "change": change, "simulation": number, "rowNumbers": row_numbers, "stillNumbers": still_numbers,
             "rows": rows.iter().map(|row| row.number).collect::<Vec<_>>(),
@@ -53,10 +54,10 @@ impl LiveReport {
             scripts: problem.scripts.clone(),
             parameters: problem.parameters.clone(),
             tables: problem.tables.clone(),
-            warnings: warnings.into_iter().chain(course.findings.1.iter().cloned()).collect(),
+            warnings: warnings.into_iter().chain(followed.findings.1.iter().cloned()).collect(),
             columns: columns.map(|(column, name)| (name.clone(), rows.iter().map(|row| value(row, column)).collect())).collect(),
             rows: rows.iter().map(|row| row.number).collect(),
-            row_count: course.row_count,
+            row_count: followed.row_count,
             contacts: model.contacts.clone(),
             bodies: &model.bodies,
             skins: &model.skins,
@@ -71,24 +72,24 @@ impl LiveReport {
         let shared = self.look();
         let state = self.state(&shared, simulation);
         let (change, is_last) = (shared.change, shared.outcome.is_some());
-        let course = simulation.and_then(|number| shared.courses.get(number)).cloned();
-        let warned = shared.warnings.0.max(course.as_ref().map_or(0, |course| course.findings.0)) > known;
+        let followed = simulation.and_then(|number| shared.simulations.get(number)).cloned();
+        let warned = shared.warnings.0.max(followed.as_ref().map_or(0, |followed| followed.findings.0)) > known;
         let warnings = warned.then(|| shared.warnings.1.clone());
         drop(shared);
         let mut answer = json!({ "change": change, "state": state });
-        if let Some(course) = course {
-            answer["warnings"] = warnings.map(|warnings| [warnings, course.findings.1.clone()].concat()).into();
-            tell(&mut answer, &course, known);
+        if let Some(followed) = followed {
+            answer["warnings"] = warnings.map(|warnings| [warnings, followed.findings.1.clone()].concat()).into();
+            tell(&mut answer, &followed, known);
         }
         News { bytes: Arc::new(answer.to_string().into_bytes()), is_last }
     }
 
     /// What the run does, or how it ended.
     fn state(&self, shared: &Shared, simulation: Option<usize>) -> Value {
-        let course = simulation.and_then(|number| shared.courses.get(number));
-        let outcome = course.and_then(|course| course.outcome.as_ref()).or(shared.outcome.as_ref());
+        let followed = simulation.and_then(|number| shared.simulations.get(number));
+        let outcome = followed.and_then(|followed| followed.outcome.as_ref()).or(shared.outcome.as_ref());
         json!({
-            "simulations": shared.courses.iter().map(|course| &course.model.name).collect::<Vec<_>>(),
+            "simulations": shared.simulations.iter().map(|followed| &followed.model.name).collect::<Vec<_>>(),
             "doing": shared.doing.what, "until": shared.doing.until, "outcome": outcome.map(|outcome| &outcome.words),
             "well": outcome.is_none_or(|outcome| outcome.is_well), "over": shared.outcome.is_some(), "folder": self.folder,
         })
@@ -96,33 +97,33 @@ impl LiveReport {
 }
 
 /// Puts what is new of a simulation into an answer, all of it for a reader who knows nothing.
-fn tell(answer: &mut Value, course: &Course, known: u64) {
+fn tell(answer: &mut Value, followed: &FollowedSimulation, known: u64) {
     if known == 0 {
-        answer["columns"] = (*course.columns).clone().into();
-    } else if course.shaped > known {
+        answer["columns"] = (*followed.columns).clone().into();
+    } else if followed.shaped > known {
         // Other columns: the page begins anew.
         answer["anew"] = true.into();
         return;
     }
-    let (told, problem) = &course.problem;
+    let (told, problem) = &followed.problem;
     if *told > known {
         let scripts: Vec<Value> = problem.scripts.iter().map(|(name, text)| json!({ "name": name, "text": text })).collect();
         answer["problem"] = json!({ "scripts": scripts, "parameters": problem.parameters, "tables": problem.tables });
     }
-    let rows = course.rows.since(known);
-    let (columns, added) = (course.columns.len(), &rows.added);
+    let rows = followed.rows.since(known);
+    let (columns, added) = (followed.columns.len(), &rows.added);
     let value = |row: &LiveRow, column: usize| row.values.get(column).copied().unwrap_or(f64::NAN);
     let values = (0..columns).flat_map(|column| added.iter().map(move |(_, row)| value(row, column)));
     answer["rows"] = json!({
-        "count": course.row_count, "left": rows.left, "numbers": added.iter().map(|(number, _)| number).collect::<Vec<_>>(),
+        "count": followed.row_count, "left": rows.left, "numbers": added.iter().map(|(number, _)| number).collect::<Vec<_>>(),
         "rows": added.iter().map(|(_, row)| row.number).collect::<Vec<_>>(), "values": blob(&bytes_of(values)),
     });
-    let stills = course.stills.since(known);
+    let stills = followed.stills.since(known);
     if stills.left.is_none() && stills.added.is_empty() {
         return;
     }
-    let all: Vec<&Still> = course.stills.entries().iter().map(|(_, still)| &**still).collect();
-    let dimension = course.model.skins.first().map_or(2, |skin| skin.dimension);
+    let all: Vec<&Still> = followed.stills.entries().iter().map(|(_, still)| &**still).collect();
+    let dimension = followed.model.skins.first().map_or(2, |skin| skin.dimension);
     let list = stills.added.iter().map(|(_, still)| json!({ "time": still.time, "row": still.row, "obstacles": still.obstacles }));
     let bytes: Vec<u8> = stills.added.iter().flat_map(|(_, still)| still.bytes()).copied().collect();
     answer["stills"] = json!({

@@ -26,7 +26,7 @@ type Point = [f64; 2];
 
 /// How a curve goes on from where the one before it ends.
 #[derive(Clone)]
-enum Course {
+enum CurveKind {
     Line { to: Point },
     ArcAbout { to: Point, center: Point, is_clockwise: bool },
     ArcThrough { to: Point, through: Point },
@@ -37,7 +37,7 @@ enum Course {
 /// A curve of an outline in a script.
 #[derive(Clone)]
 pub struct CurveHandle {
-    course: Course,
+    kind: CurveKind,
     name: Option<String>,
 }
 
@@ -47,26 +47,26 @@ impl Handle for CurveHandle {
 
     fn describe(&self) -> String {
         let point = |[x, y]: &Point| format!("[{x}, {y}]");
-        let course = match &self.course {
-            Course::Line { to } => format!("line to {}", point(to)),
-            Course::ArcAbout { to, center, .. } => format!("arc to {} about {}", point(to), point(center)),
-            Course::ArcThrough { to, through } => format!("arc to {} through {}", point(to), point(through)),
-            Course::Spline { points } => format!("spline through {} points", points.len()),
-            Course::Circle { center, radius } => format!("circle of radius {radius} about {}", point(center)),
+        let kind = match &self.kind {
+            CurveKind::Line { to } => format!("line to {}", point(to)),
+            CurveKind::ArcAbout { to, center, .. } => format!("arc to {} about {}", point(to), point(center)),
+            CurveKind::ArcThrough { to, through } => format!("arc to {} through {}", point(to), point(through)),
+            CurveKind::Spline { points } => format!("spline through {} points", points.len()),
+            CurveKind::Circle { center, radius } => format!("circle of radius {radius} about {}", point(center)),
         };
-        self.name.iter().fold(course, |course, name| format!("{course}, \"{name}\""))
+        self.name.iter().fold(kind, |kind, name| format!("{kind}, \"{name}\""))
     }
 }
 
 impl CurveHandle {
     /// The curve, begun at a point; a circle begins where it likes.
     fn side(&self, from: Point) -> Result<Side, MeshError> {
-        let curve = match &self.course {
-            Course::Line { to } => Curve::line(from, *to),
-            Course::ArcAbout { to, center, is_clockwise } => Curve::arc(from, *to, *center, *is_clockwise),
-            Course::ArcThrough { to, through } => Curve::arc_through(from, *through, *to),
-            Course::Spline { points } => Curve::spline(std::iter::once(from).chain(points.iter().copied()).collect()),
-            Course::Circle { center, radius } => Curve::circle(*center, *radius),
+        let curve = match &self.kind {
+            CurveKind::Line { to } => Curve::line(from, *to),
+            CurveKind::ArcAbout { to, center, is_clockwise } => Curve::arc(from, *to, *center, *is_clockwise),
+            CurveKind::ArcThrough { to, through } => Curve::arc_through(from, *through, *to),
+            CurveKind::Spline { points } => Curve::spline(std::iter::once(from).chain(points.iter().copied()).collect()),
+            CurveKind::Circle { center, radius } => Curve::circle(*center, *radius),
         };
         Ok(Side { curve: curve?, name: self.name.clone() })
     }
@@ -186,7 +186,7 @@ fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Res
 fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failure> {
     let engine = argument.call().engine();
     let refused = |error: MeshError| argument.fail(error.to_string()).hint(error.remedy());
-    let is_circle = |curve: &CurveHandle| matches!(curve.course, Course::Circle { .. });
+    let is_circle = |curve: &CurveHandle| matches!(curve.kind, CurveKind::Circle { .. });
     if let Some(curve) = value.clone().try_cast::<CurveHandle>().filter(is_circle) {
         return Ok(vec![curve.side([0.0; 2]).map_err(refused)?]);
     }
@@ -206,7 +206,7 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failur
     let mut at = start;
     for entry in &entries[1..] {
         let curve = match (point_of(entry), entry.clone().try_cast::<CurveHandle>()) {
-            (Some(to), _) => CurveHandle { course: Course::Line { to }, name: None },
+            (Some(to), _) => CurveHandle { kind: CurveKind::Line { to }, name: None },
             (None, Some(curve)) if !is_circle(&curve) => curve,
             _ => return Err(wrong(format!("it contains {}", describe(engine, entry)))),
         };
@@ -244,8 +244,8 @@ fn line_to() -> Function {
         example: "let floor = line_to([2.0, 0.0], \"floor\");".into(),
         see_also: &["region", "arc_to", "spline_to"],
         body: body(|call| {
-            let course = Course::Line { to: plane_point(&call.argument("to"))? };
-            Ok(Dynamic::from(CurveHandle { course, name: name_of(call)? }))
+            let kind = CurveKind::Line { to: plane_point(&call.argument("to"))? };
+            Ok(Dynamic::from(CurveHandle { kind, name: name_of(call)? }))
         }),
     }
 }
@@ -280,9 +280,9 @@ fn arc_to() -> Function {
             let options = call.options("options")?;
             let (to, name) = (plane_point(&options.argument("to"))?, name_of(&options)?);
             let (center, through) = (options.argument("center"), options.argument("through"));
-            let course = match (center.is_given(), through.is_given()) {
-                (true, false) => Course::ArcAbout { to, center: plane_point(&center)?, is_clockwise: options.flag("clockwise")? },
-                (false, true) => Course::ArcThrough { to, through: plane_point(&through)? },
+            let kind = match (center.is_given(), through.is_given()) {
+                (true, false) => CurveKind::ArcAbout { to, center: plane_point(&center)?, is_clockwise: options.flag("clockwise")? },
+                (false, true) => CurveKind::ArcThrough { to, through: plane_point(&through)? },
                 (true, true) => {
                     let failure = through.fail("an arc goes about a center or through a point, not both");
                     return Err(failure.hint("leave out `center` or `through`").into());
@@ -291,7 +291,7 @@ fn arc_to() -> Function {
                     return Err(call.fail("an arc needs a `center` or a point `through` which it goes").hint("add one of the two").into());
                 }
             };
-            Ok(Dynamic::from(CurveHandle { course, name }))
+            Ok(Dynamic::from(CurveHandle { kind, name }))
         }),
     }
 }
@@ -308,8 +308,8 @@ fn spline_to() -> Function {
         example: "let back = spline_to([[1.5, 2.2], [0.8, 1.9], [0.0, 2.0]], \"back\");".into(),
         see_also: &["region", "arc_to", "line_to"],
         body: body(|call| {
-            let course = Course::Spline { points: call.argument("points").points()? };
-            Ok(Dynamic::from(CurveHandle { course, name: name_of(call)? }))
+            let kind = CurveKind::Spline { points: call.argument("points").points()? };
+            Ok(Dynamic::from(CurveHandle { kind, name: name_of(call)? }))
         }),
     }
 }
@@ -336,8 +336,8 @@ fn circle() -> Function {
         see_also: &["region", "arc_to", "disk"],
         body: body(|call| {
             let options = call.options("options")?;
-            let course = Course::Circle { center: plane_point(&options.argument("center"))?, radius: options.number("radius")? };
-            Ok(Dynamic::from(CurveHandle { course, name: name_of(&options)? }))
+            let kind = CurveKind::Circle { center: plane_point(&options.argument("center"))?, radius: options.number("radius")? };
+            Ok(Dynamic::from(CurveHandle { kind, name: name_of(&options)? }))
         }),
     }
 }

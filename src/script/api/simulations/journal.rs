@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use crate::dynamics::State;
 use crate::machine::files::read;
 use crate::math::simd::instructions;
-use crate::output::checkpoint::{Checkpoint, Course, Origin};
+use crate::output::checkpoint::{Checkpoint, Origin, SavedSimulation};
 use crate::output::journal::{Entry, JournalReader, JournalWriter, Mark};
 use crate::output::{OutputError, RunFiles};
 use crate::script::api::files::run_folder::{RunFolder, output_folder};
@@ -44,7 +44,7 @@ pub(super) struct Pages {
     /// Computations and ways back in it.
     pub(super) left: u64,
     /// What that program knew of its simulations at its end.
-    pub(super) courses: Vec<Course>,
+    pub(super) simulations: Vec<SavedSimulation>,
     /// Where its journal ends.
     pub(super) mark: Mark,
     pub(super) writer: Option<JournalWriter>,
@@ -131,7 +131,7 @@ impl Pages {
         }
     }
 
-    pub(super) fn write(&mut self, host: &Host, files: &RunFiles, courses: Vec<Course>) -> Result<(), OutputError> {
+    pub(super) fn write(&mut self, host: &Host, files: &RunFiles, simulations: Vec<SavedSimulation>) -> Result<(), OutputError> {
         if self.is_full {
             // The journal has no more of the run, so that the checkpoint before is the last one.
             return self.problem.take().map_or(Ok(()), Err);
@@ -139,7 +139,7 @@ impl Pages {
         note_files(host, &mut self.files);
         let (origin, counted) = (origin(host, &self.files), files.counted());
         let journal = self.writer(host, files).secure()?;
-        Checkpoint { origin, courses, journal, files: counted.clone() }.write(files)?;
+        Checkpoint { origin, simulations, journal, files: counted.clone() }.write(files)?;
         files.promise(counted);
         Ok(())
     }
@@ -156,9 +156,9 @@ impl Journal {
     /// # Errors
     /// It cannot be read.
     pub fn resumed(run: &Path, checkpoint: Checkpoint) -> io::Result<Self> {
-        let Checkpoint { journal: mark, courses, .. } = checkpoint;
+        let Checkpoint { journal: mark, simulations, .. } = checkpoint;
         let earlier = Some(JournalReader::open(run, &mark)?);
-        Ok(Journal(RefCell::new(Pages { earlier, left: mark.events, mark, courses, is_resumed: true, ..Pages::default() })))
+        Ok(Journal(RefCell::new(Pages { earlier, left: mark.events, mark, simulations, is_resumed: true, ..Pages::default() })))
     }
 
     /// Before a simulation is made: what it computes is taken down, if checkpoints are wanted.

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::handle::{Past, SimulationHandle, Simulations};
 use super::journal::{Journal, is_kept, of_another_model, something_else, unreadable};
 use crate::dynamics::{State, Tally, TimeFunction};
-use crate::output::checkpoint::Course;
+use crate::output::checkpoint::SavedSimulation;
 use crate::output::journal::{Computation, Entry, Outcome};
 use crate::output::shapes;
 use crate::script::api::files::failures::output_failure;
@@ -64,9 +64,9 @@ impl Journal {
     pub fn write(&self, host: &Host) -> Result<(), Failure> {
         let begun = Instant::now();
         let Some(files) = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))? else { return Ok(()) };
-        let Some(courses) = courses(host)? else { return Ok(()) };
+        let Some(simulations) = simulations(host)? else { return Ok(()) };
         let mut pages = self.0.borrow_mut();
-        let written = pages.write(host, &files, courses);
+        let written = pages.write(host, &files, simulations);
         pages.new = 0;
         pages.last = Some((Instant::now(), begun.elapsed()));
         let told = written.err().filter(|_| !std::mem::replace(&mut pages.is_told, true));
@@ -90,15 +90,15 @@ impl Journal {
 }
 
 /// What is known of the simulations now; `None` in the middle of a step.
-fn courses(host: &Host) -> Result<Option<Vec<Course>>, Failure> {
+fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
     let goes_back = host.sources.all().iter().any(|(_, text)| text.contains(GOES_BACK));
-    let mut courses = Vec::new();
+    let mut simulations = Vec::new();
     for handle in Simulations::of(host).0.borrow().iter() {
         let Ok(simulation) = handle.0.simulation.try_borrow() else { return Ok(None) };
         // Frames that the checkpoint counts on are on the disk before it.
         handle.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), |artifacts| artifacts.wait())?;
         let (row, past) = (simulation.row(), handle.0.past.borrow());
-        courses.push(Course {
+        simulations.push(SavedSimulation {
             name: handle.0.name.clone(),
             unknowns: simulation.unknowns(),
             reached: (row.step, row.time),
@@ -108,7 +108,7 @@ fn courses(host: &Host) -> Result<Option<Vec<Course>>, Failure> {
             recording: handle.0.artifacts.borrow().as_ref().map(|artifacts| artifacts.recording().clone()),
         });
     }
-    Ok(Some(courses))
+    Ok(Some(simulations))
 }
 
 /// The states before the last steps, the newest last, as far as they are known without a gap.
@@ -254,24 +254,24 @@ pub fn go_on(host: &Host) -> Result<(), Failure> {
     if journal.is_recalling() {
         return Ok(());
     }
-    let courses = std::mem::take(&mut journal.0.borrow_mut().courses);
-    for (handle, course) in Simulations::of(host).0.borrow().iter().zip(courses) {
+    let simulations = std::mem::take(&mut journal.0.borrow_mut().simulations);
+    for (handle, saved) in Simulations::of(host).0.borrow().iter().zip(simulations) {
         let data = &handle.0;
         if let Ok(mut simulation) = data.simulation.try_borrow_mut() {
-            if let Some(state) = course.state.filter(|_| data.is_behind.get()) {
+            if let Some(state) = saved.state.filter(|_| data.is_behind.get()) {
                 if !simulation.fits(&state) {
                     return Err(of_another_model());
                 }
                 simulation.restore(&state);
                 data.is_behind.set(false);
             }
-            simulation.count_from(&course.tally);
+            simulation.count_from(&saved.tally);
         }
-        for (past, state) in data.past.borrow_mut().iter_mut().rev().zip(course.past.into_iter().rev()) {
+        for (past, state) in data.past.borrow_mut().iter_mut().rev().zip(saved.past.into_iter().rev()) {
             past.state.get_or_insert(state);
         }
         handle.warn_of_large_motion(host);
-        if let (Some(artifacts), Some(recording)) = (data.artifacts.borrow_mut().as_mut(), course.recording) {
+        if let (Some(artifacts), Some(recording)) = (data.artifacts.borrow_mut().as_mut(), saved.recording) {
             let history = data.history.borrow();
             if !artifacts.recording().goes_on_with(&recording, history.len(), shapes(&data.model.model).len()) {
                 return Err(of_another_model());

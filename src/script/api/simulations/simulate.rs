@@ -196,8 +196,8 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     warn_of_units(call, &model.model, kernel_dt);
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = vec![simulation.row().clone()];
-    let course = Course { history, probes: Vec::new(), spent: begun.elapsed() };
-    let handle = create(call, model, simulation, motion, Keeping { fields_every, stills }, course)?;
+    let so_far = SoFar { history, probes: Vec::new(), spent: begun.elapsed() };
+    let handle = create(call, model, simulation, motion, Keeping { fields_every, stills }, so_far)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
     handle.0.accepts_overlap.set(accepts_overlap);
     handle.note_contact();
@@ -239,7 +239,7 @@ pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Opti
 }
 
 /// What a simulation has behind it when it is made.
-pub struct Course {
+pub struct SoFar {
     /// Its rows so far, that of the beginning at least.
     pub history: Vec<LedgerRow>,
     /// Points that are followed.
@@ -255,7 +255,7 @@ pub fn create(
     simulation: Simulation,
     motion: Option<Motion>,
     keeping: Keeping,
-    Course { history, probes, spent }: Course,
+    SoFar { history, probes, spent }: SoFar,
 ) -> Result<SimulationHandle, Failure> {
     let name = unique_name(call.host, &model.model.name);
     // The first one writes into the folder of the run itself.

@@ -5,13 +5,13 @@ use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::nodal::half_product;
 use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::impulse_response::{Cause, ImpulseResponse};
 use crate::dynamics::step::newton::Solution;
-use crate::dynamics::step::push::{Cause, Push};
 use crate::dynamics::step::start::Motion;
 use crate::linear::LinearError;
 
 /// A change of the velocities at the end of a step.
-pub struct Jump {
+pub struct VelocityCorrection {
     /// The change.
     pub velocity: Vec<f64>,
     /// Impulse of supports and obstacles.
@@ -28,11 +28,19 @@ pub struct Jump {
     pub reserve: Vec<f64>,
 }
 
-impl Jump {
+impl VelocityCorrection {
     /// No change of `unknowns` velocities.
     pub fn none(unknowns: usize, reserve: Vec<f64>) -> Self {
         let (still, none) = (vec![0.0; unknowns], vec![0.0; reserve.len()]);
-        Jump { velocity: still.clone(), impulse: still, energy: 0.0, work: 0.0, lambda: none.clone(), friction: none, reserve }
+        VelocityCorrection {
+            velocity: still.clone(),
+            impulse: still,
+            energy: 0.0,
+            work: 0.0,
+            lambda: none.clone(),
+            friction: none,
+            reserve,
+        }
     }
 }
 
@@ -70,7 +78,7 @@ impl Slopes {
 
 impl Ending<'_> {
     /// Adds `s` times a push to the jump and to the velocities.
-    pub fn add(&mut self, jump: &mut Jump, s: f64, push: &Push, slopes: &Slopes) {
+    pub fn add(&mut self, jump: &mut VelocityCorrection, s: f64, push: &ImpulseResponse, slopes: &Slopes) {
         let add = |sum: &mut [f64], s: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += s * part);
         add(&mut self.v, s, &push.velocity);
         add(&mut jump.velocity, s, &push.velocity);
@@ -97,7 +105,7 @@ where
     Space<D>: Elements<D>,
 {
     /// A push with the work of supports that move; nothing where constraints depend on one another: then nobody's velocity changes.
-    pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<Push>, Failure> {
+    pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
         let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
         match self.system.push(&end.solution.at, beta, &cause) {
             Ok(mut push) => {
@@ -113,7 +121,7 @@ where
     }
 
     /// What a push gives.
-    pub fn slopes(&self, end: &Ending, push: &Push) -> Slopes {
+    pub fn slopes(&self, end: &Ending, push: &ImpulseResponse) -> Slopes {
         let momenta = self.system.nodes.momenta_of(&push.velocity);
         let mut pressing = [half_product(&push.velocity, &momenta), 2.0 * half_product(&end.v, &momenta) - push.work];
         let mut friction = vec![[0.0; 2]; push.lambda.len()];

@@ -14,7 +14,7 @@ use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// A change of the velocities by impulses.
-pub struct Push {
+pub struct ImpulseResponse {
     /// The change.
     pub velocity: Vec<f64>,
     /// Impulses of all rows, of those that press and the tangential ones.
@@ -48,7 +48,7 @@ where
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
-    pub fn push(&mut self, at: &Linearization, beta: f64, cause: &Cause) -> Result<Push, Failure> {
+    pub fn push(&mut self, at: &Linearization, beta: f64, cause: &Cause) -> Result<ImpulseResponse, Failure> {
         let clock = Instant::now();
         let (q_1, &Cause { rows: evaluated, lambda, hold, rate, ratios }) = (&at.q_1, cause);
         let mut values = vec![0.0; self.matrix.pattern.values()];
@@ -76,7 +76,7 @@ where
         self.solve_with(&values, &mut right, Instant::now())?;
         let mu = right.split_off(q_1.len());
         let lambda: Vec<f64> = lambda.iter().zip(&mu).map(|(lambda, mu)| lambda + mu / scale).collect();
-        let mut push = Push { velocity: right, lambda, impulse: Vec::new(), work: 0.0 };
+        let mut push = ImpulseResponse { velocity: right, lambda, impulse: Vec::new(), work: 0.0 };
         let (mut on_nodes, mut from_obstacles, mut work) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()], 0.0);
         self.for_each_end_gradient(evaluated, |pair, row, k, gradient| {
             let f = push.lambda[row] * gradient;
@@ -102,7 +102,7 @@ where
 
     /// Whether the momenta of a push that the model keeps are the impulses from outside, as far as round-off lets them: where constraints
     /// all but depend on one another, the solution is accurate in its residual and in nothing else.
-    pub fn is_balanced(&self, push: &Push, q_1: &[f64]) -> bool {
+    pub fn is_balanced(&self, push: &ImpulseResponse, q_1: &[f64]) -> bool {
         let momenta = self.nodes.momenta_of(&push.velocity);
         let sizes = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
         let (size, reach) = (sizes(&momenta), largest_size(q_1).max(self.nodes.extent));
