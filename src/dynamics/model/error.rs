@@ -5,6 +5,8 @@ use thiserror::Error;
 use super::remedy::Remedy;
 use crate::bodies::FormulationError;
 use crate::machine::memory::written;
+use crate::math::digits::three_digits;
+use crate::math::tolerances::EIGHTH_TURN;
 
 /// A model that cannot be simulated.
 #[derive(Debug, Error)]
@@ -228,6 +230,18 @@ pub enum StepError {
         /// What it failed with.
         source: super::amplitude::TimeFunctionError,
     },
+    /// A prescribed motion turns a boundary too far in a step.
+    #[error("\"{boundary}\" turns by {} rad in a step of {} at t = {time}", three_digits(*angle), three_digits(*dt))]
+    TurnsFar {
+        /// `body.boundary` that turns.
+        boundary: String,
+        /// Time at the beginning of the step.
+        time: f64,
+        /// Its size.
+        dt: f64,
+        /// The angle `[rad]`.
+        angle: f64,
+    },
     /// A coefficient of friction failed.
     #[error("the friction of contact \"{contact}\" failed at t = {time}")]
     Friction {
@@ -304,6 +318,9 @@ impl StepError {
     pub fn hint(&self) -> String {
         match self {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
+            StepError::TurnsFar { dt, angle, .. } => {
+                format!("take steps of {} or less, for an eighth of a turn at most", three_digits(dt * EIGHTH_TURN / angle))
+            }
             StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),
             StepError::NotConverged { remedy, .. } => remedy.to_string(),
             StepError::StillOverlaps { .. } => {

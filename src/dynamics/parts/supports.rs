@@ -89,18 +89,21 @@ impl Supports {
         Ok(self.prescribed.iter().map(|one| motions[one.motion].of(one.place, one.component)).unzip())
     }
 
-    /// The largest angle by which a boundary turns from one time to another `[rad]`.
+    /// The largest angle by which a boundary turns from one time to another `[rad]`, and that boundary's name.
     ///
     /// # Errors
     /// A time function failed or gave no finite number.
-    pub fn turned(&self, from: f64, to: f64) -> Result<f64, StepError> {
-        let mut largest: f64 = 0.0;
-        for (motion, boundary) in &self.motions {
+    pub fn turned(&self, from: f64, to: f64) -> Result<(f64, &str), StepError> {
+        let mut largest = (0.0, "");
+        for (motion, boundary) in self.motions.iter().filter(|(motion, _)| motion.turn.is_some()) {
             let angle = |time| {
                 let angle = motion.at(time).map(|motion| motion.angle());
                 angle.map_err(|source| StepError::Amplitude { boundary: boundary.clone(), time, source })
             };
-            largest = largest.max((angle(to)? - angle(from)?).abs());
+            let turned: f64 = angle(to)? - angle(from)?;
+            if turned.abs() > largest.0 {
+                largest = (turned.abs(), boundary);
+            }
         }
         Ok(largest)
     }

@@ -5,6 +5,7 @@ use super::options::Options;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};
+use crate::dynamics::model::error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::{Solution, Task, solve};
@@ -30,10 +31,21 @@ where
         }
     }
 
+    /// Whether boundaries turn by less than a quarter of a turn in a step: its end does not tell how often, or which way round.
+    fn check_turns(&self, dt: f64) -> Result<(), StepError> {
+        let time = self.state.row.time;
+        let (angle, boundary) = self.system.supports.turned(time, time + dt)?;
+        if angle <= 2.0 * tolerances::EIGHTH_TURN {
+            return Ok(());
+        }
+        Err(StepError::TurnsFar { boundary: boundary.into(), time, dt, angle })
+    }
+
     /// [`Self::piece`] with a multiple of the expected motion.
     fn piece_within(&mut self, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
         let (state, reach) = (self.state.clone(), self.options.reach);
         let (scheme, time) = (self.options.integrator, state.row.time);
+        self.check_turns(dt).map_err(Failure::Fatal)?;
         let (displacement, prescribed_v_1) = self.system.supports.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
         let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
         follow_prescribed(&self.system, &state.positions, &displacement, &mut predicted);
