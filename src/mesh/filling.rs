@@ -18,7 +18,7 @@ pub(super) struct Filled {
     /// The cells, without boundaries.
     pub mesh: Mesh,
     edges: RimEdges,
-    /// ProxyNodes of edges that are not on the rim.
+    /// Middles of edges that are not on the rim.
     pub placed: PlacedEdges,
     /// Facets on each piece of the rim.
     pub along: HashMap<usize, Vec<Facet>>,

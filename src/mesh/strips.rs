@@ -220,7 +220,7 @@ fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// ProxyNodes of the edges of a stack that follow a curve: each level bulges as the curve does, in proportion to its length, so that thin
+/// Middles of the edges of a stack that follow a curve: each level bulges as the curve does, in proportion to its length, so that thin
 /// cells on a curve stay whole.
 fn note_middles(strip: &Strip, stack: usize, nodes: &[Vec<u32>], rest: &Rim, placed: &mut PlacedEdges) {
     let (curve, [from, to]) = strip.pieces[stack];

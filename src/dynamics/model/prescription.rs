@@ -90,11 +90,6 @@ fn at(function: &Amplitude, time: f64) -> Result<[f64; 2], TimeFunctionError> {
 }
 
 impl PrescribedMotion<'_> {
-    /// Angle of the turn `[rad]`.
-    pub fn angle(&self) -> f64 {
-        self.turn.map_or(0.0, |(_, [angle, _])| angle)
-    }
-
     /// Displacement `[length]` and velocity `[length/time]` in one direction of a node that was at `place`.
     pub fn of(&self, place: [f64; 3], component: usize) -> (f64, f64) {
         let [value, rate] = self.shift[component];

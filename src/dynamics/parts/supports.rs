@@ -92,15 +92,13 @@ impl Supports {
     /// The largest angle by which a boundary turns from one time to another `[rad]`, and that boundary's name.
     ///
     /// # Errors
-    /// A time function failed or gave no finite number.
+    /// A time function failed.
     pub fn turned(&self, from: f64, to: f64) -> Result<(f64, &str), StepError> {
         let mut largest = (0.0, "");
-        for (motion, boundary) in self.motions.iter().filter(|(motion, _)| motion.turn.is_some()) {
-            let angle = |time| {
-                let angle = motion.at(time).map(|motion| motion.angle());
-                angle.map_err(|source| StepError::Amplitude { boundary: boundary.clone(), time, source })
-            };
-            let turned: f64 = angle(to)? - angle(from)?;
+        for (motion, boundary) in &self.motions {
+            let Some(turn) = &motion.turn else { continue };
+            let angle = |time| turn.angle.value(time).map_err(|source| StepError::Amplitude { boundary: boundary.clone(), time, source });
+            let turned = angle(to)? - angle(from)?;
             if turned.abs() > largest.0 {
                 largest = (turned.abs(), boundary);
             }

@@ -37,7 +37,7 @@ impl Solution {
     }
 }
 
-/// The kind of Newton's method, kept for the report of a failure.
+/// The course of Newton's method, kept for the report of a failure.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
     /// The iterations of the last strategy.
@@ -86,7 +86,7 @@ const FAR: f64 = 2.0;
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` tells their kind.
+/// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` tells their course.
 ///
 /// A step that may be halved is not tried again where its contact conditions are far from being met.
 ///
@@ -149,7 +149,7 @@ pub(super) struct Attempt<'a, const D: usize> {
     pub(super) yielding: f64,
 }
 
-/// Solves one step in one way; `trace` tells its kind.
+/// Solves one step in one way; `trace` tells its course.
 fn attempt<const D: usize>(
     system: &mut System<D>,
     task: &Task,

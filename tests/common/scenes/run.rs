@@ -312,7 +312,8 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
     let offset = start.total() - sim.row().total();
     // The energy that must not be exceeded.
     let mut bound = start.total();
-    // Of each contact whether it was closed at the end of the piece before; what all have lost; the largest force of one.
+    // Of each contact whether it was closed at the end of the piece before; what all have lost; the largest force of one; the largest
+    // shear that friction could bear.
     let (mut was_closed, mut lost, mut force, mut borne) = (Vec::new(), 0.0, 0.0f64, 0.0f64);
     for step in 1..=scene.steps {
         let mut record = Record { step, ..Record::default() };
