@@ -29,6 +29,7 @@ pub static AVERAGED_MORTAR: ContactMethod = ContactMethod {
     name: "averaged_mortar",
     summary: "mortar method with averaged nodal normals: the normal is continuous along the secondary side",
     kernel: |secondary, primary, reference| Box::new(AveragedMortar::new(secondary, primary, reference)),
+    in_space: None,
     is_nodal: false,
     passes_patch_test: true,
 };

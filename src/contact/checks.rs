@@ -260,7 +260,7 @@ fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Opt
 fn coarse_secondary(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Option<Finding> {
     let size = |surface: &Surface| {
         let count = surface.facets().len();
-        (0..count).map(|facet| surface.facet_length(facet, q)).sum::<f64>() / count as f64
+        (0..count).map(|facet| surface.facet_measure(facet, q)).sum::<f64>() / count as f64
     };
     let (secondary_size, primary_size) = (size(secondary.surface), size(primary.surface));
     (secondary_size > COARSE * primary_size).then(|| Finding::CoarseSecondary {

@@ -1,5 +1,6 @@
 //! How deep nodes of either side are in the other body, point by point: what weighted gaps, which are means, do not tell.
 
+use super::faces;
 use super::search::PairSearch;
 use super::surface::{Sides, Surface};
 
@@ -43,6 +44,9 @@ impl Seen {
 impl PairSearch {
     /// Largest depth at `q` of a node of either side in the other body, among the pairs that take part `[length]`.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
+        if sides.secondary.dimension() == 3 {
+            return self.deepest_in_space(sides, q);
+        }
         let surfaces = [&sides.secondary, &sides.primary];
         let mut deepest = 0.0f64;
         for own in 0..2 {
@@ -75,10 +79,40 @@ impl PairSearch {
         deepest
     }
 
+    /// The same in space. A node that is beside the facet closest to it is in front of an edge.
+    fn deepest_in_space(&self, sides: &Sides, q: &[f64]) -> f64 {
+        let surfaces = [&sides.secondary, &sides.primary];
+        let mut deepest = 0.0f64;
+        for own in 0..2 {
+            let (surface, other) = (surfaces[own], surfaces[1 - own]);
+            let mut closest: Vec<Option<(u32, faces::Seen)>> = vec![None; surface.nodes().len()];
+            for (pair, _) in self.candidates.pairs().iter().zip(&self.near).filter(|(_, near)| **near) {
+                for &index in surface.local_facet(pair[own] as usize) {
+                    let node = faces::at(surface.nodes()[index as usize], q);
+                    let seen = faces::Seen::new(node, other.facet(pair[1 - own] as usize), q);
+                    let known = &mut closest[index as usize];
+                    if known.is_none_or(|(_, known)| seen.distance < known.distance) {
+                        *known = Some((pair[1 - own], seen));
+                    }
+                }
+            }
+            for (index, found) in closest.into_iter().enumerate() {
+                let Some((facet, seen)) = found.filter(|(_, seen)| !seen.is_beside && -seen.gap > deepest) else { continue };
+                if self.window.admits_depth(own, surface.adjacent_facets(index), facet, seen.gap) {
+                    deepest = -seen.gap;
+                }
+            }
+        }
+        deepest
+    }
+
     /// How far facets of both sides that cross at `q` have come through each other: the least distance of an end of one of them from the
     /// other, over the longer of the two. Where a node has entered the other body that is at most its depth; where corners have passed
-    /// through each other no node is inside.
+    /// through each other no node is inside. In the plane only.
     pub fn crossing(&self, sides: &Sides, q: &[f64]) -> f64 {
+        if sides.secondary.dimension() == 3 {
+            return 0.0;
+        }
         let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
         let mut worst = 0.0f64;
         for &[own, other] in self.candidates.pairs() {

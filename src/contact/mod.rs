@@ -17,6 +17,7 @@ mod combinations;
 #[cfg(test)]
 mod contract;
 mod depth;
+mod faces;
 #[cfg(test)]
 mod fixtures;
 mod friction;
@@ -39,6 +40,7 @@ mod search;
 mod slip;
 #[cfg(test)]
 mod slip_contract;
+mod space;
 mod surface;
 mod tie;
 mod tips;
@@ -60,6 +62,6 @@ pub use rigid_corners::RigidCorners;
 pub use rigid_shape::Obstacle;
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
-pub use surface::{Sides, Surface};
+pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;
 pub use window::{Outlook, Travel};

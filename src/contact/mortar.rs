@@ -13,6 +13,7 @@ use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, ov
 use super::patches::Evaluation;
 use super::search::PairSearch;
 use super::slip::{self, Number, SlipRows, SlipStep};
+use super::space::MortarInSpace;
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};
 use crate::math::norms::largest_size;
@@ -23,6 +24,7 @@ pub static MORTAR: ContactMethod = ContactMethod {
     name: "mortar",
     summary: "mortar method: pressures at the secondary nodes, gaps integrated over the common surface",
     kernel: |secondary, primary, reference| Box::new(Mortar::new(secondary, primary, reference)),
+    in_space: Some(MortarInSpace::kernel),
     is_nodal: false,
     passes_patch_test: true,
 };
@@ -32,6 +34,7 @@ pub static DUAL_MORTAR: ContactMethod = ContactMethod {
     name: "dual_mortar",
     summary: "mortar method with dual shape functions: each multiplier presses its own node and no other",
     kernel: |secondary, primary, reference| Box::new(Mortar::new(secondary, primary, reference).with_dual_multipliers()),
+    in_space: None,
     is_nodal: false,
     passes_patch_test: true,
 };

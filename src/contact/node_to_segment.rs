@@ -30,6 +30,7 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
     summary: "node-to-segment method: no secondary node enters the primary side; locks where both are polygons. In two passes: two \
               contacts with the sides swapped, both with `penalty` or `augmented_lagrange`",
     kernel: |secondary, primary, reference| Box::new(NodeToSegment::new(secondary, primary, reference)),
+    in_space: None,
     is_nodal: true,
     passes_patch_test: false,
 };
@@ -257,7 +258,7 @@ impl NodeToSegment {
         let is_opposite = |normal: &[f64; 2]| normal[0] * seen.along[1] - normal[1] * seen.along[0] <= SAME_WAY;
         // Beside a facet the distance from its line says nothing of how deep the node is.
         let depth = if seen.end.is_none() || seen.gap > 0.0 { seen.gap } else { -seen.distance };
-        seen.distance <= self.sides.facet_size + outlook.travel(&[node], &ends) + outlook.depth
+        seen.distance <= self.sides.facet_size + outlook.travel::<2>(&[node], &ends) + outlook.depth
             && normals.iter().any(is_opposite)
             && self.window.admits_depth(0, self.own_facets(point), facet, depth)
             && (self.corners.is_none() || seen.gap > -(SUNK * self.sides.facet_size).max(self.window.depth()))
@@ -419,7 +420,7 @@ impl PatchFunctions for NodeToSegment {
 impl CandidateSearch for NodeToSegment {
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
         let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.search_margin(&self.sides));
-        self.window.begin(outlook.depth);
+        self.window.begin(&self.sides, outlook.depth);
         self.find_bends(outlook.q);
         if changed {
             self.list_patches();
@@ -471,7 +472,7 @@ impl CandidateSearch for NodeToSegment {
         self.find_bends(q);
         self.list_patches();
         let outlook = Outlook::within(q, 0.0);
-        self.window.begin(outlook.depth);
+        self.window.begin(&self.sides, outlook.depth);
         self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, &outlook)).collect();
         self.begin_step(q);
     }

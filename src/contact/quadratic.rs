@@ -101,7 +101,7 @@ impl ProxyNodes {
             if let Some(edge) = self.edge(to) {
                 edge.into_iter().zip(edge_lengths(edge, reference)).for_each(|(node, length)| add(node, length));
             } else if self.edge(from).is_none() {
-                let half = 0.5 * surface.facet_length(number, reference);
+                let half = 0.5 * surface.facet_measure(number, reference);
                 [from, to].into_iter().for_each(|node| add(node, half));
             }
         }

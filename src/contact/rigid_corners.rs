@@ -57,7 +57,7 @@ impl RigidCorners {
             }
             Obstacle::Disk { center, radius } => {
                 let facets = &sides.secondary;
-                let longest = (0..facets.facets().len()).map(|facet| facets.facet_length(facet, reference)).fold(0.0, f64::max);
+                let longest = (0..facets.facets().len()).map(|facet| facets.facet_measure(facet, reference)).fold(0.0, f64::max);
                 if *radius > LARGE * longest * longest / facet_size {
                     return None;
                 }

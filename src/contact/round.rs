@@ -61,7 +61,7 @@ impl RoundContact {
         opposite.gather_into(self.sides.patches.nodes(p), outlook.q, &mut z);
         let is_sunk = opposite.measures(&z)[0].is_none_or(|measure| measure.gap <= -SUNK * self.sides.facet_size);
         let apart = Seen::new(center, ends, outlook.q).distance - self.radius;
-        if is_sunk || apart > self.sides.facet_size + outlook.travel(&[center], &ends) { Start::default() } else { opposite }
+        if is_sunk || apart > self.sides.facet_size + outlook.travel::<2>(&[center], &ends) { Start::default() } else { opposite }
     }
 
     fn begin_all(&mut self, outlook: &Outlook) {

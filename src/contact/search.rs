@@ -17,6 +17,7 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use serde::{Deserialize, Serialize};
 
+use super::faces::{self, Vector};
 use super::pair::PerNode;
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Window};
@@ -27,8 +28,11 @@ pub struct Candidates {
     pairs: Vec<[u32; 2]>,
     spare: f64,
     margin: f64,
-    secondary_at_search: Vec<[f64; 2]>,
-    primary_at_search: Vec<[f64; 2]>,
+    /// Positions of the nodes of both surfaces when they were searched, node after node.
+    secondary_at_search: Vec<f64>,
+    primary_at_search: Vec<f64>,
+    /// Numbers of facets of both surfaces then.
+    facets: [u32; 2],
     /// Pairs that are never listed, ascending.
     excluded: Vec<[u32; 2]>,
     /// Ranks of secondary and primary facets: pairs in which the first has the higher rank are not listed.
@@ -48,9 +52,9 @@ impl Candidates {
     pub(crate) fn is_sound_beside(&self, own: &Self) -> bool {
         let counts = |list: &Self| [list.secondary_at_search.len(), list.primary_at_search.len()];
         let ranks = |list: &Self| list.ranks.as_ref().map(|ranks| ranks.each_ref().map(Vec::len));
-        let [secondary, primary] = counts(self);
-        let exist = |&[a, b]: &[u32; 2]| (a as usize) < secondary && (b as usize) < primary;
-        counts(self) == counts(own) && ranks(self) == ranks(own) && self.pairs.iter().chain(&self.excluded).all(exist)
+        let [secondary, primary] = own.facets;
+        let exist = |&[a, b]: &[u32; 2]| a < secondary && b < primary;
+        self.facets == own.facets && counts(self) == counts(own) && ranks(self) == ranks(own) && self.pairs.iter().chain(&self.excluded).all(exist)
     }
 
     /// An empty list that will be made with `spare` `[length]` beyond the margin that is needed.
@@ -61,6 +65,7 @@ impl Candidates {
             margin: f64::NEG_INFINITY,
             secondary_at_search: Vec::new(),
             primary_at_search: Vec::new(),
+            facets: [0; 2],
             excluded: Vec::new(),
             ranks: None,
         }
@@ -103,7 +108,7 @@ impl Candidates {
     /// Pairs that may be listed, all those within `margin` at `q` among them: the list itself as long as it holds them.
     pub(super) fn pairs_within(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Cow<'_, [[u32; 2]]> {
         let (secondary_now, primary_now) = (positions(secondary, q), positions(primary, q));
-        let motion = relative_motion(&self.secondary_at_search, &secondary_now, &self.primary_at_search, &primary_now);
+        let motion = self.relative_motion([&secondary_now, &primary_now], secondary.dimension());
         if motion + margin <= self.margin {
             Cow::Borrowed(&self.pairs)
         } else {
@@ -121,13 +126,13 @@ impl Candidates {
     /// Positions or margins that are not finite leave the list as it is: such a step fails elsewhere.
     pub fn update(&mut self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> bool {
         let (secondary_now, primary_now) = (positions(secondary, q), positions(primary, q));
-        let finite = secondary_now.iter().chain(&primary_now).all(|x| x[0].is_finite() && x[1].is_finite());
+        let finite = secondary_now.iter().chain(&primary_now).all(|x| x.is_finite());
         if !finite || !margin.is_finite() {
             return false;
         }
         let wanted = margin.max(0.0) + self.spare;
         if self.margin.is_finite() && self.margin <= EXCESSIVE * wanted {
-            let motion = relative_motion(&self.secondary_at_search, &secondary_now, &self.primary_at_search, &primary_now);
+            let motion = self.relative_motion([&secondary_now, &primary_now], secondary.dimension());
             if motion + margin <= self.margin {
                 return false;
             }
@@ -140,9 +145,26 @@ impl Candidates {
         self.margin = wanted;
         self.secondary_at_search = secondary_now;
         self.primary_at_search = primary_now;
+        self.facets = [secondary, primary].map(|surface| surface.count() as u32);
         let changed = pairs != self.pairs;
         self.pairs = pairs;
         changed
+    }
+
+    /// Largest component of `u_s - u_p` over all secondary and primary nodes, `u` the displacements since the search.
+    fn relative_motion(&self, [secondary, primary]: [&[f64]; 2], dimension: usize) -> f64 {
+        let range = |then: &[f64], now: &[f64], axis: usize| {
+            let moved = then.iter().zip(now).skip(axis).step_by(dimension);
+            moved.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), (a, b)| {
+                let u = b - a;
+                (low.min(u), high.max(u))
+            })
+        };
+        (0..dimension).fold(0.0, |largest: f64, axis| {
+            let (secondary_low, secondary_high) = range(&self.secondary_at_search, secondary, axis);
+            let (primary_low, primary_high) = range(&self.primary_at_search, primary, axis);
+            largest.max(secondary_high - primary_low).max(primary_high - secondary_low)
+        })
     }
 }
 
@@ -182,7 +204,7 @@ impl PairSearch {
 
     /// Decides which pairs take part in a step.
     fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
-        self.window.begin(outlook.depth);
+        self.window.begin(sides, outlook.depth);
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
     }
 
@@ -212,57 +234,51 @@ impl PairSearch {
     }
 }
 
-/// Positions of a surface's nodes.
-fn positions(surface: &Surface, q: &[f64]) -> Vec<[f64; 2]> {
-    surface.nodes().iter().map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
-}
-
-/// Largest component of `u_s - u_p` over all secondary and primary nodes, `u` the displacements since the search.
-fn relative_motion(secondary_then: &[[f64; 2]], secondary_now: &[[f64; 2]], primary_then: &[[f64; 2]], primary_now: &[[f64; 2]]) -> f64 {
-    let range = |then: &[[f64; 2]], now: &[[f64; 2]], axis: usize| {
-        then.iter().zip(now).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), (a, b)| {
-            let u = b[axis] - a[axis];
-            (low.min(u), high.max(u))
-        })
-    };
-    (0..2).fold(0.0, |largest: f64, axis| {
-        let (secondary_low, secondary_high) = range(secondary_then, secondary_now, axis);
-        let (primary_low, primary_high) = range(primary_then, primary_now, axis);
-        largest.max(secondary_high - primary_low).max(primary_high - secondary_low)
-    })
-}
-
-/// Lower and upper corner of a facet's box.
-fn facet_box([a, b]: [u32; 2], q: &[f64]) -> ([f64; 2], [f64; 2]) {
-    let (a, b) = (2 * a as usize, 2 * b as usize);
-    ([q[a].min(q[b]), q[a + 1].min(q[b + 1])], [q[a].max(q[b]), q[a + 1].max(q[b + 1])])
+/// Positions of a surface's nodes, one after the other.
+fn positions(surface: &Surface, q: &[f64]) -> Vec<f64> {
+    let d = surface.dimension();
+    surface.nodes().iter().flat_map(|&node| &q[d * node as usize..d * (node as usize + 1)]).copied().collect()
 }
 
 /// All pairs without a common node whose boxes lie within `margin` of each other, ascending.
 fn near_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
     let mut pairs = all_pairs(secondary, primary, q, margin);
     pairs.retain(|&[own, other]| {
-        let (own, other) = (secondary.facets()[own as usize], primary.facets()[other as usize]);
-        !other.contains(&own[0]) && !other.contains(&own[1])
+        let other = primary.facet(other as usize);
+        secondary.facet(own as usize).iter().all(|node| !other.contains(node))
     });
     pairs
 }
 
 /// All pairs whose boxes lie within `margin` of each other, ascending.
 fn all_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
-    let boxes = primary.facets().iter().zip(0u32..).map(|(&facet, number)| {
-        let (low, high) = facet_box(facet, q);
-        GeomWithData::new(Rectangle::from_corners(low, high), number)
+    if secondary.dimension() == 2 {
+        pairs_of_boxes::<2>(secondary, primary, q, margin)
+    } else {
+        pairs_of_boxes::<3>(secondary, primary, q, margin)
+    }
+}
+
+fn pairs_of_boxes<const D: usize>(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
+    // Lower and upper corner of a facet's box.
+    let corners = |nodes: &[u32]| {
+        let of = |axis: usize| nodes.iter().map(move |&node| q[D * node as usize + axis]);
+        let low: [f64; D] = std::array::from_fn(|axis| of(axis).fold(f64::INFINITY, f64::min));
+        (low, std::array::from_fn::<f64, D, _>(|axis| of(axis).fold(f64::NEG_INFINITY, f64::max)))
+    };
+    let boxes = (0..primary.count()).map(|facet| {
+        let (low, high) = corners(primary.facet(facet));
+        GeomWithData::new(Rectangle::from_corners(low, high), facet as u32)
     });
     let tree = RTree::bulk_load(boxes.collect());
     let mut pairs = Vec::new();
-    for (&facet, number) in secondary.facets().iter().zip(0u32..) {
-        let (low, high) = facet_box(facet, q);
+    for facet in 0..secondary.count() {
+        let (low, high) = corners(secondary.facet(facet));
         let grown = AABB::from_corners(low.map(|x| x - margin), high.map(|x| x + margin));
         let first = pairs.len();
         // A visitor: the iterator keeps a stack of nodes for each query.
         let _: ControlFlow<()> = tree.locate_in_envelope_intersecting_int(grown, |found| {
-            pairs.push([number, found.data]);
+            pairs.push([facet as u32, found.data]);
             ControlFlow::Continue(())
         });
         pairs[first..].sort_unstable();
@@ -278,11 +294,11 @@ pub fn within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]
     }
     let neighbors = |surface: &Surface, node: u32| -> Vec<u32> {
         let adjacent = surface.index(node).map_or(&[][..], |index| surface.adjacent_facets(index));
-        adjacent.iter().flat_map(|&facet| surface.facets()[facet as usize]).collect()
+        adjacent.iter().flat_map(|&facet| surface.facet(facet as usize).to_vec()).collect()
     };
     let mut pairs = all_pairs(secondary, primary, reference, BODY_REACH * secondary.shortest_facet(reference));
     pairs.retain(|&[own, other]| {
-        let (own, other) = (secondary.facets()[own as usize], primary.facets()[other as usize]);
+        let (own, other) = (secondary.facet(own as usize), primary.facet(other as usize));
         let joined =
             own.iter().any(|&node| neighbors(secondary, node).iter().chain(&neighbors(primary, node)).any(|near| other.contains(near)));
         joined || body_between(own, other, reference)
@@ -291,17 +307,19 @@ pub fn within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]
 }
 
 /// Whether two facets look away from each other: each lies behind the other.
-fn body_between(own: [u32; 2], other: [u32; 2], q: &[f64]) -> bool {
-    let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
-    // Middle and outward normal of a facet, both doubled or scaled: only signs are used.
-    let seen = |[a, b]: [u32; 2]| {
-        let (a, b) = (at(a), at(b));
-        ([a[0] + b[0], a[1] + b[1]], [b[1] - a[1], a[0] - b[0]])
+fn body_between(own: &[u32], other: &[u32], q: &[f64]) -> bool {
+    // Middle and outward normal of a facet, each of them scaled: only signs are used.
+    let seen = |nodes: &[u32]| match *nodes {
+        [a, b] => {
+            let at = |node: u32| Vector::new(q[2 * node as usize], q[2 * node as usize + 1], 0.0);
+            let (a, b) = (at(a), at(b));
+            (0.5 * (a + b), Vector::new(b.y - a.y, a.x - b.x, 0.0))
+        }
+        _ => (faces::middle(nodes, q), faces::area_vector(nodes, q)),
     };
     let ((from, own_normal), (to, other_normal)) = (seen(own), seen(other));
-    let across = [to[0] - from[0], to[1] - from[1]];
-    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    dot(own_normal, across) < 0.0 && dot(other_normal, across) > 0.0 && dot(own_normal, other_normal) < 0.0
+    let across = to - from;
+    own_normal.dot(&across) < 0.0 && other_normal.dot(&across) > 0.0 && own_normal.dot(&other_normal) < 0.0
 }
 
 /// Whether every entry of `part` is in `whole`; both ascending.

@@ -1,16 +1,22 @@
-//! A surface in the plane: a chain, or several, of oriented straight facets with the body on their left.
+//! A surface: in the plane a chain, or several, of oriented straight facets with the body on their left; in space facets of three or four
+//! nodes, counter-clockwise as seen from outside.
 //!
 //! Only the numbering is kept; positions come with every call. Nodes are numbered locally in ascending order of their global numbers.
 //! Nothing is asked of the shape: open, closed, in several pieces.
 
+use super::faces;
 use super::patches::Patches;
 
-/// Oriented two-node facets and their nodes.
+/// Oriented facets and their nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Surface {
+    dimension: usize,
     nodes: Vec<u32>,
-    facets: Vec<[u32; 2]>,
-    local_facets: Vec<[u32; 2]>,
+    /// Nodes of the facets, one facet after the other: their numbers in the model, and their indices in `nodes`.
+    of_facets: Vec<u32>,
+    local_of_facets: Vec<u32>,
+    /// Where the nodes of each facet start, and where those of the last one end.
+    starts: Vec<usize>,
     adjacent_start: Vec<u32>,
     adjacent: Vec<u32>,
 }
@@ -24,45 +30,68 @@ pub struct Sides {
     pub primary: Surface,
     /// Patches of the present candidates.
     pub patches: Patches,
-    /// Weights of the constraint rows `[length]`.
+    /// Weights of the constraint rows: lengths in the plane, areas in space `[length^(D-1)]`.
     pub weights: Vec<f64>,
-    /// Lengths of the secondary nodes in the reference positions, half of their facets `[length]`.
+    /// What the secondary nodes have of their facets in the reference positions `[length^(D-1)]`.
     pub lengths: Vec<f64>,
-    /// Length of the shortest secondary facet `[length]`.
+    /// Size of the smallest secondary facet `[length]`.
     pub facet_size: f64,
 }
 
 impl Sides {
-    /// Two surfaces by their facets, without patches; one constraint row for each secondary node.
+    /// Two surfaces in the plane by their facets, without patches; one constraint row for each secondary node.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
-        let (secondary, primary) = (Surface::new(secondary), Surface::new(primary));
-        let weights = secondary.weights(reference);
-        let facet_size = secondary.shortest_facet(reference);
-        Sides { secondary, primary, patches: Patches::new(2), lengths: weights.clone(), weights, facet_size }
+        Sides::of(Surface::new(secondary), Surface::new(primary), reference)
     }
 
-    /// Turns the covered length of each secondary node into its share of the node's length at `q`.
+    /// Two surfaces without patches; one constraint row for each secondary node.
+    pub fn of(secondary: Surface, primary: Surface, reference: &[f64]) -> Self {
+        let weights = secondary.weights(reference);
+        let (facet_size, patches) = (secondary.shortest_facet(reference), Patches::new(secondary.dimension));
+        Sides { secondary, primary, patches, lengths: weights.clone(), weights, facet_size }
+    }
+
+    /// Turns what is covered of each secondary node into its share of what the node has of its facets at `q`.
     pub fn cover(&self, covered: &mut [f64], q: &[f64]) {
         for (node, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
-            *share /= self.secondary.node_length(node, q);
+            *share /= self.secondary.node_measure(node, q);
         }
     }
 }
 
 impl Surface {
-    /// The surface of these facets (node numbers of the model, the body on the left).
+    /// The plane surface of these facets (node numbers of the model, the body on the left).
     pub fn new(facets: &[[u32; 2]]) -> Self {
-        let mut nodes = facets.as_flattened().to_vec();
+        Surface::of_facets(2, facets.iter().map(|facet| &facet[..]))
+    }
+
+    /// The surface in space of these facets (node numbers of the model, counter-clockwise as seen from outside).
+    pub fn in_space<'a>(facets: impl IntoIterator<Item = &'a [u32]>) -> Self {
+        Surface::of_facets(3, facets)
+    }
+
+    fn of_facets<'a>(dimension: usize, facets: impl IntoIterator<Item = &'a [u32]>) -> Self {
+        let (mut of_facets, mut starts) = (Vec::new(), vec![0]);
+        for facet in facets {
+            of_facets.extend_from_slice(facet);
+            starts.push(of_facets.len());
+        }
+        let mut nodes = of_facets.clone();
         nodes.sort_unstable();
         nodes.dedup();
-        let local = |node: u32| nodes.partition_point(|&other| other < node) as u32;
-        let local_facets: Vec<[u32; 2]> = facets.iter().map(|&[a, b]| [local(a), local(b)]).collect();
-        let mut incidence: Vec<(u32, u32)> =
-            local_facets.iter().zip(0u32..).flat_map(|(&[a, b], facet)| [(a, facet), (b, facet)]).collect();
+        let local_of_facets: Vec<u32> =
+            of_facets.iter().map(|&node| nodes.partition_point(|&other| other < node) as u32).collect();
+        let of_facet = |facet: usize| local_of_facets[starts[facet]..starts[facet + 1]].iter().map(move |&node| (node, facet as u32));
+        let mut incidence: Vec<(u32, u32)> = (0..starts.len() - 1).flat_map(of_facet).collect();
         incidence.sort_unstable();
         let adjacent_start = (0..=nodes.len() as u32).map(|node| incidence.partition_point(|&(other, _)| other < node) as u32).collect();
         let adjacent = incidence.into_iter().map(|(_, facet)| facet).collect();
-        Surface { nodes, facets: facets.to_vec(), local_facets, adjacent_start, adjacent }
+        Surface { dimension, nodes, of_facets, local_of_facets, starts, adjacent_start, adjacent }
+    }
+
+    /// Space dimension.
+    pub fn dimension(&self) -> usize {
+        self.dimension
     }
 
     /// Model numbers of the nodes, ascending.
@@ -70,14 +99,29 @@ impl Surface {
         &self.nodes
     }
 
-    /// Facets in model node numbers.
-    pub fn facets(&self) -> &[[u32; 2]] {
-        &self.facets
+    /// Number of facets.
+    pub fn count(&self) -> usize {
+        self.starts.len() - 1
     }
 
-    /// Facets in indices into [`nodes`](Self::nodes).
+    /// A facet in model node numbers.
+    pub fn facet(&self, facet: usize) -> &[u32] {
+        &self.of_facets[self.starts[facet]..self.starts[facet + 1]]
+    }
+
+    /// A facet in indices into [`nodes`](Self::nodes).
+    pub fn local_facet(&self, facet: usize) -> &[u32] {
+        &self.local_of_facets[self.starts[facet]..self.starts[facet + 1]]
+    }
+
+    /// Facets of a plane surface in model node numbers; none in space.
+    pub fn facets(&self) -> &[[u32; 2]] {
+        if self.dimension == 2 { self.of_facets.as_chunks().0 } else { &[] }
+    }
+
+    /// Facets of a plane surface in indices into [`nodes`](Self::nodes); none in space.
     pub fn local_facets(&self) -> &[[u32; 2]] {
-        &self.local_facets
+        if self.dimension == 2 { self.local_of_facets.as_chunks().0 } else { &[] }
     }
 
     /// Index of a model node in [`nodes`](Self::nodes), if it lies on the surface.
@@ -90,11 +134,11 @@ impl Surface {
         &self.adjacent[self.adjacent_start[index] as usize..self.adjacent_start[index + 1] as usize]
     }
 
-    /// The facet that ends where this one starts, and the facet that starts where this one ends.
+    /// The facet of a plane surface that ends where this one starts, and the facet that starts where this one ends.
     pub fn neighbors(&self, facet: usize) -> [Option<u32>; 2] {
-        let ends = self.local_facets[facet];
+        let ends = self.local_facets()[facet];
         [0, 1].map(|end| {
-            let joins = |&&other: &&u32| other as usize != facet && self.local_facets[other as usize][1 - end] == ends[end];
+            let joins = |&&other: &&u32| other as usize != facet && self.local_facets()[other as usize][1 - end] == ends[end];
             self.adjacent_facets(ends[end] as usize).iter().find(joins).copied()
         })
     }
@@ -102,11 +146,11 @@ impl Surface {
     /// For surfaces with common facets: ranks of this surface's facets and of the other's such that of the two ways round in which a pair
     /// of common facets can be taken, one has the lower rank first. `None` without common facets.
     pub fn ranks(&self, other: &Surface) -> Option<[Vec<u32>; 2]> {
-        let mut order: Vec<([u32; 2], u32)> = self.facets.iter().copied().zip(1u32..).collect();
+        let mut order: Vec<(&[u32], u32)> = (0..self.count()).map(|facet| self.facet(facet)).zip(1u32..).collect();
         order.sort_unstable();
-        let rank = |facet: &[u32; 2]| order.binary_search_by(|(own, _)| own.cmp(facet)).ok().map(|index| order[index].1);
-        let others: Vec<u32> = other.facets.iter().map(|facet| rank(facet).unwrap_or(u32::MAX)).collect();
-        let mut own = vec![0; self.facets.len()];
+        let rank = |facet: usize| order.binary_search_by(|(own, _)| own.cmp(&other.facet(facet))).ok().map(|index| order[index].1);
+        let others: Vec<u32> = (0..other.count()).map(|facet| rank(facet).unwrap_or(u32::MAX)).collect();
+        let mut own = vec![0; self.count()];
         for &rank in others.iter().filter(|&&rank| rank != u32::MAX) {
             own[rank as usize - 1] = rank;
         }
@@ -117,7 +161,7 @@ impl Surface {
     /// inwards, or the chain ends, where the body has a corner that is not in the contact. `cosine` is that of the angle.
     pub fn bends(&self, q: &[f64], cosine: f64) -> Vec<bool> {
         let along = |facet: u32| {
-            let [a, b] = self.facets[facet as usize].map(|node| 2 * node as usize);
+            let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
             [q[b] - q[a], q[b + 1] - q[a + 1]]
         };
         let is_bent = |index: usize| {
@@ -131,19 +175,22 @@ impl Surface {
     /// Whether the body has a convex corner, or a straight side, at the node of that index at the positions `q`.
     pub fn is_convex(&self, index: usize, q: &[f64]) -> bool {
         let along = |facet: u32| {
-            let [a, b] = self.facets[facet as usize].map(|node| 2 * node as usize);
+            let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
             [q[b] - q[a], q[b + 1] - q[a + 1]]
         };
         let &[one, other] = self.adjacent_facets(index) else { return true };
-        let (first, second) = if self.local_facets[one as usize][1] as usize == index { (one, other) } else { (other, one) };
+        let (first, second) = if self.local_facets()[one as usize][1] as usize == index { (one, other) } else { (other, one) };
         let (t, u) = (along(first), along(second));
         t[0] * u[1] - t[1] * u[0] >= 0.0
     }
 
     /// The indices of all nodes in the order in which they follow each other along the facets, chain by chain; a closed chain begins at the
-    /// node with the lowest number.
+    /// node with the lowest number. In space in ascending order.
     pub fn along(&self) -> Vec<usize> {
-        let facets_of = |node: usize| self.adjacent_facets(node).iter().map(|&facet| &self.local_facets[facet as usize]);
+        if self.dimension == 3 {
+            return (0..self.nodes.len()).collect();
+        }
+        let facets_of = |node: usize| self.adjacent_facets(node).iter().map(|&facet| &self.local_facets()[facet as usize]);
         let starts = (0..self.nodes.len()).filter(|&node| !facets_of(node).any(|facet| facet[1] as usize == node));
         let mut order = Vec::with_capacity(self.nodes.len());
         let mut is_met = vec![false; self.nodes.len()];
@@ -158,43 +205,96 @@ impl Surface {
         order
     }
 
-    /// For each node whether a chain ends there.
+    /// For each node of a plane surface whether a chain ends there.
     pub fn ends(&self) -> Vec<bool> {
         (0..self.nodes.len()).map(|index| self.adjacent_facets(index).len() != 2).collect()
     }
 
-    /// Whether every node lies between two facets.
+    /// Whether every node of a plane surface lies between two facets, or every edge of one in space.
     pub fn is_closed(&self) -> bool {
-        !self.ends().contains(&true)
+        if self.dimension == 2 { !self.ends().contains(&true) } else { self.edges().iter().all(|edge| edge.facets[1].is_some()) }
     }
 
-    /// Length of a facet at the positions `q` `[length]`.
-    pub fn facet_length(&self, facet: usize, q: &[f64]) -> f64 {
-        let [a, b] = self.facets[facet].map(|node| 2 * node as usize);
-        (q[b] - q[a]).hypot(q[b + 1] - q[a + 1])
+    /// The edges of a surface in space, each with the facets that meet there, ascending by their nodes.
+    pub fn edges(&self) -> Vec<Edge> {
+        let of_facet = |facet: usize| {
+            let nodes = self.facet(facet);
+            (0..nodes.len()).map(move |k| {
+                let (a, b) = (nodes[k], nodes[(k + 1) % nodes.len()]);
+                ([a.min(b), a.max(b)], facet as u32)
+            })
+        };
+        let mut sides: Vec<([u32; 2], u32)> = (0..self.count()).flat_map(of_facet).collect();
+        sides.sort_unstable();
+        let edge = |sides: &[([u32; 2], u32)]| Edge { nodes: sides[0].0, facets: [Some(sides[0].1), sides.get(1).map(|side| side.1)] };
+        sides.chunk_by(|a, b| a.0 == b.0).map(edge).collect()
     }
 
-    /// Half the lengths of the facets that meet at the node of that index, at the positions `q` `[length]`.
-    pub fn node_length(&self, index: usize, q: &[f64]) -> f64 {
-        self.adjacent_facets(index).iter().map(|&facet| 0.5 * self.facet_length(facet as usize, q)).sum()
+    /// Length of a facet, or its area, at the positions `q` `[length^(D-1)]`.
+    pub fn facet_measure(&self, facet: usize, q: &[f64]) -> f64 {
+        match *self.facet(facet) {
+            [a, b] if self.dimension == 2 => {
+                let [a, b] = [a, b].map(|node| 2 * node as usize);
+                (q[b] - q[a]).hypot(q[b + 1] - q[a + 1])
+            }
+            ref nodes => faces::shares(nodes, q).iter().sum(),
+        }
     }
 
-    /// Node weights `w_A` at the positions `q`: half the lengths of the adjacent facets `[length]`.
+    /// What the nodes of a facet have of it, by their shape functions, at the positions `q` `[length^(D-1)]`.
+    fn shares(&self, facet: usize, q: &[f64]) -> Vec<f64> {
+        if self.dimension == 2 { vec![0.5 * self.facet_measure(facet, q); 2] } else { faces::shares(self.facet(facet), q) }
+    }
+
+    /// What the node of that index has of the facets that meet there, half their lengths in the plane, at the positions `q`
+    /// `[length^(D-1)]`.
+    pub fn node_measure(&self, index: usize, q: &[f64]) -> f64 {
+        let of_facet = |&facet: &u32| {
+            let facet = facet as usize;
+            if self.dimension == 2 {
+                return 0.5 * self.facet_measure(facet, q);
+            }
+            let place = self.local_facet(facet).iter().position(|&node| node as usize == index);
+            place.map_or(0.0, |place| faces::shares(self.facet(facet), q)[place])
+        };
+        self.adjacent_facets(index).iter().map(of_facet).sum()
+    }
+
+    /// Node weights `w_A` at the positions `q`: what every node has of its facets `[length^(D-1)]`.
     pub fn weights(&self, q: &[f64]) -> Vec<f64> {
         let mut weights = vec![0.0; self.nodes.len()];
-        for (facet, nodes) in self.local_facets.iter().enumerate() {
-            let half = 0.5 * self.facet_length(facet, q);
-            for &node in nodes {
-                weights[node as usize] += half;
+        for facet in 0..self.count() {
+            for (&node, share) in self.local_facet(facet).iter().zip(self.shares(facet, q)) {
+                weights[node as usize] += share;
             }
         }
         weights
     }
 
-    /// Length of the shortest facet at the positions `q` `[length]`; infinite without facets.
+    /// Length of the shortest facet at the positions `q`, in space the side of a square as large as the smallest one `[length]`; infinite
+    /// without facets.
     pub fn shortest_facet(&self, q: &[f64]) -> f64 {
-        (0..self.facets.len()).map(|facet| self.facet_length(facet, q)).fold(f64::INFINITY, f64::min)
+        (0..self.count()).map(|facet| self.facet_size(facet, q)).fold(f64::INFINITY, f64::min)
     }
+
+    /// Length of a facet at the positions `q`, in space the side of a square as large as its parallelogram `[length]`.
+    pub fn facet_size(&self, facet: usize, q: &[f64]) -> f64 {
+        let measure = self.facet_measure(facet, q);
+        match (self.dimension, self.facet(facet).len()) {
+            (2, _) => measure,
+            (_, 3) => (2.0 * measure).sqrt(),
+            _ => measure.sqrt(),
+        }
+    }
+}
+
+/// An edge of a surface in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// Its ends in model node numbers, the lower one first.
+    pub nodes: [u32; 2],
+    /// The facets that meet there; one on the rim of an open surface.
+    pub facets: [Option<u32>; 2],
 }
 
 #[cfg(test)]

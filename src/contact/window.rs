@@ -19,6 +19,7 @@
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
+use super::faces;
 use super::surface::{Sides, Surface};
 use crate::math::tolerances::{FACING, OPPOSITE};
 
@@ -84,16 +85,17 @@ impl<'a> Outlook<'a> {
             Travel::UpTo(travel) => travel,
             Travel::Each { sizes, besides } => largest(sizes, sides.secondary.nodes()) + largest(sizes, sides.primary.nodes()) + besides,
             Travel::Guessed { displacements, factor } => {
+                let dimension = sides.secondary.dimension();
                 let range = |u: &[f64], axis: usize, surface: &Surface| {
-                    let moved = surface.nodes().iter().map(|&node| u[2 * node as usize + axis]);
+                    let moved = surface.nodes().iter().map(|&node| u[dimension * node as usize + axis]);
                     moved.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), u| (low.min(u), high.max(u)))
                 };
                 let largest = |u: &[f64]| {
-                    let along = [0, 1].map(|axis| {
+                    let along = |axis: usize| {
                         let (own, other) = (range(u, axis, &sides.secondary), range(u, axis, &sides.primary));
                         (own.1 - other.0).max(other.1 - own.0).max(0.0)
-                    });
-                    along[0].hypot(along[1])
+                    };
+                    (0..dimension).map(along).fold(0.0, f64::hypot)
                 };
                 factor * displacements.map(largest).into_iter().fold(0.0, f64::max)
             }
@@ -101,8 +103,8 @@ impl<'a> Outlook<'a> {
         sides.facet_size + DIAGONAL * travel + self.depth
     }
 
-    /// Relative motion of nodes of two facets, or of a node and a facet `[length]`.
-    pub(super) fn travel(&self, own: &[u32], other: &[u32]) -> f64 {
+    /// Relative motion of nodes of two facets, or of a node and a facet, in `D` dimensions `[length]`.
+    pub(super) fn travel<const D: usize>(&self, own: &[u32], other: &[u32]) -> f64 {
         match self.travel {
             Travel::UpTo(travel) => travel,
             Travel::Each { sizes, besides } => largest(sizes, own) + largest(sizes, other) + besides,
@@ -110,8 +112,8 @@ impl<'a> Outlook<'a> {
                 let mut largest = 0.0f64;
                 for u in displacements {
                     for (&a, &b) in own.iter().flat_map(|a| other.iter().map(move |b| (a, b))) {
-                        let (a, b) = (2 * a as usize, 2 * b as usize);
-                        largest = largest.max((u[a] - u[b]).powi(2) + (u[a + 1] - u[b + 1]).powi(2));
+                        let (a, b) = (D * a as usize, D * b as usize);
+                        largest = largest.max((0..D).map(|i| (u[a + i] - u[b + i]).powi(2)).sum());
                     }
                 }
                 factor * largest.sqrt()
@@ -133,16 +135,13 @@ pub struct Window {
     thickness: [Vec<f64>; 2],
     /// How far thickness has been measured on each side, infinite beyond `[length]`.
     measured: [f64; 2],
-    /// Ends of the facets there, and their lengths `[length]`.
-    ends: [Vec<Ends>; 2],
+    /// Positions there, and the sizes of the facets `[length]`.
+    reference: Vec<f64>,
     lengths: [Vec<f64>; 2],
     facet_size: f64,
     /// Overlap up to which pairs take part in this step, where that is more than in motion `[length]`.
     depth: f64,
 }
-
-/// Ends of a facet.
-type Ends = [[f64; 2]; 2];
 
 /// Least and largest gap of a pair on its overlap, and the overlap that is too deep for it.
 #[derive(Clone, Copy, Debug)]
@@ -155,23 +154,21 @@ struct Gaps {
 impl Window {
     /// The window of two surfaces, their bodies measured in the reference positions.
     pub fn new(sides: &Sides, reference: &[f64]) -> Self {
-        let at = |node: u32| [reference[2 * node as usize], reference[2 * node as usize + 1]];
-        let ends =
-            [&sides.secondary, &sides.primary].map(|surface| surface.facets().iter().map(|facet| facet.map(at)).collect::<Vec<Ends>>());
-        let lengths = [0, 1].map(|side| ends[side].iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).collect::<Vec<f64>>());
+        let surfaces = [&sides.secondary, &sides.primary];
+        let lengths = surfaces.map(|surface| (0..surface.count()).map(|facet| surface.facet_size(facet, reference)).collect::<Vec<f64>>());
         // In motion only what is thinner than a facet matters.
         let measured = [0, 1].map(|side| lengths[side].iter().copied().fold(0.0, f64::max));
-        let thickness = [0, 1].map(|side| thickness(&ends[side], measured[side]));
-        Window { thickness, measured, ends, lengths, facet_size: sides.facet_size, depth: 0.0 }
+        let thickness = [0, 1].map(|side| thickness(surfaces[side], reference, measured[side]));
+        Window { thickness, measured, reference: reference.to_vec(), lengths, facet_size: sides.facet_size, depth: 0.0 }
     }
 
     /// Makes ready for a step in which pairs may be so deep at the start `[length]`.
-    pub fn begin(&mut self, depth: f64) {
+    pub fn begin(&mut self, sides: &Sides, depth: f64) {
         self.depth = depth;
         let needed = depth / DEEP;
-        for side in 0..2 {
+        for (side, surface) in [&sides.secondary, &sides.primary].into_iter().enumerate() {
             if self.measured[side] < needed {
-                (self.thickness[side], self.measured[side]) = (thickness(&self.ends[side], needed), needed);
+                (self.thickness[side], self.measured[side]) = (thickness(surface, &self.reference, needed), needed);
             }
         }
     }
@@ -188,7 +185,7 @@ impl Window {
 
     /// Whether a pair (secondary facet, primary facet) takes part in a step.
     pub fn admits(&self, pair: [u32; 2], sides: &Sides, outlook: &Outlook) -> bool {
-        let travel = outlook.travel(&sides.secondary.facets()[pair[0] as usize], &sides.primary.facets()[pair[1] as usize]);
+        let travel = Self::travel(pair, sides, outlook);
         if !self.is_within(pair, sides, outlook.q, self.facet_size + DIAGONAL * travel + self.depth) {
             return false;
         }
@@ -196,13 +193,20 @@ impl Window {
         gaps.is_some_and(|gaps| gaps.least <= OPEN * self.facet_size + travel && gaps.largest > -gaps.deep)
     }
 
+    /// Relative motion of the nodes of a pair in a step `[length]`.
+    fn travel([own, other]: [u32; 2], sides: &Sides, outlook: &Outlook) -> f64 {
+        let (own, other) = (sides.secondary.facet(own as usize), sides.primary.facet(other as usize));
+        if sides.secondary.dimension() == 2 { outlook.travel::<2>(own, other) } else { outlook.travel::<3>(own, other) }
+    }
+
     /// Whether the boxes of a pair's facets are within `margin` of each other.
     pub(super) fn is_within(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], margin: f64) -> bool {
-        let (own, other) = (sides.secondary.facets()[own as usize], sides.primary.facets()[other as usize]);
-        (0..2).all(|axis| {
-            let range = |[a, b]: [u32; 2]| {
-                let (a, b) = (q[2 * a as usize + axis], q[2 * b as usize + axis]);
-                (a.min(b), a.max(b))
+        let (own, other) = (sides.secondary.facet(own as usize), sides.primary.facet(other as usize));
+        let dimension = sides.secondary.dimension();
+        (0..dimension).all(|axis| {
+            let range = |nodes: &[u32]| {
+                let along = nodes.iter().map(|&node| q[dimension * node as usize + axis]);
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high): (f64, f64), x| (low.min(x), high.max(x)))
             };
             let (own, other) = (range(own), range(other));
             own.0 - other.1 <= margin && other.0 - own.1 <= margin
@@ -211,7 +215,7 @@ impl Window {
 
     /// Distance within which all pairs are that overlap at `q` and are not too deep for it `[length]`.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
-        let now = (0..sides.secondary.facets().len()).map(|facet| sides.secondary.facet_length(facet, q));
+        let now = (0..sides.secondary.count()).map(|facet| sides.secondary.facet_size(facet, q));
         self.depth.max(DEEP * self.lengths.iter().flatten().copied().chain(now).fold(0.0, f64::max))
     }
 
@@ -223,7 +227,7 @@ impl Window {
         }
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
         let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0, depth: 0.0 };
-        let travel = outlook.travel(&sides.secondary.facets()[pair[0] as usize], &sides.primary.facets()[pair[1] as usize]);
+        let travel = Self::travel(pair, sides, &outlook);
         self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
     }
 
@@ -238,6 +242,12 @@ impl Window {
 
     /// Gaps of a pair where the facets are opposite each other, or would be after sliding by `spare`; nothing where they never are.
     fn gaps(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], spare: f64) -> Option<Gaps> {
+        if sides.secondary.dimension() == 3 {
+            let [least, largest] = faces::gaps(sides.secondary.facet(own as usize), sides.primary.facet(other as usize), q, spare)?;
+            let thickness = self.thickness[0][own as usize] + self.thickness[1][other as usize];
+            let deep = self.deep(sides.secondary.facet_size(own as usize, q), thickness);
+            return Some(Gaps { least, largest, deep });
+        }
         let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
         let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
@@ -266,15 +276,20 @@ impl Window {
 
 /// Distance from the middle of each facet of a surface to the nearest one behind it that looks the other way, as far as it is below
 /// `reach`; infinite beyond.
-fn thickness(facets: &[Ends], reach: f64) -> Vec<f64> {
+fn thickness(surface: &Surface, reference: &[f64], reach: f64) -> Vec<f64> {
+    if surface.dimension() == 3 {
+        return faces::thickness((0..surface.count()).map(|facet| surface.facet(facet)), reference, reach);
+    }
+    let at = |node: u32| [reference[2 * node as usize], reference[2 * node as usize + 1]];
+    let facets: Vec<[[f64; 2]; 2]> = surface.facets().iter().map(|facet| facet.map(at)).collect();
     let boxes = facets.iter().map(|&[c, d]| GeomWithData::new(Rectangle::from_corners(c, d), [c, d]));
     let tree = RTree::bulk_load(boxes.collect());
-    let through = |[a, b]: &Ends| {
+    let through = |[a, b]: &[[f64; 2]; 2]| {
         let (middle, t) = ([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], [b[0] - a[0], b[1] - a[1]]);
         let length = t[0].hypot(t[1]);
         let inward = [-t[1] / length, t[0] / length];
         let end = [middle[0] + reach * inward[0], middle[1] + reach * inward[1]];
-        let distance = |[c, d]: Ends| -> Option<f64> {
+        let distance = |[c, d]: [[f64; 2]; 2]| -> Option<f64> {
             // middle + r inward = c + k (d - c); the ray leaves a body where a facet's outward normal (u_y, -u_x) has a part along it.
             let (u, from) = ([d[0] - c[0], d[1] - c[1]], [c[0] - middle[0], c[1] - middle[1]]);
             let cross = inward[0] * u[1] - inward[1] * u[0];
@@ -377,7 +392,7 @@ mod tests {
             let (sides, q) = sides(distance);
             let mut window = Window::new(&sides, &q);
             let outlook = Outlook { depth, ..Outlook::within(&q, 0.0) };
-            window.begin(depth);
+            window.begin(&sides, depth);
             assert_eq!(window.admits([0, 3], &sides, &outlook), meet, "{distance} {depth}");
             assert!(!meet || !window.admits([2, 0], &sides, &outlook), "far sides: {distance} {depth}");
         }
@@ -388,7 +403,7 @@ mod tests {
         let sides = Sides::new(&upper[..2], &lower[2..], &q);
         let mut window = Window::new(&sides, &q);
         for (depth, meet) in [(0.0, false), (2.9, false), (3.1, true)] {
-            window.begin(depth);
+            window.begin(&sides, depth);
             assert_eq!(window.admits([0, 1], &sides, &Outlook { depth, ..Outlook::within(&q, 0.0) }), meet, "{depth}");
         }
     }

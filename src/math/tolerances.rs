@@ -92,6 +92,10 @@ pub const CHAIN_END: f64 = 1e-6;
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
 pub const FACING: f64 = 1e-6;
 
+/// Area of a triangle of a facet in space, over that of one of the facet opposite, as seen along the latter's normal, below which the two
+/// do not face each other.
+pub const FACING_AREA: f64 = 1e-9;
+
 /// Cosine of the angle between the normals of two facets above which they are no pair: facets that touch face to face have -1, the flank
 /// of a needle of 24 degrees on a flat side -0.2; the gap between facets that are nearly perpendicular is steep and means nothing.
 pub const OPPOSITE: f64 = -0.1;

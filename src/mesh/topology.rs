@@ -42,7 +42,7 @@ impl Mesh {
 
     /// The straight pieces of a facet in the plane, given by their ends: two where it has a middle node; none of a face, which is no edge.
     pub fn straight_pieces(&self, facet: Facet) -> Vec<[u32; 2]> {
-        let nodes: Vec<u32> = self.facet_nodes(facet).collect();
+        let nodes: Vec<u32> = self.facet_nodes(facet).filter(|_| self.dimension() == 2).collect();
         match nodes[..] {
             [from, to, middle] => vec![[from, middle], [middle, to]],
             [from, to] => vec![[from, to]],

@@ -144,7 +144,14 @@ impl Grid {
         let points = surfaces.iter().map(|surface| surface.points.len()).sum();
         let cells = surfaces.iter().map(|surface| surface.facets.len()).sum();
         let firsts = surfaces.iter().scan(0, |next, surface| Some(std::mem::replace(next, *next + surface.points.len() as i64)));
-        let facets = surfaces.iter().zip(firsts).flat_map(|(surface, first)| surface.facets.iter().map(move |facet| (first, facet)));
+        let firsts: Vec<i64> = firsts.collect();
+        let facets =
+            || surfaces.iter().zip(&firsts).flat_map(|(surface, &first)| surface.facets.iter().map(move |facet| (first, facet)));
+        let of_facet = |nodes: usize| match nodes {
+            2 => LINE,
+            3 => CellKind::Tri3.row().vtk_type,
+            _ => CellKind::Quad4.row().vtk_type,
+        };
         let number = surfaces.iter().enumerate().flat_map(|(index, surface)| std::iter::repeat_n(index as i64, surface.facets.len()));
         Grid {
             kind: "contact",
@@ -153,9 +160,15 @@ impl Grid {
             cells,
             position: Array::doubles("Points", points, surfaces.iter().flat_map(|surface| surface.points.iter().copied())),
             topology: vec![
-                Array::integers("connectivity", facets.flat_map(|(first, facet)| facet.map(|node| first + i64::from(node)))),
-                Array::integers("offsets", (1..=cells as i64).map(|end| 2 * end)),
-                Array::new("types", "UInt8", 1, vec![LINE; cells]),
+                Array::integers("connectivity", facets().flat_map(|(first, facet)| facet.iter().map(move |&node| first + i64::from(node)))),
+                Array::integers(
+                    "offsets",
+                    facets().scan(0, |end, (_, facet)| {
+                        *end += facet.len() as i64;
+                        Some(*end)
+                    }),
+                ),
+                Array::new("types", "UInt8", 1, facets().map(|(_, facet)| of_facet(facet.len())).collect()),
             ],
             cellwise: vec![Array::integers("contact", number)],
         }
@@ -440,7 +453,7 @@ mod tests {
         let surface = |name: &str, body: usize, x: f64| ContactSurface {
             name: name.into(),
             nodes: (0..3).map(|node| (body, 7 - node)).collect(),
-            facets: vec![[0, 1], [1, 2]],
+            facets: vec![vec![0, 1], vec![1, 2]],
             points: (0..3).map(|node| [x + node as f64, 0.0, 0.0]).collect(),
             fields: ContactFields {
                 positions: (0..3).map(|node| [x + node as f64, 0.25, 0.0]).collect(),

@@ -11,6 +11,12 @@ pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> V
     pieces.map(|ends| ends.map(|node| node + first_node as u32)).collect()
 }
 
+/// Facets of a boundary in space, whose body's nodes are numbered from `first_node`, counter-clockwise as seen from outside.
+pub fn boundary_faces(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<Vec<u32>> {
+    let mesh = &model.bodies[on.body].mesh;
+    on.boundary.facets.iter().map(|&facet| mesh.facet_nodes(facet).map(|node| node + first_node as u32).collect()).collect()
+}
+
 /// The middle nodes of edges of second order on the hulls of plane bodies, whose nodes are numbered from where `first` says.
 pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> ProxyNodes {
     let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.kind.is_quadratic());
@@ -26,9 +32,9 @@ pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> ProxyNodes {
 }
 
 /// Facets of several boundaries, those in more than one of them once.
-pub fn facets_of_all(boundaries: &[BodyBoundary], facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+pub fn facets_of_all<F: Clone + Ord>(boundaries: &[BodyBoundary], facets: impl Fn(&BodyBoundary) -> Vec<F>) -> Vec<F> {
     let mut known = std::collections::BTreeSet::new();
-    boundaries.iter().flat_map(facets).filter(|&facet| known.insert(facet)).collect()
+    boundaries.iter().flat_map(facets).filter(|facet| known.insert(facet.clone())).collect()
 }
 
 /// Distance within which a tie holds when none is given: half of the shortest secondary facet.

@@ -105,6 +105,17 @@ pub struct Model {
     pub initial_velocities: Vec<InitialVelocity>,
 }
 
+/// What contacts of bodies in space do not have.
+fn check_in_space(interaction: &Interaction) -> Result<(), ModelError> {
+    let lacking = match &interaction.partner {
+        Partner::Tied { .. } => Some("a tie".to_string()),
+        Partner::Obstacle { .. } => Some("a rigid obstacle of the plane".to_string()),
+        _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
+        _ => interaction.friction.as_ref().map(|_| "friction".to_string()),
+    };
+    lacking.map_or(Ok(()), |what| Err(ModelError::NotInSpace { contact: interaction.name.clone(), what }))
+}
+
 impl Model {
     /// Times at which loads, prescribed motions and obstacles have kinks, in their order.
     pub fn corners(&self) -> Vec<f64> {
@@ -289,9 +300,9 @@ impl Model {
             if names[..index].contains(name) {
                 return Err(ModelError::DuplicateName { what: "contact", name: name.to_string() });
             }
-            if self.dimension() != 2 {
-                return Err(ModelError::ContactDimension { contact: name.to_string(), dimension: self.dimension() });
-            }
+        }
+        if self.dimension() == 3 {
+            self.interactions.iter().try_for_each(check_in_space)?;
         }
         for Interaction { name, secondary, partner, .. } in &self.interactions {
             let Partner::Surfaces(primary) = partner else { continue };

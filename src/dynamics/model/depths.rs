@@ -165,7 +165,7 @@ impl Depths {
             if deepest.as_ref().is_some_and(|known| known.depth >= depth) || !is_inside(hull.iter().copied(), x) {
                 continue;
             }
-            let size = point.size.max(side.surface.facet_length(facet, q));
+            let size = point.size.max(side.surface.facet_measure(facet, q));
             if asks_for_room && hull.iter().any(|&facet| distance(point.at, facet) <= DEPTH * size) {
                 continue;
             }

@@ -80,13 +80,13 @@ pub enum ModelError {
         /// Smallest determinant of the deformation gradient.
         determinant: f64,
     },
-    /// A contact pair in a dimension without a contact method.
-    #[error("contact \"{contact}\" joins {dimension}-dimensional bodies")]
-    ContactDimension {
-        /// Name of the pair.
+    /// A contact of bodies in space with something that is there in the plane only.
+    #[error("contact \"{contact}\" is in space, and {what} is for plane bodies")]
+    NotInSpace {
+        /// Name of the contact.
         contact: String,
-        /// Space dimension.
-        dimension: usize,
+        /// What it has.
+        what: String,
     },
     /// A pressure on a body in space.
     #[error("the pressure on \"{boundary}\" acts on a body in space")]
@@ -194,7 +194,7 @@ impl ModelError {
                 "points can be held, moved and loaded with a force; other loads and contacts need facets".into()
             }
             ModelError::InvertedAtStart { .. } => "displace neighboring nodes by less than their distance".into(),
-            ModelError::ContactDimension { .. } => "contact is available for plane bodies; remove the pair or use plane meshes".into(),
+            ModelError::NotInSpace { .. } => "bodies in space touch without friction by the method \"mortar\"; use that, or plane meshes".into(),
             ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()

@@ -122,7 +122,7 @@ impl ContactPair {
     /// A pair of a contact with that name, held by multipliers under the `gap` rule; `modulus` is that of its
     /// secondary body and `reach` the largest coordinate of the model.
     pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
-        let size = kernel.facet_size();
+        let (size, dimension) = (kernel.facet_size(), kernel.patches().dimension() as i32);
         ContactPair {
             name: name.into(),
             kind,
@@ -136,9 +136,9 @@ impl ContactPair {
             is_axisymmetric: false,
             rows: 0..kernel.rows(),
             friction: None,
-            c: modulus / (size * size),
+            c: modulus / size.powi(dimension),
             penalties: Vec::new(),
-            gap_tolerance: (tolerances::GAP * size * size).max(tolerances::GAP_FLOOR * reach * size),
+            gap_tolerance: (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1)),
             kernel,
             places: Places::default(),
         }
@@ -158,7 +158,7 @@ impl ContactPair {
     /// surface it stands for, and of which circumference. `q`: positions at rest;
     /// `has_middles`: whether the edges of the surface are of second order, whose ends on the axis stand for nothing.
     pub fn penalize(&mut self, factor: f64, q: &[f64], has_middles: bool) {
-        let of_depth = factor * self.c * self.kernel.facet_size();
+        let of_depth = factor * self.c * self.kernel.facet_size().powi(self.kernel.patches().dimension() as i32 - 1);
         // Half a facet that ends on the axis stands for what a third of the facet away from it does.
         let on_axis = if self.is_axisymmetric && !has_middles { std::f64::consts::TAU * 2.0 / 3.0 } else { 0.0 };
         let around = |row: usize| self.node_of(row).map_or(1.0, |node| self.circumference(node, q));
@@ -190,7 +190,7 @@ impl ContactPair {
 
     /// Weighted gap at the start of a step that counts as closed.
     pub fn closed(&self) -> f64 {
-        (tolerances::CLOSED * self.kernel.facet_size().powi(2)).max(10.0 * self.gap_tolerance)
+        (tolerances::CLOSED * self.kernel.facet_size().powi(self.kernel.patches().dimension() as i32)).max(10.0 * self.gap_tolerance)
     }
 
     /// Whether open nodes may come through the other side within a step.

@@ -2,24 +2,26 @@
 
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
-use crate::contact::{ContactKernel, NodeToSegment, ProxyNodes, RigidContact, RigidCorners, RowsOf, Tie};
-use crate::dynamics::model::boundaries::{facets_of_all, tie_reach};
+use crate::contact::{ContactKernel, NodeToSegment, ProxyNodes, RigidContact, RigidCorners, RowsOf, Surface, Tie};
+use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// All pairs of a model, `facets` a boundary's in the numbering of the model, `middles` those of edges of second order;
+/// All pairs of a model, whose bodies' nodes are numbered from where `first` says, `middles` those of edges of second order;
 /// `default_rule` is that of contacts that name none.
 pub fn contact_pairs(
     model: &Model,
-    facets: impl Fn(&BodyBoundary) -> Vec<[u32; 2]>,
+    first: impl Fn(usize) -> usize,
     middles: &ProxyNodes,
     reference: &[f64],
     default_rule: &'static UpdateRule,
 ) -> Vec<ContactPair> {
-    let made = Pairing { model, facets: &facets, middles, reference, reach: largest_size(reference), default_rule };
+    let facets = |on: &BodyBoundary| boundary_facets(model, on, first(on.body));
+    let faces = |on: &BodyBoundary| boundary_faces(model, on, first(on.body));
+    let made = Pairing { model, facets: &facets, faces: &faces, middles, reference, reach: largest_size(reference), default_rule };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     pairs.extend(corners);
@@ -40,6 +42,8 @@ struct Pairing<'a> {
     model: &'a Model,
     /// Facets of a boundary in the numbering of the model.
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
+    /// The same in space.
+    faces: &'a dyn Fn(&BodyBoundary) -> Vec<Vec<u32>>,
     /// Middle nodes of edges of second order.
     middles: &'a ProxyNodes,
     /// Positions at rest.
@@ -65,8 +69,16 @@ impl Pairing<'_> {
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
+        if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
+            let surface = |boundaries: &[BodyBoundary]| {
+                let faces = facets_of_all(boundaries, self.faces);
+                Surface::in_space(faces.iter().map(|face| &face[..]))
+            };
+            let kernel = kernel(surface(std::slice::from_ref(secondary)), surface(interaction.primary()), self.reference);
+            return self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
+        }
         let facets = (self.facets)(secondary);
-        let mut pair = match partner {
+        let pair = match partner {
             Partner::Surfaces(_) | Partner::Itself => {
                 let others = facets_of_all(interaction.primary(), self.facets);
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
@@ -93,16 +105,19 @@ impl Pairing<'_> {
                 return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie)));
             }
         };
+        let has_middles = self.middles.lengths(&facets, self.reference).is_some();
+        self.held(pair, interaction, has_middles)
+    }
+
+    /// A pair held as its interaction says; `has_middles`: whether the edges of its surface are of second order.
+    fn held(&self, mut pair: ContactPair, interaction: &Interaction, has_middles: bool) -> ContactPair {
         pair.update = interaction.update.unwrap_or(self.default_rule);
         if interaction.equality {
             pair.law = &Bilateral;
         }
         match interaction.enforcement {
             Enforcement::Multiplier => {}
-            Enforcement::Penalty { factor } => {
-                let has_middles = self.middles.lengths(&facets, self.reference).is_some();
-                pair.penalize(factor, self.reference, has_middles);
-            }
+            Enforcement::Penalty { factor } => pair.penalize(factor, self.reference, has_middles),
             Enforcement::AugmentedLagrange { factor } => pair.augmentation = Some(factor),
         }
         pair.add_friction(interaction);
@@ -111,7 +126,7 @@ impl Pairing<'_> {
 
     /// The pairs of the corners that the weighted gaps of other pairs do not see.
     fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
-        let has_corners = |of: usize| pairs[of].is_unilateral();
+        let has_corners = |of: usize| self.model.dimension() == 2 && pairs[of].is_unilateral();
         let size = |of: usize| pairs[of].kernel.facet_size();
         let mut corners = Vec::new();
         let mut add = |of: usize, kind: PairKind, body: usize, slack: f64, kernel: Box<dyn ContactKernel>| {

@@ -198,9 +198,12 @@ pub fn totals<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) ->
 /// Present area of each secondary node, `int N_A ds`; around an axis times the circumference `[length]`, `[length^2]`.
 fn areas(pair: &ContactPair, q: &[f64]) -> Vec<f64> {
     let secondary = pair.kernel.secondary();
+    if secondary.dimension() == 3 {
+        return secondary.weights(q);
+    }
     let mut areas = vec![0.0; secondary.nodes().len()];
     for (facet, ends) in secondary.local_facets().iter().enumerate() {
-        let length = secondary.facet_length(facet, q);
+        let length = secondary.facet_measure(facet, q);
         let [a, b] = secondary.facets()[facet].map(|node| pair.circumference(node, q));
         areas[ends[0] as usize] += length * (2.0 * a + b) / 6.0;
         areas[ends[1] as usize] += length * (a + 2.0 * b) / 6.0;
@@ -219,7 +222,7 @@ fn share(pair: &ContactPair, index: usize) -> f64 {
 /// presses.
 fn is_on_axis(pair: &ContactPair, index: usize, q: &[f64]) -> bool {
     let secondary = pair.kernel.secondary();
-    pair.is_axisymmetric && pair.circumference(secondary.nodes()[index], q) <= tolerances::CLOSED * secondary.node_length(index, q)
+    pair.is_axisymmetric && pair.circumference(secondary.nodes()[index], q) <= tolerances::CLOSED * secondary.node_measure(index, q)
 }
 
 /// Whether such a node touches the other side.
@@ -261,7 +264,7 @@ fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f
             return 0.0;
         }
         let (multiplier, area) = (size(rows), areas[index]);
-        let length = share(pair, index) * secondary.node_length(index, q);
+        let length = share(pair, index) * secondary.node_measure(index, q);
         let around = pair.circumference(secondary.nodes()[index], q) * length;
         let stress = if kernel.is_nodal() {
             multiplier * weights[index * stride] / area

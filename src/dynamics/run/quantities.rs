@@ -209,7 +209,9 @@ where
                 name: pair.name.clone(),
                 points: nodes.iter().map(point).collect(),
                 nodes: nodes.into_iter().map(place).collect(),
-                facets: surface.local_facets().iter().map(|facet| facet.map(|local| rank[local as usize])).collect(),
+                facets: (0..surface.count())
+                    .map(|facet| surface.local_facet(facet).iter().map(|&local| rank[local as usize]).collect())
+                    .collect(),
                 fields: contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order),
             }
         };

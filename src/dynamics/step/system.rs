@@ -18,7 +18,7 @@ use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Inverted, Plane, Space, nodal_areas};
 use crate::contact::{Correction, Outlook};
-use crate::dynamics::model::boundaries::{boundary_facets, middles};
+use crate::dynamics::model::boundaries::middles;
 use crate::dynamics::model::definitions::{LoadKind, Model};
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::part::{Numbering, Part, Pose};
@@ -104,7 +104,7 @@ where
         let viscous = viscous.map(|part| Box::new(part) as Box<dyn Part>);
         let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).chain(viscous).collect();
         let middles = middles(model, first);
-        let pairs = contact_pairs(model, |on| boundary_facets(model, on, first(on.body)), &middles, &reference, default_rule);
+        let pairs = contact_pairs(model, first, &middles, &reference, default_rule);
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);

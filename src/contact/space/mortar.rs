@@ -1,0 +1,270 @@
+//! Mortar contact in space: one multiplier per secondary node, its constraint the weighted gap summed over facet pairs (`pair.rs`).
+//!
+//! A patch is a candidate pair, its nodes those of both facets, its rows those of the secondary one. The discrete gradient is taken pair by
+//! pair, projected off the rigid motions of the pair's nodes in mid-step, so that energy and both momenta are exact while facets slide over
+//! each other.
+
+use num_dual::DualSVec64;
+
+use super::pair::{CORNERS, NODES, Pair, Vec3};
+use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
+use crate::contact::patches::Evaluation;
+use crate::contact::search::PairSearch;
+use crate::contact::surface::{Sides, Surface};
+use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
+
+/// Margin beyond the need with which candidates are searched, in smallest secondary facets.
+const SPARE: f64 = 1.0;
+
+/// Unknowns of a pair, at most.
+const UNKNOWNS: usize = 3 * NODES;
+
+/// A number with its derivatives with respect to all unknowns of a pair.
+type Jet = DualSVec64<UNKNOWNS>;
+
+/// Mortar contact of two surfaces in space.
+#[derive(Clone, Debug)]
+pub struct MortarInSpace {
+    sides: Sides,
+    search: PairSearch,
+    start: Vec<Start>,
+}
+
+/// What a pair keeps of the start of the step.
+#[derive(Clone, Debug)]
+struct Start {
+    positions: Vec<f64>,
+    values: [f64; CORNERS],
+    overlaps: bool,
+}
+
+/// Storage of one evaluation, used again from pair to pair.
+#[derive(Default)]
+struct Scratch {
+    end: Vec<f64>,
+    middle: Vec<f64>,
+    hessian: Vec<f64>,
+    weighted: [Vec<f64>; 2],
+    projection: Projection<3>,
+}
+
+impl MortarInSpace {
+    /// Contact of two surfaces, sized in the reference positions. A surface with itself takes each pair of facets once.
+    pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Box<dyn ContactKernel> {
+        let sides = Sides::of(secondary, primary, reference);
+        let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
+        Box::new(MortarInSpace { sides, search, start: Vec::new() })
+    }
+
+    /// Numbers of nodes of the facets of pair `p`.
+    fn counts(&self, p: usize) -> [usize; 2] {
+        let [own, other] = self.search.candidates.pairs()[p];
+        [self.sides.secondary.facet(own as usize).len(), self.sides.primary.facet(other as usize).len()]
+    }
+
+    /// Positions of the nodes of pair `p` at `q`.
+    fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
+        z.clear();
+        z.extend(self.sides.patches.nodes(p).iter().flat_map(|&node| &q[3 * node as usize..3 * node as usize + 3]));
+    }
+
+    /// Pair `p` at the positions of its nodes.
+    fn pair(&self, p: usize, z: &[f64]) -> Option<Pair<f64>> {
+        Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)
+    }
+
+    /// Tells the pairs that take part and overlap at `q`.
+    fn for_each_overlap(&self, q: &[f64], mut visit: impl FnMut(usize, Pair<f64>)) {
+        let mut z = Vec::with_capacity(UNKNOWNS);
+        for p in (0..self.sides.patches.len()).filter(|&p| self.search.near[p]) {
+            self.gather_into(p, q, &mut z);
+            if let Some(pair) = self.pair(p, &z) {
+                visit(p, pair);
+            }
+        }
+    }
+}
+
+/// The gradient of a pair's function as one list; nothing without a pair.
+fn gradient_into(pair: &Option<Pair<f64>>, weights: &[f64; CORNERS], out: &mut [f64]) {
+    match pair {
+        Some(pair) => out.copy_from_slice(&pair.gradient(weights).as_flattened()[..out.len()]),
+        None => out.fill(0.0),
+    }
+}
+
+/// `share` times the Hessian of a pair's function.
+fn hessian_into(z: &[f64], counts: [usize; 2], weights: &[f64; CORNERS], share: f64, out: &mut [f64]) {
+    let jets: Vec<Vec3<Jet>> = z
+        .as_chunks::<3>()
+        .0
+        .iter()
+        .enumerate()
+        .map(|(node, x)| std::array::from_fn(|i| Jet::from_re(x[i]).derivative(3 * node + i)))
+        .collect();
+    let Some(pair) = Pair::new(&jets, counts) else { return out.fill(0.0) };
+    let gradient = pair.gradient(weights);
+    for (row, jet) in out.chunks_exact_mut(z.len()).zip(gradient.as_flattened()) {
+        match &jet.eps {
+            num_dual::Derivative(Some(slope)) => row.iter_mut().zip(slope.iter()).for_each(|(entry, slope)| *entry = share * slope),
+            num_dual::Derivative(None) => row.fill(0.0),
+        }
+    }
+}
+
+/// The weight of one secondary node.
+fn unit(k: usize) -> [f64; CORNERS] {
+    std::array::from_fn(|other| if other == k { 1.0 } else { 0.0 })
+}
+
+impl PatchFunctions for MortarInSpace {
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
+            self.sides.patches.rows(p).iter().zip(start.values).for_each(|(&row, value)| gaps[row as usize] += value);
+        }
+        gaps
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        let start = |p: usize| {
+            let mut positions = Vec::new();
+            self.gather_into(p, q_0, &mut positions);
+            let pair = if self.search.near[p] { self.pair(p, &positions) } else { None };
+            let values = pair.as_ref().map_or([0.0; CORNERS], Pair::values);
+            Start { positions, values, overlaps: pair.is_some() }
+        };
+        self.start = (0..self.sides.patches.len()).map(start).collect();
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
+        out.prepare(&self.sides.patches, self.sides.weights.len());
+        let mut scratch = Scratch::default();
+        for (p, start) in self.start.iter().enumerate() {
+            let is_live = self.search.near[p] && scratch.evaluate(self, p, start, derivative, (q_1, lambda), out);
+            if is_live {
+                out.live[p] = true;
+            } else {
+                out.clear_patch(&self.sides.patches, p);
+            }
+        }
+        self.sides.cover(&mut out.coverage, q_1);
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        self.for_each_overlap(q, |p, pair| {
+            self.sides.patches.rows(p).iter().zip(pair.values()).for_each(|(&row, value)| gaps[row as usize] += value);
+        });
+        gaps
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        let mut covered = vec![0.0; self.sides.weights.len()];
+        self.for_each_overlap(q, |p, pair| {
+            self.sides.patches.rows(p).iter().zip(pair.covered()).for_each(|(&row, area)| covered[row as usize] += area);
+        });
+        self.sides.cover(&mut covered, q);
+        covered
+    }
+}
+
+impl Scratch {
+    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` where its functions vanish throughout.
+    fn evaluate(
+        &mut self,
+        kernel: &MortarInSpace,
+        p: usize,
+        start: &Start,
+        derivative: Derivative,
+        (q_1, lambda): (&[f64], &[f64]),
+        out: &mut Evaluation,
+    ) -> bool {
+        let Scratch { end: end_z, middle: middle_z, hessian, weighted, projection } = self;
+        kernel.gather_into(p, q_1, end_z);
+        middle_z.clear();
+        middle_z.extend(start.positions.iter().zip(&*end_z).map(|(a, b)| 0.5 * (a + b)));
+        let (end, middle) = (kernel.pair(p, end_z), kernel.pair(p, middle_z));
+        if !start.overlaps && middle.is_none() && end.is_none() {
+            return false;
+        }
+        let (rows, unknowns) = (kernel.sides.patches.rows(p), end_z.len());
+        let mut values = [0.0; CORNERS];
+        if let Some(end) = &end {
+            values = end.values();
+            for ((&row, value), area) in rows.iter().zip(values).zip(end.covered()) {
+                out.gap[row as usize] += value;
+                out.coverage[row as usize] += area;
+            }
+        }
+        let range = kernel.sides.patches.gradient_range(p);
+        for (k, block) in out.gradient_end[range.clone()].chunks_exact_mut(unknowns).enumerate() {
+            gradient_into(&end, &unit(k), block);
+        }
+        let tangent = &mut out.tangent[kernel.sides.patches.tangent_range(p)];
+        tangent.fill(0.0);
+        let mut weights = [0.0; CORNERS];
+        rows.iter().zip(&mut weights).for_each(|(&row, weight)| *weight = lambda[row as usize]);
+        let is_pressed = weights != [0.0; CORNERS];
+        if derivative == Derivative::DiscreteGradient {
+            projection.set(&start.positions, end_z);
+            let [of_middle, of_end] = weighted;
+            of_middle.resize(unknowns, 0.0);
+            of_end.resize(unknowns, 0.0);
+            for (k, block) in out.gradient_bar[range].chunks_exact_mut(unknowns).enumerate() {
+                gradient_into(&middle, &unit(k), of_middle);
+                projection.gradient_into(of_middle, values[k] - start.values[k], block);
+            }
+            if is_pressed {
+                gradient_into(&middle, &weights, of_middle);
+                gradient_into(&end, &weights, of_end);
+                hessian.clear();
+                hessian.resize(unknowns * unknowns, 0.0);
+                if middle.is_some() {
+                    hessian_into(middle_z, kernel.counts(p), &weights, 1.0, hessian);
+                }
+                let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
+                let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };
+                projection.tangent_into(1.0, &function, tangent);
+            }
+            return true;
+        }
+        let placement = derivative.placement();
+        let (pair, z) = match placement.test {
+            Configuration::Middle => (&middle, middle_z),
+            Configuration::End => (&end, end_z),
+        };
+        for (k, block) in out.gradient_bar[range].chunks_exact_mut(unknowns).enumerate() {
+            gradient_into(pair, &unit(k), block);
+        }
+        if is_pressed && pair.is_some() {
+            hessian_into(z, kernel.counts(p), &weights, placement.share, tangent);
+        }
+        true
+    }
+}
+
+impl CandidateSearch for MortarInSpace {
+    fn search(&self) -> Option<&PairSearch> {
+        Some(&self.search)
+    }
+
+    fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
+        Some((&mut self.search, &self.sides))
+    }
+
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        for &[secondary, primary] in self.search.candidates.pairs() {
+            let nodes = [self.sides.secondary.facet(secondary as usize), self.sides.primary.facet(primary as usize)].concat();
+            self.sides.patches.push(&nodes, self.sides.secondary.local_facet(secondary as usize));
+        }
+    }
+}
+
+impl RigidObstacle for MortarInSpace {}

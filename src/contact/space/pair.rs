@@ -1,0 +1,520 @@
+//! The weighted gap functions of one facet pair in space, with gradient and Hessian, as one continuous function of its six to eight nodes.
+//!
+//! Everything is seen along one direction: the normal `n` of the secondary facet, along `(x_3 - x_1) x (x_4 - x_2)`, through its mean point.
+//! Nodes have plane coordinates `p` and heights `h`; a facet of four nodes is four flat triangles about its mean point, which has a quarter
+//! of each node. Each primary triangle is clipped by each secondary one, and on the polygons
+//!
+//! ```text
+//! Phi_A = sum int N_A (h_primary - h_secondary) dA          [length^3], > 0 when open
+//! ```
+//!
+//! is integrated exactly: the integrand is a product of two affine functions (Puso and Laursen, CMAME 193, 2004, take an average plane and
+//! quadrature instead; a value that depends on how a polygon is cut jumps where a vertex appears). The value is continuous everywhere, the
+//! gradient where vertices come and go; it has kinks where edges of the two facets coincide.
+//!
+//! The gradient is that of a domain that moves: with `W = sum w_A N_A`, gap `g`, shape functions `N_j` and `M_m` of the triangles,
+//!
+//! ```text
+//! d/dh_m =  int W M_m dA               d/dp_m = - grad h_primary   int W M_m dA                       + sum_edges nu int W g M_m ds
+//! d/dh_j = -int W N_j dA               d/dp_j =   grad h_secondary int W N_j dA - grad W int g N_j dA + sum_edges nu int W g N_j ds
+//! ```
+//!
+//! over the edges of the polygon that lie on the triangle's own border. The frame turns with the secondary facet: with the moment `m` of
+//! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives the
+//! Hessian.
+
+use crate::contact::slip::Number;
+use crate::math::tolerances::FACING_AREA;
+
+/// Nodes of a facet, at most.
+pub const CORNERS: usize = 4;
+
+/// Nodes of a pair, at most.
+pub const NODES: usize = 2 * CORNERS;
+
+/// Corners of a polygon: a triangle cut by three lines has six at most, rounding may leave one more at each cut.
+const VERTICES: usize = 9;
+
+/// A vector in space.
+pub type Vec3<T> = [T; 3];
+
+/// A corner of a polygon: its place, the shape functions of both triangles there, what the edge that begins there lies on.
+#[derive(Clone, Copy)]
+struct Vertex<T> {
+    p: [T; 2],
+    of_secondary: [T; 3],
+    of_primary: [T; 3],
+    border: Border,
+}
+
+/// What an edge of a polygon lies on.
+#[derive(Clone, Copy, PartialEq)]
+enum Border {
+    Secondary,
+    Primary,
+}
+
+/// A secondary triangle cut out of a primary one.
+struct Polygon<T> {
+    /// Corners of the triangles in the list of points.
+    secondary: [usize; 3],
+    primary: [usize; 3],
+    /// Twice their areas.
+    areas: [T; 2],
+    vertices: [Vertex<T>; VERTICES],
+    count: usize,
+}
+
+/// A pair as it is seen along the secondary normal.
+pub struct Pair<T> {
+    /// Nodes of the secondary and of the primary facet.
+    counts: [usize; 2],
+    /// Axes of the plane, and the normal.
+    axes: [Vec3<T>; 3],
+    /// Diagonals of the secondary facet, or two sides of a triangle, and the length of their product.
+    diagonals: [Vec3<T>; 2],
+    length: T,
+    /// Positions from the mean point of the secondary facet.
+    arms: [Vec3<T>; NODES],
+    /// Plane coordinates and heights of the nodes, then of the mean points.
+    p: [[T; 2]; NODES + 2],
+    h: [T; NODES + 2],
+    polygons: Vec<Polygon<T>>,
+}
+
+fn sub<T: Number, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn scaled<T: Number, const N: usize>(a: [T; N], s: T) -> [T; N] {
+    a.map(|a| a * s)
+}
+
+fn dot<T: Number>(a: Vec3<T>, b: Vec3<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
+/// Twice the area of a triangle, positive counter-clockwise.
+fn area<T: Number>(a: [T; 2], b: [T; 2], c: [T; 2]) -> T {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// Corners of the triangles of a facet, whose nodes begin at `first` and whose mean point is at `middle`, in the list of points.
+fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = [usize; 3]> {
+    (0..if count == 3 { 1 } else { count })
+        .map(move |k| if count == 3 { [first, first + 1, first + 2] } else { [first + k, first + (k + 1) % count, middle] })
+}
+
+impl<T: Number> Pair<T> {
+    /// The pair at the positions of its nodes, secondary ones first; `counts` how many either facet has. Nothing where the secondary facet
+    /// has no area.
+    pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
+        let [own, other] = counts;
+        let diagonals = if own == 3 { [sub(x[1], x[0]), sub(x[2], x[0])] } else { [sub(x[2], x[0]), sub(x[3], x[1])] };
+        let product = cross(diagonals[0], diagonals[1]);
+        let square = dot(product, product);
+        if square.re() <= 0.0 {
+            return None;
+        }
+        let length = square.sqrt();
+        let normal = scaled(product, length.recip());
+        let side = if own == 3 { diagonals[0] } else { sub(sub(x[1], x[0]), sub(x[3], x[2])) };
+        let along = sub(side, scaled(normal, dot(side, normal)));
+        let first = scaled(along, dot(along, along).sqrt().recip());
+        let axes = [first, cross(normal, first), normal];
+        let zero = T::from(0.0);
+        let mut middle = [zero; 3];
+        x[..own].iter().for_each(|x| (0..3).for_each(|i| middle[i] += x[i] * (1.0 / own as f64)));
+        let mut pair = Pair {
+            counts,
+            axes,
+            diagonals,
+            length,
+            arms: [[zero; 3]; NODES],
+            p: [[zero; 2]; NODES + 2],
+            h: [zero; NODES + 2],
+            polygons: Vec::new(),
+        };
+        for (k, x) in x.iter().enumerate() {
+            let arm = sub(*x, middle);
+            pair.arms[k] = arm;
+            pair.p[k] = [dot(arm, axes[0]), dot(arm, axes[1])];
+            pair.h[k] = dot(arm, normal);
+        }
+        for (place, range) in [(NODES, 0..own), (NODES + 1, own..own + other)] {
+            let share = 1.0 / range.len() as f64;
+            for k in range {
+                let (p, h) = (pair.p[k], pair.h[k]);
+                (0..2).for_each(|i| pair.p[place][i] += p[i] * share);
+                pair.h[place] += h * share;
+            }
+        }
+        pair.cut();
+        Some(pair)
+    }
+
+    /// Finds the polygons.
+    fn cut(&mut self) {
+        let [own, other] = self.counts;
+        for secondary in triangles(own, 0, NODES) {
+            for [a, b, c] in triangles(other, own, NODES + 1) {
+                // The other facet looks the other way.
+                let primary = [b, a, c];
+                if self.are_boxes_apart(secondary, primary) {
+                    continue;
+                }
+                let corners = |of: [usize; 3]| of.map(|k| self.p[k]);
+                let ([s_0, s_1, s_2], [m_0, m_1, m_2]) = (corners(secondary), corners(primary));
+                let areas = [area(s_0, s_1, s_2), area(m_0, m_1, m_2)];
+                if areas[0].re() <= 0.0 || areas[1].re() <= FACING_AREA * areas[0].re() {
+                    continue;
+                }
+                let zero = T::from(0.0);
+                let corner = |p: [T; 2]| Vertex { p, of_secondary: [zero; 3], of_primary: [zero; 3], border: Border::Primary };
+                let mut polygon = Polygon { secondary, primary, areas, vertices: [corner([zero; 2]); VERTICES], count: 3 };
+                polygon.vertices[..3].copy_from_slice(&[m_0, m_1, m_2].map(corner));
+                let is_left = [[s_0, s_1], [s_1, s_2], [s_2, s_0]].into_iter().all(|line| polygon.clip(line));
+                if is_left && polygon.count >= 3 {
+                    polygon.shape([s_0, s_1, s_2], [m_0, m_1, m_2]);
+                    self.polygons.push(polygon);
+                }
+            }
+        }
+    }
+
+    fn are_boxes_apart(&self, secondary: [usize; 3], primary: [usize; 3]) -> bool {
+        (0..2).any(|axis| {
+            let range = |of: [usize; 3]| {
+                let at = of.map(|k| self.p[k][axis].re());
+                (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]))
+            };
+            let (own, other) = (range(secondary), range(primary));
+            own.0 >= other.1 || other.0 >= own.1
+        })
+    }
+
+    /// Whether the facets are opposite each other anywhere.
+    pub fn overlaps(&self) -> bool {
+        !self.polygons.is_empty()
+    }
+
+    /// The part of a point's value that a node of its facet has.
+    fn shares(&self, point: usize) -> (std::ops::Range<usize>, f64) {
+        let [own, other] = self.counts;
+        match point {
+            NODES => (0..own, 1.0 / own as f64),
+            _ if point == NODES + 1 => (own..own + other, 1.0 / other as f64),
+            _ => (point..point + 1, 1.0),
+        }
+    }
+
+    /// Values of the weight `sum w_A N_A` at the corners of a secondary triangle.
+    fn weights(&self, secondary: [usize; 3], weights: &[f64; CORNERS]) -> [f64; 3] {
+        secondary.map(|point| {
+            let (nodes, share) = self.shares(point);
+            nodes.map(|node| share * weights[node]).sum()
+        })
+    }
+
+    /// Gap at a corner of a polygon.
+    fn gap(&self, polygon: &Polygon<T>, vertex: &Vertex<T>) -> T {
+        let height = |corners: [usize; 3], shape: [T; 3]| {
+            self.h[corners[0]] * shape[0] + self.h[corners[1]] * shape[1] + self.h[corners[2]] * shape[2]
+        };
+        height(polygon.primary, vertex.of_primary) - height(polygon.secondary, vertex.of_secondary)
+    }
+
+    /// `Phi_A` of the secondary nodes.
+    pub fn values(&self) -> [T; CORNERS] {
+        let mut values = [T::from(0.0); CORNERS];
+        for polygon in &self.polygons {
+            let gap = |k: usize| self.gap(polygon, &polygon.vertices[k]);
+            for j in 0..3 {
+                let integral = polygon.integral(|k| polygon.vertices[k].of_secondary[j], gap);
+                let (nodes, share) = self.shares(polygon.secondary[j]);
+                nodes.for_each(|node| values[node] += integral * share);
+            }
+        }
+        values
+    }
+
+    /// What is covered of each secondary node, `int N_A dA` over the overlap `[length^2]`.
+    pub fn covered(&self) -> [f64; CORNERS] {
+        let mut covered = [0.0; CORNERS];
+        for polygon in &self.polygons {
+            for j in 0..3 {
+                let integral = polygon.integral(|k| polygon.vertices[k].of_secondary[j], |_| T::from(1.0)).re();
+                let (nodes, share) = self.shares(polygon.secondary[j]);
+                nodes.for_each(|node| covered[node] += integral * share);
+            }
+        }
+        covered
+    }
+
+    /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes.
+    pub fn gradient(&self, weights: &[f64; CORNERS]) -> [Vec3<T>; NODES] {
+        let zero = T::from(0.0);
+        let (mut of_p, mut of_h) = ([[zero; 2]; NODES + 2], [zero; NODES + 2]);
+        for polygon in &self.polygons {
+            self.add_polygon(polygon, self.weights(polygon.secondary, weights), &mut of_p, &mut of_h);
+        }
+        for (place, point) in [NODES, NODES + 1].into_iter().enumerate() {
+            let (nodes, share) = self.shares(NODES + place);
+            for node in nodes {
+                let (p, h) = (of_p[point], of_h[point]);
+                (0..2).for_each(|i| of_p[node][i] += p[i] * share);
+                of_h[node] += h * share;
+            }
+        }
+        let [first, second, normal] = self.axes;
+        let count = self.counts[0] + self.counts[1];
+        let (mut gradient, mut moment) = ([[zero; 3]; NODES], [zero; 3]);
+        for k in 0..count {
+            gradient[k] = std::array::from_fn(|i| first[i] * of_p[k][0] + second[i] * of_p[k][1] + normal[i] * of_h[k]);
+            let turn = cross(self.arms[k], gradient[k]);
+            (0..3).for_each(|i| moment[i] += turn[i]);
+        }
+        let tilt = scaled(cross(normal, moment), self.length.recip());
+        let [c, d] = self.diagonals;
+        // d N.b = dc.(d x b) + dd.(b x c)
+        let (of_c, of_d) = (cross(d, tilt), cross(tilt, c));
+        let ends = if self.counts[0] == 3 { [(1, 0), (2, 0)] } else { [(2, 0), (3, 1)] };
+        for ((to, from), force) in ends.into_iter().zip([of_c, of_d]) {
+            for i in 0..3 {
+                gradient[to][i] += force[i];
+                gradient[from][i] -= force[i];
+            }
+        }
+        gradient
+    }
+
+    /// Adds what one polygon gives to the derivatives with respect to plane coordinates and heights; `weights` at the corners of the
+    /// secondary triangle.
+    fn add_polygon(&self, polygon: &Polygon<T>, weights: [f64; 3], of_p: &mut [[T; 2]; NODES + 2], of_h: &mut [T; NODES + 2]) {
+        let zero = T::from(0.0);
+        let (mut weight, mut gap) = ([zero; VERTICES], [zero; VERTICES]);
+        for (k, vertex) in polygon.vertices[..polygon.count].iter().enumerate() {
+            let shape = vertex.of_secondary;
+            weight[k] = shape[0] * weights[0] + shape[1] * weights[1] + shape[2] * weights[2];
+            gap[k] = self.gap(polygon, vertex);
+        }
+        let slope = |corners: [usize; 3], area: T, values: [T; 3]| -> [T; 2] {
+            // grad N_j = the opposite side turned by a quarter over twice the area.
+            let [a, b, c] = corners.map(|k| self.p[k]);
+            let sides = [sub(c, b), sub(a, c), sub(b, a)];
+            let sum = |i: usize| sides[0][i] * values[0] + sides[1][i] * values[1] + sides[2][i] * values[2];
+            scaled([-sum(1), sum(0)], area.recip())
+        };
+        let of_weight = slope(polygon.secondary, polygon.areas[0], weights.map(T::from));
+        let heights = [polygon.secondary, polygon.primary].map(|corners| corners.map(|k| self.h[k]));
+        let rises = [slope(polygon.secondary, polygon.areas[0], heights[0]), slope(polygon.primary, polygon.areas[1], heights[1])];
+        for j in 0..3 {
+            let (own, other) = (polygon.secondary[j], polygon.primary[j]);
+            let on_own = polygon.integral(|k| weight[k], |k| polygon.vertices[k].of_secondary[j]);
+            let on_other = polygon.integral(|k| weight[k], |k| polygon.vertices[k].of_primary[j]);
+            let open = polygon.integral(|k| gap[k], |k| polygon.vertices[k].of_secondary[j]);
+            of_h[own] -= on_own;
+            of_h[other] += on_other;
+            for i in 0..2 {
+                of_p[own][i] += rises[0][i] * on_own - of_weight[i] * open;
+                of_p[other][i] -= rises[1][i] * on_other;
+            }
+        }
+        for k in 0..polygon.count {
+            let next = (k + 1) % polygon.count;
+            let (a, b) = (&polygon.vertices[k], &polygon.vertices[next]);
+            let outward = [b.p[1] - a.p[1], a.p[0] - b.p[0]];
+            // Integrals of W g f over the edge for an affine f: one share for its value at either end.
+            let (aa, bb) = (weight[k] * gap[k], weight[next] * gap[next]);
+            let ab = weight[k] * gap[next] + weight[next] * gap[k];
+            let (first, last) = ((aa * 3.0 + ab + bb) * (1.0 / 12.0), (aa + ab + bb * 3.0) * (1.0 / 12.0));
+            for j in 0..3 {
+                let (corner, at) = match a.border {
+                    Border::Secondary => (polygon.secondary[j], [a.of_secondary[j], b.of_secondary[j]]),
+                    Border::Primary => (polygon.primary[j], [a.of_primary[j], b.of_primary[j]]),
+                };
+                let moved = first * at[0] + last * at[1];
+                (0..2).for_each(|i| of_p[corner][i] += outward[i] * moved);
+            }
+        }
+    }
+}
+
+impl<T: Number> Polygon<T> {
+    /// Cuts off what is on the right of a line; `false` when nothing is left.
+    fn clip(&mut self, [from, to]: [[T; 2]; 2]) -> bool {
+        let old = self.vertices;
+        let count = std::mem::take(&mut self.count);
+        let mut side = [T::from(0.0); VERTICES];
+        (0..count).for_each(|k| side[k] = area(from, to, old[k].p));
+        let is_in = |k: usize| side[k].re() >= 0.0;
+        let mut push = |vertex: Vertex<T>| {
+            if self.count < VERTICES {
+                self.vertices[self.count] = vertex;
+                self.count += 1;
+            }
+        };
+        for k in 0..count {
+            let next = (k + 1) % count;
+            if is_in(k) {
+                push(old[k]);
+            }
+            if is_in(k) != is_in(next) {
+                let share = side[k] / (side[k] - side[next]);
+                let p: [T; 2] = std::array::from_fn(|i| old[k].p[i] + share * (old[next].p[i] - old[k].p[i]));
+                // Leaving, the line itself follows.
+                push(Vertex { p, border: if is_in(k) { Border::Secondary } else { old[k].border }, ..old[k] });
+            }
+        }
+        self.count > 0
+    }
+
+    /// Finds the shape functions of both triangles at its corners.
+    fn shape(&mut self, secondary: [[T; 2]; 3], primary: [[T; 2]; 3]) {
+        let shares = |[a, b, c]: [[T; 2]; 3], whole: T, p: [T; 2]| {
+            let inverse = whole.recip();
+            [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse]
+        };
+        for vertex in &mut self.vertices[..self.count] {
+            vertex.of_secondary = shares(secondary, self.areas[0], vertex.p);
+            vertex.of_primary = shares(primary, self.areas[1], vertex.p);
+        }
+    }
+
+    /// Integral of a product of two affine functions, from their values at the corners: exact.
+    fn integral(&self, f: impl Fn(usize) -> T, g: impl Fn(usize) -> T) -> T {
+        let mut sum = T::from(0.0);
+        for k in 1..self.count - 1 {
+            let corners = [0, k, k + 1];
+            let [a, b, c] = corners.map(|k| self.vertices[k].p);
+            let (f, g) = (corners.map(&f), corners.map(&g));
+            let products = f[0] * g[0] + f[1] * g[1] + f[2] * g[2] + (f[0] + f[1] + f[2]) * (g[0] + g[1] + g[2]);
+            sum += area(a, b, c) * products * (1.0 / 24.0);
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+
+    /// Two facets of three or four nodes that face each other, warped, tilted and off each other at random.
+    fn nodes(counts: [usize; 2]) -> impl Strategy<Value = Vec<Vec3<f64>>> {
+        let noise = prop::collection::vec(-0.2..0.2f64, 3 * (counts[0] + counts[1]));
+        (noise, -0.8..0.8f64, -0.8..0.8f64).prop_map(move |(noise, x, y)| {
+            let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let own = square[..counts[0]].iter().map(|&[x, y]| [x, y, 0.0]);
+            let other = (0..counts[1]).map(|k| square[counts[1] - 1 - k]).map(|[a, b]| [a + x, b + y, 0.1]);
+            own.chain(other).enumerate().map(|(k, at)| std::array::from_fn(|i| at[i] + noise[3 * k + i])).collect()
+        })
+    }
+
+    fn values(x: &[Vec3<f64>], counts: [usize; 2]) -> [f64; CORNERS] {
+        Pair::new(x, counts).map_or([0.0; CORNERS], |pair| pair.values())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 500, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn gradients_agree_with_differences(
+            (counts, x) in prop::sample::select(vec![[4, 4], [4, 3], [3, 4], [3, 3]])
+                .prop_flat_map(|counts| nodes(counts).prop_map(move |x| (counts, x))),
+        ) {
+            let pair = Pair::new(&x, counts).expect("facets have areas");
+            for row in 0..counts[0] {
+                let mut weights = [0.0; CORNERS];
+                weights[row] = 1.0;
+                let gradient = pair.gradient(&weights);
+                for node in 0..counts[0] + counts[1] {
+                    for i in 0..3 {
+                        let at = |step: f64| {
+                            let mut moved = x.clone();
+                            moved[node][i] += step;
+                            values(&moved, counts)[row]
+                        };
+                        let [fine, coarse] = [1e-5, 2e-5].map(|step| (at(step) - at(-step)) / (2.0 * step));
+                        // At a kink differences of different widths disagree.
+                        if (fine - coarse).abs() < 1e-7 {
+                            prop_assert!((gradient[node][i] - fine).abs() < 1e-6, "{node} {i}: {} {fine}", gradient[node][i]);
+                        }
+                    }
+                }
+            }
+        }
+
+        /// Invariant: no resultant and no moment, the same value after a rigid motion, and after renumbering a facet.
+        #[test]
+        fn values_do_not_change_with_rigid_motions(x in nodes([4, 4]), angles in prop::array::uniform3(-3.0..3.0f64)) {
+            let counts = [4, 4];
+            let before = values(&x, counts);
+            let rotation = nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
+            let turned: Vec<Vec3<f64>> = x.iter().map(|x| (rotation * nalgebra::Vector3::from(*x)).add_scalar(3.0).into()).collect();
+            for (a, b) in before.iter().zip(values(&turned, counts)) {
+                prop_assert!((a - b).abs() < 1e-14, "{a} {b}");
+            }
+            let order = [1, 2, 3, 0, 6, 7, 4, 5];
+            let renumbered: Vec<Vec3<f64>> = order.iter().map(|&k| x[k]).collect();
+            let after = values(&renumbered, counts);
+            for (k, a) in before.iter().enumerate() {
+                prop_assert!((a - after[(k + 3) % 4]).abs() < 1e-14);
+            }
+            let gradient = Pair::new(&x, counts).expect("it has an area").gradient(&[1.0, -0.5, 2.0, 0.25]);
+            let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+            for (x, g) in x.iter().zip(gradient) {
+                (0..3).for_each(|i| force[i] += g[i]);
+                let turn = cross(*x, g);
+                (0..3).for_each(|i| moment[i] += turn[i]);
+            }
+            prop_assert!(force.iter().chain(&moment).all(|sum| sum.abs() < 1e-14), "{force:?} {moment:?}");
+        }
+
+        /// The value is continuous along lines through configurations whose edges coincide.
+        #[test]
+        fn values_are_continuous_where_edges_coincide(noise in prop::collection::vec(-1.0..1.0f64, 24), shift in prop::sample::select(vec![0.0, 0.5, 1.0])) {
+            let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let at = |size: f64| -> [f64; CORNERS] {
+                let own = square.iter().map(|&[x, y]| [x, y, 0.0]);
+                let other = square.iter().rev().map(|&[x, y]| [x + shift, y, 0.3]);
+                let x: Vec<Vec3<f64>> =
+                    own.chain(other).enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + size * noise[3 * k + i])).collect();
+                values(&x, [4, 4])
+            };
+            let there = at(0.0);
+            for size in [1e-2, 1e-4, 1e-6, 1e-8] {
+                for (a, b) in at(size).iter().zip(there) {
+                    prop_assert!((a - b).abs() < 10.0 * size, "{size:e}: {a} {b}");
+                }
+            }
+        }
+    }
+
+    /// Closed form: two equal squares half off each other, a constant gap: the weights of the published overlap.
+    #[test]
+    fn weights_of_two_faces_that_overlap_by_a_quarter() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let own = square.iter().map(|&[x, y]| [x, y, 0.0]);
+        let other = square.iter().rev().map(|&[x, y]| [x, y, 0.25]);
+        let x: Vec<Vec3<f64>> = own.chain(other).collect();
+        let pair = Pair::new(&x, [4, 4]).expect("it has an area");
+        for (value, covered) in pair.values().into_iter().zip(pair.covered()) {
+            assert!((value - 0.0625).abs() < 1e-15 && (covered - 0.25).abs() < 1e-15);
+        }
+        let away: Vec<Vec3<f64>> = x.iter().enumerate().map(|(k, x)| if k < 4 { *x } else { [x[0] + 2.0, x[1], x[2]] }).collect();
+        assert!(!Pair::new(&away, [4, 4]).expect("it has an area").overlaps());
+        // Facets that look the same way have nothing between them.
+        let same: Vec<Vec3<f64>> = [0, 1, 2, 3, 7, 6, 5, 4].iter().map(|&k| x[k]).collect();
+        assert!(!Pair::new(&same, [4, 4]).expect("it has an area").overlaps());
+    }
+}
