@@ -62,6 +62,7 @@ pub use rigid_corners::RigidCorners;
 pub use rigid_shape::Obstacle;
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
+pub use space::CornersInSpace;
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;
 pub use window::{Outlook, Travel};

@@ -1,6 +1,10 @@
 //! Contact in space: facets of three and four nodes.
 
+mod corners;
+mod features;
+mod gaps;
 mod mortar;
 mod pair;
 
+pub use corners::CornersInSpace;
 pub use mortar::MortarInSpace;

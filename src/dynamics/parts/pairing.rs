@@ -2,7 +2,7 @@
 
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
-use crate::contact::{ContactKernel, NodeToSegment, ProxyNodes, RigidContact, RigidCorners, RowsOf, Surface, Tie};
+use crate::contact::{ContactKernel, CornersInSpace, NodeToSegment, ProxyNodes, RigidContact, RigidCorners, RowsOf, Surface, Tie};
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
@@ -37,6 +37,10 @@ pub fn contact_pairs(
     pairs
 }
 
+/// Slack of sharp vertices and edges in space over that of corners in the plane: rows of flat surfaces and of their rims no longer depend on
+/// each other from a thousandth of a facet on.
+const SLACK_IN_SPACE: f64 = 0.05;
+
 /// What pairs are made from.
 struct Pairing<'a> {
     model: &'a Model,
@@ -67,14 +71,15 @@ impl Pairing<'_> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
     }
 
+    /// Boundaries in space as one surface.
+    fn surface(&self, boundaries: &[BodyBoundary]) -> Surface {
+        Surface::in_space(facets_of_all(boundaries, self.faces).iter().map(|face| &face[..]))
+    }
+
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
-            let surface = |boundaries: &[BodyBoundary]| {
-                let faces = facets_of_all(boundaries, self.faces);
-                Surface::in_space(faces.iter().map(|face| &face[..]))
-            };
-            let kernel = kernel(surface(std::slice::from_ref(secondary)), surface(interaction.primary()), self.reference);
+            let kernel = kernel(self.surface(std::slice::from_ref(secondary)), self.surface(interaction.primary()), self.reference);
             return self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
         }
         let facets = (self.facets)(secondary);
@@ -126,7 +131,7 @@ impl Pairing<'_> {
 
     /// The pairs of the corners that the weighted gaps of other pairs do not see.
     fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
-        let has_corners = |of: usize| self.model.dimension() == 2 && pairs[of].is_unilateral();
+        let has_corners = |of: usize| pairs[of].is_unilateral();
         let size = |of: usize| pairs[of].kernel.facet_size();
         let mut corners = Vec::new();
         let mut add = |of: usize, kind: PairKind, body: usize, slack: f64, kernel: Box<dyn ContactKernel>| {
@@ -140,6 +145,14 @@ impl Pairing<'_> {
             corners.push(pair);
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
+            if self.model.dimension() == 3 {
+                let sides = (self.surface(std::slice::from_ref(&interaction.secondary)), self.surface(interaction.primary()));
+                if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, CornersInSpace::kernel(sides.0, sides.1, self.reference))
+                {
+                    add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, kernel);
+                }
+                continue;
+            }
             if let Partner::Obstacle { shape, .. } = &interaction.partner {
                 let facets = (self.facets)(&interaction.secondary);
                 let seen = self.middles.seen([&facets, &[]], self.reference, RowsOf::Facets);

@@ -1,0 +1,442 @@
+//! Sharp vertices and edges of two bodies in space that the weighted gaps of their surfaces do not see.
+//!
+//! For convex bodies the depth of an overlap is the largest gap over the faces of the Minkowski difference: every such face is a vertex of
+//! one body on a facet of the other, or two edges that cross. So a vertex on a sharp edge has a row against each facet opposite it, and a
+//! sharp edge one against each sharp edge that it crosses, if everything next to the feature recedes along the row's normal: then the pair is
+//! such a face. Which rows there are, and their signs, is decided at the start of a step, where it begins and where it is predicted to end.
+//! A row with an overlap goes where a shallower one near by says that the bodies have to be parted along another direction (*dominance*).
+//!
+//! Rows stand in a few slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
+
+use num_dual::DualSVec64;
+
+use super::features::{self, Features};
+use super::gaps::{Measure, NODES};
+use crate::contact::faces::{self, Vector};
+use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
+use crate::contact::patches::Evaluation;
+use crate::contact::search::Candidates;
+use crate::contact::surface::{Sides, Surface};
+use crate::contact::window::{Outlook, Travel};
+use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
+
+/// Rows of a feature: a vertex in a pocket touches three walls.
+const SLOTS: usize = 3;
+
+/// Margin beyond the need with which candidates are searched, in smallest facets.
+const SPARE: f64 = 1.0;
+
+/// Depth and opening up to which a row is looked at, in smallest facets.
+const DEEP: f64 = 0.55;
+const OPEN: f64 = 0.25;
+
+/// Sine of the angle between two edges below which they have no row: there the vertices on them have.
+const CROSSING: f64 = 0.05;
+
+/// Cosine up to which what is next to a feature may rise along the normal, and up to which the row may dominate others.
+const CONE: f64 = 0.1;
+const STRICT: f64 = 0.01;
+
+/// Cosine of the angle between the normals of two facets from which on a vertex has a row against the nearer one alone: 10 degrees.
+const ALIKE: f64 = 0.984_807_753_012_208;
+
+/// How far, in smallest facets, a body may reach beyond a row's plane and still recede along it.
+const RECEDES: f64 = 0.02;
+
+/// Unknowns of a patch, at most.
+const UNKNOWNS: usize = 3 * NODES;
+
+type Jet = DualSVec64<UNKNOWNS>;
+
+/// What a patch is between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// A vertex of the side (0: secondary) and a facet of the other one.
+    Vertex { side: usize, vertex: usize, facet: usize },
+    /// Sharp edges of the secondary and of the primary side.
+    Edges([usize; 2]),
+}
+
+/// Rows of the sharp vertices and edges of two surfaces.
+#[derive(Clone, Debug)]
+pub struct CornersInSpace {
+    sides: Sides,
+    features: [Features; 2],
+    /// Points and edges that own rows, and facets and edges that they meet, as surfaces to be searched.
+    owners: Surface,
+    partners: Surface,
+    candidates: Candidates,
+    /// For each row-owning feature a node of it.
+    row_nodes: Vec<u32>,
+    kinds: Vec<Kind>,
+    /// For each patch its row, of those of its feature, and what measures it in this step.
+    rows: Vec<Option<(usize, Measure)>>,
+    start: Vec<Vec<f64>>,
+}
+
+/// A row that may be there at a configuration.
+#[derive(Clone, Copy)]
+struct Found {
+    patch: usize,
+    measure: Measure,
+    gap: f64,
+    /// Direction in which the secondary side has to go to part them.
+    normal: Vector,
+    /// Points of the secondary and of the primary side that touch.
+    at: [Vector; 2],
+    /// Whether all that is next to it strictly recedes.
+    is_strict: bool,
+}
+
+impl CornersInSpace {
+    /// The rows of two surfaces; nothing where neither has anything sharp.
+    pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Option<Box<dyn ContactKernel>> {
+        let features = [Features::new(&secondary, reference), Features::new(&primary, reference)];
+        if features.iter().all(|features| features.vertices.is_empty()) {
+            return None;
+        }
+        let mut sides = Sides::of(secondary, primary, reference);
+        let facet_size = sides.facet_size.min(sides.primary.shortest_facet(reference));
+        let points = features.iter().flat_map(|features| &features.vertices).map(|vertex| std::slice::from_ref(&vertex.node));
+        let owners = Surface::in_space(points.chain(features[0].edges.iter().map(|edge| &edge.nodes[..])));
+        let facets = [&sides.primary, &sides.secondary].into_iter().flat_map(|surface| (0..surface.count()).map(|facet| surface.facet(facet)));
+        let partners = Surface::in_space(facets.chain(features[1].edges.iter().map(|edge| &edge.nodes[..])));
+        let row_nodes: Vec<u32> = (0..owners.count()).map(|owner| owners.facet(owner)[0]).collect();
+        sides.facet_size = facet_size;
+        sides.weights = vec![facet_size * facet_size; SLOTS * owners.count()];
+        let candidates = Candidates::new(SPARE * facet_size);
+        let (kinds, rows, start) = (Vec::new(), Vec::new(), Vec::new());
+        Some(Box::new(CornersInSpace { sides, features, owners, partners, candidates, row_nodes, kinds, rows, start }))
+    }
+
+    fn surface(&self, side: usize) -> &Surface {
+        if side == 0 { &self.sides.secondary } else { &self.sides.primary }
+    }
+
+    /// What a listed pair is, if it is one of a contact.
+    fn kind(&self, owner: usize, partner: usize) -> Option<Kind> {
+        let vertices = [0, 1].map(|side| self.features[side].vertices.len());
+        let facets = [self.sides.primary.count(), self.sides.secondary.count()];
+        let (side, vertex) = if owner < vertices[0] { (0, owner) } else { (1, owner - vertices[0]) };
+        if vertex < vertices[side] {
+            let facet = if side == 0 { Some(partner) } else { partner.checked_sub(facets[0]) };
+            return facet.filter(|&facet| facet < facets[side]).map(|facet| Kind::Vertex { side, vertex, facet });
+        }
+        let other = partner.checked_sub(facets[0] + facets[1])?;
+        Some(Kind::Edges([owner - vertices[0] - vertices[1], other]))
+    }
+
+    fn list_patches(&mut self) {
+        self.sides.patches.clear();
+        self.kinds.clear();
+        for &[owner, partner] in self.candidates.pairs() {
+            let Some(kind) = self.kind(owner as usize, partner as usize) else { continue };
+            let nodes = [self.owners.facet(owner as usize), self.partners.facet(partner as usize)].concat();
+            let first = SLOTS as u32 * owner;
+            self.sides.patches.push(&nodes, &[first, first + 1, first + 2]);
+            self.kinds.push(kind);
+        }
+        self.rows = vec![None; self.kinds.len()];
+    }
+
+    /// Decides which rows there are in a step, from the configurations between which it leads.
+    fn choose(&mut self, configurations: &[&[f64]], outlook: &Outlook) {
+        let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
+        for q in configurations {
+            let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, outlook)).collect();
+            let found = self.nearest_facets(found);
+            for row in found.iter().filter(|row| !self.is_dominated(row, &found)) {
+                let known = &mut chosen[row.patch];
+                if known.is_none_or(|known| row.gap < known.gap) {
+                    *known = Some(*row);
+                }
+            }
+        }
+        self.rows = vec![None; self.kinds.len()];
+        let owner = |patch: usize| self.sides.patches.rows(patch)[0];
+        let mut of_owner: Vec<Found> = chosen.into_iter().flatten().collect();
+        of_owner.sort_by_key(|row| (owner(row.patch), row.patch));
+        for rows in of_owner.chunk_by_mut(|a, b| owner(a.patch) == owner(b.patch)) {
+            // The deepest ones, where there are more than slots.
+            rows.sort_by(|a, b| a.gap.total_cmp(&b.gap));
+            let count = rows.len().min(SLOTS);
+            let kept = &mut rows[..count];
+            kept.sort_by_key(|row| row.patch);
+            for (slot, row) in kept.iter().enumerate() {
+                self.rows[row.patch] = Some((slot, row.measure));
+            }
+        }
+    }
+
+    /// Of facets that look nearly the same way a vertex keeps the nearest.
+    fn nearest_facets(&self, mut found: Vec<Found>) -> Vec<Found> {
+        let owner = |row: &Found| self.sides.patches.rows(row.patch)[0];
+        found.sort_by_key(|row| (owner(row), row.patch));
+        let mut kept: Vec<Found> = Vec::with_capacity(found.len());
+        for rows in found.chunk_by(|a, b| owner(a) == owner(b)) {
+            let is_beaten = |row: &Found| {
+                matches!(row.measure, Measure::Facet(_))
+                    && rows.iter().any(|other| {
+                        let order = other.gap.abs().total_cmp(&row.gap.abs()).then(other.patch.cmp(&row.patch));
+                        order.is_lt() && other.normal.dot(&row.normal) > ALIKE
+                    })
+            };
+            kept.extend(rows.iter().filter(|row| !is_beaten(row)));
+        }
+        kept
+    }
+
+    /// Whether a row that overlaps goes, because a shallower one near by parts the bodies along another direction.
+    fn is_dominated(&self, row: &Found, found: &[Found]) -> bool {
+        let reach = RECEDES * self.sides.facet_size;
+        let middle = |row: &Found| 0.5 * (row.at[0] + row.at[1]);
+        row.gap < 0.0
+            && found.iter().any(|other| {
+                let beyond = [0, 1].map(|side| other.normal.dot(&(row.at[side] - other.at[side])));
+                other.is_strict
+                    && other.gap > row.gap
+                    && (middle(row) - middle(other)).norm() <= 2.0 * row.gap.abs()
+                    && row.normal.dot(&other.normal) < ALIKE
+                    && beyond[0] >= -reach
+                    && beyond[1] <= reach
+            })
+    }
+
+    /// The row of a patch at a configuration, if it has one there.
+    fn find(&self, patch: usize, q: &[f64], outlook: &Outlook) -> Option<Found> {
+        let nodes = self.sides.patches.nodes(patch);
+        let own = self.owners_nodes(patch);
+        let travel = outlook.travel::<3>(&nodes[..own], &nodes[own..]);
+        let size = self.sides.facet_size;
+        let is_near = |gap: f64| gap > -(DEEP * size).max(outlook.depth) && gap < OPEN * size + travel;
+        match self.kinds[patch] {
+            Kind::Vertex { side, vertex, facet } => {
+                let on = self.surface(1 - side).facet(facet);
+                let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
+                let gap = normal.dot(&(v - faces::middle(on, q)));
+                if !is_near(gap) || !is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
+                    return None;
+                }
+                let rise = |&end: &u32| (faces::at(end, q) - v).try_normalize(0.0).map_or(0.0, |along| normal.dot(&along));
+                let least = self.features[side].vertices[vertex].spokes.iter().map(rise).fold(1.0, f64::min);
+                let foot = v - normal * gap;
+                let (normal, at) = if side == 0 { (normal, [v, foot]) } else { (-normal, [foot, v]) };
+                let is_strict = least >= -STRICT;
+                (least >= -CONE).then_some(Found { patch, measure: Measure::Facet(on.len()), gap, normal, at, is_strict })
+            }
+            Kind::Edges([own, other]) => {
+                let edges = [&self.features[0].edges[own], &self.features[1].edges[other]];
+                let z: Vec<[f64; 3]> = edges.iter().flat_map(|edge| edge.nodes).map(|node| faces::at(node, q).into()).collect();
+                let (feet, sine) = Measure::feet(&z);
+                if sine.is_nan() || sine < CROSSING {
+                    return None;
+                }
+                let is_on = |foot: f64, [start, end]: [f64; 2]| foot >= -start && foot <= 1.0 + end;
+                if !is_on(feet[0], edges[0].laps) || !is_on(feet[1], edges[1].laps) {
+                    return None;
+                }
+                let at: [Vector; 2] = std::array::from_fn(|k| Vector::from(z[2 * k]).lerp(&Vector::from(z[2 * k + 1]), feet[k]));
+                let across = |k: usize| Vector::from(z[2 * k + 1]) - Vector::from(z[2 * k]);
+                let out = across(0).cross(&across(1)).try_normalize(0.0)?;
+                let looks = [0, 1].map(|side| features::outward(edges[side], self.surface(side), q));
+                let sign = if out.dot(&(looks[0] - looks[1])) >= 0.0 { 1.0 } else { -1.0 };
+                let out = out * sign;
+                let measure = Measure::Edges(sign);
+                let gap = measure.gap(&z);
+                let rise = |side: usize| features::into_facets(edges[side], self.surface(side), q).into_iter().map(move |b| out.dot(&b));
+                let highest = rise(0).chain(rise(1).map(|rise| -rise)).fold(-1.0, f64::max);
+                let is_strict = highest <= STRICT;
+                (is_near(gap) && highest <= CONE).then_some(Found { patch, measure, gap, normal: -out, at, is_strict })
+            }
+        }
+    }
+
+    /// How many nodes of a patch are those of the feature that owns its rows.
+    fn owners_nodes(&self, patch: usize) -> usize {
+        if matches!(self.kinds[patch], Kind::Vertex { .. }) { 1 } else { 2 }
+    }
+
+    /// The row of a patch with its measure.
+    fn row(&self, patch: usize) -> Option<(usize, Measure)> {
+        let (slot, measure) = self.rows[patch]?;
+        Some((self.sides.patches.rows(patch)[slot] as usize, measure))
+    }
+
+    fn gather_into(&self, patch: usize, q: &[f64], z: &mut Vec<f64>) {
+        z.clear();
+        z.extend(self.sides.patches.nodes(patch).iter().flat_map(|&node| &q[3 * node as usize..3 * node as usize + 3]));
+    }
+
+    /// The rows of this step that are still there at `q`, with what they are there.
+    fn rows_at(&self, q: &[f64]) -> Vec<(usize, Found)> {
+        let outlook = Outlook::within(q, self.sides.facet_size);
+        (0..self.kinds.len()).filter_map(|patch| Some((self.row(patch)?.0, self.find(patch, q, &outlook)?))).collect()
+    }
+}
+
+/// Whether a point lies over a facet, seen along its normal; `laps` how far its borders may be left.
+fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f64]) -> bool {
+    let size = faces::area_vector(nodes, q).norm().sqrt();
+    (0..nodes.len()).all(|k| {
+        let [a, b] = [nodes[k], nodes[(k + 1) % nodes.len()]].map(|node| faces::at(node, q));
+        let inward = normal.cross(&(b - a)).try_normalize(0.0).unwrap_or_default();
+        inward.dot(&(x - a)) >= -laps[k] * size
+    })
+}
+
+impl PatchFunctions for CornersInSpace {
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn rows_per_node(&self) -> usize {
+        SLOTS
+    }
+
+    fn is_nodal(&self) -> bool {
+        true
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        &self.row_nodes
+    }
+
+    fn owns(&self, p: usize, node: u32) -> bool {
+        self.sides.patches.nodes(p)[..self.owners_nodes(p)].contains(&node)
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        let start = |patch: usize| {
+            let mut z = Vec::new();
+            if self.rows[patch].is_some() {
+                self.gather_into(patch, q_0, &mut z);
+            }
+            z
+        };
+        self.start = (0..self.kinds.len()).map(start).collect();
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        for (patch, z) in self.start.iter().enumerate() {
+            if let Some((row, measure)) = self.row(patch) {
+                gaps[row] = self.sides.weights[row] * measure.gap(z.as_chunks().0);
+            }
+        }
+        gaps
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
+        out.prepare(&self.sides.patches, self.sides.weights.len());
+        let (mut end, mut projection) = (Vec::with_capacity(UNKNOWNS), Projection::<3>::default());
+        for (patch, start) in self.start.iter().enumerate() {
+            out.clear_patch(&self.sides.patches, patch);
+            let Some((row, measure)) = self.row(patch) else { continue };
+            self.gather_into(patch, q_1, &mut end);
+            let weight = self.sides.weights[row];
+            let end_gap = measure.gap(end.as_chunks().0);
+            out.live[patch] = true;
+            (out.gap[row], out.coverage[row]) = (weight * end_gap, 1.0);
+            let (width, slot) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot));
+            let first = self.sides.patches.gradient_range(patch).start + slot * width;
+            let place = first..first + width;
+            gradient_into(measure, &end, weight, &mut out.gradient_end[place.clone()]);
+            let middle: Vec<f64> = start.iter().zip(&end).map(|(a, b)| 0.5 * (a + b)).collect();
+            let tangent = &mut out.tangent[self.sides.patches.tangent_range(patch)];
+            let pressure = lambda[row];
+            if derivative == Derivative::DiscreteGradient {
+                projection.set(start, &end);
+                let mut of_middle = vec![0.0; width];
+                gradient_into(measure, &middle, weight, &mut of_middle);
+                let change = weight * (end_gap - measure.gap(start.as_chunks().0));
+                projection.gradient_into(&of_middle, change, &mut out.gradient_bar[place.clone()]);
+                if pressure != 0.0 {
+                    let mut hessian = vec![0.0; width * width];
+                    hessian_into(measure, &middle, weight, &mut hessian);
+                    let gradient_end = &out.gradient_end[place];
+                    let function = PatchFunction { gradient_mid: &of_middle, gradient_end, hessian_mid: &hessian, change };
+                    projection.tangent_into(pressure, &function, tangent);
+                }
+            } else {
+                let placement = derivative.placement();
+                let z = if placement.test == Configuration::End { &end } else { &middle };
+                gradient_into(measure, z, weight, &mut out.gradient_bar[place]);
+                if pressure != 0.0 {
+                    hessian_into(measure, z, placement.share * weight * pressure, tangent);
+                }
+            }
+        }
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        self.rows_at(q).into_iter().for_each(|(row, found)| gaps[row] = self.sides.weights[row] * found.gap);
+        gaps
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        let mut coverage = vec![0.0; self.sides.weights.len()];
+        self.rows_at(q).into_iter().for_each(|(row, _)| coverage[row] = 1.0);
+        coverage
+    }
+}
+
+/// `weight` times the gradient of a gap.
+fn gradient_into(measure: Measure, z: &[f64], weight: f64, out: &mut [f64]) {
+    let gradient = measure.gradient::<f64>(z.as_chunks().0);
+    out.iter_mut().zip(gradient.as_flattened()).for_each(|(out, g)| *out = weight * g);
+}
+
+/// `share` times the Hessian of a gap.
+fn hessian_into(measure: Measure, z: &[f64], share: f64, out: &mut [f64]) {
+    let jet = |(k, &x): (usize, &f64)| Jet::from_re(x).derivative(k);
+    let jets: Vec<Jet> = z.iter().enumerate().map(jet).collect();
+    let gradient = measure.gradient(jets.as_chunks().0);
+    for (row, jet) in out.chunks_exact_mut(z.len()).zip(gradient.as_flattened()) {
+        match &jet.eps {
+            num_dual::Derivative(Some(slope)) => row.iter_mut().zip(slope.iter()).for_each(|(entry, slope)| *entry = share * slope),
+            num_dual::Derivative(None) => row.fill(0.0),
+        }
+    }
+}
+
+impl CandidateSearch for CornersInSpace {
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let changed = self.candidates.update(&self.owners, &self.partners, outlook.q, outlook.search_margin(&self.sides));
+        if changed {
+            self.list_patches();
+        }
+        match outlook.travel {
+            Travel::Guessed { displacements: [first, _], .. } => {
+                let predicted: Vec<f64> = outlook.q.iter().zip(first).map(|(q, u)| q + u).collect();
+                self.choose(&[outlook.q, &predicted], outlook);
+            }
+            _ => self.choose(&[outlook.q], outlook),
+        }
+        changed
+    }
+
+    fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
+        if self.rows[p].is_some() {
+            self.sides.patches.nodes(p).iter().copied().for_each(visit);
+        }
+    }
+
+    fn candidates(&self) -> Option<&Candidates> {
+        Some(&self.candidates)
+    }
+
+    fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
+        self.candidates = candidates.clone();
+        self.list_patches();
+        self.choose(&[q], &Outlook::within(q, 0.0));
+        self.begin_step(q);
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.rows_at(q).into_iter().map(|(_, found)| -found.gap).fold(0.0, f64::max)
+    }
+}
+
+impl RigidObstacle for CornersInSpace {}

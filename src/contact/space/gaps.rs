@@ -1,0 +1,169 @@
+//! Gaps of a vertex against a facet, and of two edges that cross, as functions of their four or five nodes.
+//!
+//! ```text
+//! vertex v, facet y_1..y_k (mean point y):  g = n.(v - y),        n = N/|N|, N = (y_3 - y_1) x (y_4 - y_2)
+//! edges a b, c d:                           g = sigma n.(c - a),  n = N/|N|, N = (b - a) x (d - c)
+//! ```
+//!
+//! positive when open. `sigma = +-1` is chosen at the start of a step so that `n` points out of the body of the first edge. The gradient of
+//! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common perpendicular,
+//! where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
+
+use crate::contact::slip::Number;
+
+/// Nodes of a row, at most.
+pub const NODES: usize = 5;
+
+type Vec3<T> = [T; 3];
+
+/// What measures a row in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// A vertex against a facet of so many nodes.
+    Facet(usize),
+    /// Two edges, with the sign of their normal.
+    Edges(f64),
+}
+
+fn sub<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn dot<T: Number>(a: Vec3<T>, b: Vec3<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
+/// Two vectors with their cross product's length and direction.
+struct Spread<T> {
+    first: Vec3<T>,
+    second: Vec3<T>,
+    length: T,
+    normal: Vec3<T>,
+}
+
+impl<T: Number> Spread<T> {
+    fn new(first: Vec3<T>, second: Vec3<T>) -> Self {
+        let product = cross(first, second);
+        let length = dot(product, product).sqrt();
+        let inverse = length.recip();
+        Spread { first, second, length, normal: product.map(|x| x * inverse) }
+    }
+
+    /// The diagonals of a facet, or two sides of a triangle.
+    fn of_facet(y: &[Vec3<T>]) -> Self {
+        if y.len() == 3 { Spread::new(sub(y[1], y[0]), sub(y[2], y[0])) } else { Spread::new(sub(y[2], y[0]), sub(y[3], y[1])) }
+    }
+
+    /// The feet of the common perpendicular of lines along both vectors, the second of which begins at `from` the first.
+    fn feet(&self, from: Vec3<T>) -> [T; 2] {
+        let square = (self.length * self.length).recip();
+        let product = self.normal.map(|n| n * self.length);
+        [dot(cross(from, self.second), product) * square, dot(cross(from, self.first), product) * square]
+    }
+}
+
+impl Measure {
+    /// The gap at the positions of its nodes `[length]`.
+    pub fn gap(self, z: &[Vec3<f64>]) -> f64 {
+        match self {
+            Measure::Facet(count) => {
+                let (v, y) = (z[0], &z[1..]);
+                let middle: Vec3<f64> = std::array::from_fn(|i| y.iter().map(|y| y[i]).sum::<f64>() / count as f64);
+                dot(Spread::of_facet(y).normal, sub(v, middle))
+            }
+            Measure::Edges(sign) => sign * dot(Spread::new(sub(z[1], z[0]), sub(z[3], z[2])).normal, sub(z[2], z[0])),
+        }
+    }
+
+    /// Its gradient.
+    pub fn gradient<T: Number>(self, z: &[Vec3<T>]) -> [Vec3<T>; NODES] {
+        let mut gradient = [[T::from(0.0); 3]; NODES];
+        match self {
+            Measure::Facet(count) => {
+                let (v, y) = (z[0], &z[1..]);
+                let share = 1.0 / count as f64;
+                let spread = Spread::of_facet(y);
+                let n = spread.normal;
+                let mut arm = v;
+                y.iter().for_each(|y| (0..3).for_each(|i| arm[i] -= y[i] * share));
+                let gap = dot(n, arm);
+                let inverse = spread.length.recip();
+                let lever: Vec3<T> = std::array::from_fn(|i| (arm[i] - n[i] * gap) * inverse);
+                gradient[0] = n;
+                (1..=count).for_each(|k| gradient[k] = n.map(|n| n * -share));
+                // d N.lever = d first.(second x lever) + d second.(lever x first)
+                let (of_first, of_second) = (cross(spread.second, lever), cross(lever, spread.first));
+                let ends = if count == 3 { [(2, 1), (3, 1)] } else { [(3, 1), (4, 2)] };
+                for ((to, from), force) in ends.into_iter().zip([of_first, of_second]) {
+                    for i in 0..3 {
+                        gradient[to][i] += force[i];
+                        gradient[from][i] -= force[i];
+                    }
+                }
+            }
+            Measure::Edges(sign) => {
+                let spread = Spread::new(sub(z[1], z[0]), sub(z[3], z[2]));
+                let [s, t] = spread.feet(sub(z[2], z[0]));
+                let n = spread.normal.map(|n| n * sign);
+                for (node, weight) in [s - 1.0, -s, -t + 1.0, t].into_iter().enumerate() {
+                    gradient[node] = n.map(|n| n * weight);
+                }
+            }
+        }
+        gradient
+    }
+
+    /// Feet of the common perpendicular of two edges, and the sine of the angle between them.
+    pub fn feet(z: &[Vec3<f64>]) -> ([f64; 2], f64) {
+        let (first, second) = (sub(z[1], z[0]), sub(z[3], z[2]));
+        let spread = Spread::new(first, second);
+        let sine = spread.length / (dot(first, first) * dot(second, second)).sqrt();
+        (spread.feet(sub(z[2], z[0])), sine)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 300, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn gradients_agree_with_differences(noise in prop::collection::vec(-0.25..0.25f64, 15)) {
+            let facet = [[0.4, 0.5, 0.3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+            let edges = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, -0.5, 0.2], [0.5, 0.5, 0.2], [0.0; 3]];
+            for (measure, base) in [(Measure::Facet(4), facet), (Measure::Facet(3), facet), (Measure::Edges(-1.0), edges)] {
+                let count = match measure { Measure::Facet(count) => count + 1, Measure::Edges(_) => 4 };
+                let z: Vec<Vec3<f64>> =
+                    base[..count].iter().enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + noise[3 * k + i])).collect();
+                let gradient = measure.gradient(&z);
+                for k in 0..count {
+                    for i in 0..3 {
+                        let at = |step: f64| { let mut moved = z.clone(); moved[k][i] += step; measure.gap(&moved) };
+                        let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
+                        prop_assert!((gradient[k][i] - slope).abs() < 1e-7, "{measure:?} {k} {i}: {} {slope}", gradient[k][i]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn feet_are_where_edges_cross() {
+        let z = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, -1.0, 0.3], [0.5, 3.0, 0.3]];
+        let ([s, t], sine) = Measure::feet(&z);
+        assert!((s - 0.25).abs() < 1e-15 && (t - 0.25).abs() < 1e-15 && (sine - 1.0).abs() < 1e-15);
+        assert!((Measure::Edges(1.0).gap(&z) - 0.3).abs() < 1e-15);
+    }
+}
