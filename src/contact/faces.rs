@@ -48,6 +48,12 @@ pub fn shares(nodes: &[u32], q: &[f64]) -> Vec<f64> {
     (0..count).map(|k| (triangles[k] + triangles[(k + count - 1) % count]) / 3.0 + of_middle).collect()
 }
 
+/// Lower and upper corner of the box around some points.
+pub fn bounds(points: impl Iterator<Item = Vector>) -> [Vector; 2] {
+    let empty = [Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)];
+    points.fold(empty, |[low, high], x| [low.inf(&x), high.sup(&x)])
+}
+
 /// Triangles of a facet: one, or four about its mean point.
 pub fn triangles(nodes: &[u32], q: &[f64]) -> impl Iterator<Item = [Vector; 3]> {
     let corners: Vec<Vector> = nodes.iter().map(|&node| at(node, q)).collect();
@@ -96,8 +102,7 @@ pub fn gaps(own: &[u32], other: &[u32], q: &[f64], spare: f64) -> Option<[f64; 2
 pub fn thickness<'a>(facets: impl Iterator<Item = &'a [u32]>, q: &[f64], reach: f64) -> Vec<f64> {
     let facets: Vec<&[u32]> = facets.collect();
     let boxes = facets.iter().map(|nodes| {
-        let of = |from: f64, pick: fn(f64, f64) -> f64| nodes.iter().fold(Vector::repeat(from), |far, &node| far.zip_map(&at(node, q), pick));
-        let (low, high) = (of(f64::INFINITY, f64::min), of(f64::NEG_INFINITY, f64::max));
+        let [low, high] = bounds(nodes.iter().map(|&node| at(node, q)));
         GeomWithData::new(Rectangle::from_corners(low.into(), high.into()), *nodes)
     });
     let tree: RTree<GeomWithData<Rectangle<[f64; 3]>, &[u32]>> = RTree::bulk_load(boxes.collect());

@@ -40,6 +40,7 @@ mod search;
 mod slip;
 #[cfg(test)]
 mod slip_contract;
+mod solid;
 mod space;
 mod surface;
 mod tie;
@@ -63,6 +64,7 @@ pub use rigid_shape::Obstacle;
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
 pub use space::CornersInSpace;
+pub use solid::{Solid, Sunk};
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;
 pub use window::{Outlook, Travel};

@@ -280,7 +280,7 @@ pub enum StepError {
         /// The same over the longest facet there.
         facets: f64,
         /// Where.
-        at: [f64; 2],
+        at: Vec<f64>,
     },
     /// The user interrupted the run.
     #[error("interrupted at t = {time}")]

@@ -1,6 +1,6 @@
 //! Bodies and obstacles that are inside each other before anything is computed, from the undeformed meshes alone.
 //!
-//! Hulls that are inside each other are an overlap whatever contact is defined between the two. In the plane only.
+//! Hulls that are inside each other are an overlap whatever contact is defined between the two.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use super::boundaries::boundary_facets;
 use super::definitions::Model;
 use super::hulls::{ALLOWED, Hull, Inside};
 use super::interactions::{Interaction, Partner};
-use crate::contact::{CandidateSearch, Evaluation, Obstacle, Outlook, PatchFunctions, RigidContact, RigidObstacle};
+use crate::contact::{CandidateSearch, Evaluation, Obstacle, Outlook, PatchFunctions, RigidContact, RigidObstacle, Solid, Sunk};
 use crate::integrators::Derivative;
 
 /// An overlap in the undeformed bodies.
@@ -23,7 +23,7 @@ pub struct Overlap {
     /// The same over the facet there.
     pub facets: f64,
     /// Where.
-    pub at: [f64; 2],
+    pub at: Vec<f64>,
 }
 
 /// What overlaps.
@@ -67,10 +67,10 @@ impl Overlap {
 }
 
 impl Model {
-    /// Everything that overlaps in the undeformed bodies, the deepest place of each two; empty for bodies in space.
+    /// Everything that overlaps in the undeformed bodies, the deepest place of each two.
     pub fn overlaps(&self) -> Vec<Overlap> {
         if self.dimension() != 2 {
-            return Vec::new();
+            return self.overlaps_in_space();
         }
         let hulls: Vec<Hull> = (0..self.bodies.len()).map(|body| self.hull(body)).collect();
         let mut found = Vec::new();
@@ -79,11 +79,33 @@ impl Model {
                 let Some(Inside { depth, size, at }) = first.inside(second) else { continue };
                 let names = [first.body, second.body].map(|body| self.bodies[body].name.clone());
                 let contact = self.between(first.body, second.body);
-                found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at });
+                found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at: at.into() });
             }
         }
         found.extend(self.obstacle_overlaps());
         found
+    }
+
+    /// The same of bodies in space.
+    fn overlaps_in_space(&self) -> Vec<Overlap> {
+        let solids: Vec<Solid> = (0..self.bodies.len()).map(|body| self.solid(body, self.start(body).concat())).collect();
+        let mut found = Vec::new();
+        for (second, other) in solids.iter().enumerate() {
+            for (first, solid) in solids[..second].iter().enumerate() {
+                let Some(Sunk { depth, size, at }) = solid.inside(other) else { continue };
+                let names = [first, second].map(|body| self.bodies[body].name.clone());
+                let contact = self.between(first, second);
+                found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at: at.into() });
+            }
+        }
+        found
+    }
+
+    /// The hull of a body in space with its nodes at `q`.
+    pub fn solid(&self, body: usize, q: Vec<f64>) -> Solid {
+        let mesh = &self.bodies[body].mesh;
+        let facets: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.facet_nodes(facet).collect()).collect();
+        Solid::new(facets.iter().map(|facet| &facet[..]), q)
     }
 
     /// The hull of a body at the start.
@@ -120,7 +142,7 @@ impl Model {
             let node = 2 * kernel.secondary().nodes()[row] as usize;
             let whole = self.is_behind(interaction.secondary.body, shape, translation, size) && looks_away(&kernel, &reference, -least);
             let kind = OverlapKind::Obstacle { boundary: self.boundary_name(&interaction.secondary), whole };
-            let (contact, at) = (Some(interaction.name.clone()), [reference[node], reference[node + 1]]);
+            let (contact, at) = (Some(interaction.name.clone()), vec![reference[node], reference[node + 1]]);
             (-least > ALLOWED * size).then(|| Overlap { kind, contact, depth: -least, facets: -least / size, at })
         };
         self.interactions.iter().filter_map(overlap).collect()

@@ -6,6 +6,7 @@
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
+use crate::contact::Sunk;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::depths::{Depth, Depths};
 use crate::dynamics::model::error::StepError;
@@ -132,28 +133,38 @@ where
             time: self.state.row.time,
             depth: worst.depth,
             facets: worst.depth / worst.size,
-            at: worst.at,
+            at: worst.at.into(),
         })
     }
 
     /// The same for bodies that have passed each other so far that no side sees the other any more, and so nothing presses.
     fn check_passed(&self) -> Result<(), StepError> {
-        if D != 2 || self.options.accepts_overlap {
+        if self.options.accepts_overlap {
             return Ok(());
         }
         let q = &self.state.positions;
-        let hull = |body: usize| {
-            let first = self.system.bodies[body].nodes.start;
-            Hull::new(body, &self.model.bodies[body].mesh.outline(), &|node| [0, 1].map(|i| q[2 * (first + node as usize) + i]))
+        let inside = |body: usize, other: usize| -> Option<(f64, f64, Vec<f64>)> {
+            if D == 3 {
+                let solid = |body: usize| {
+                    let std::ops::Range { start, end } = self.system.bodies[body].nodes;
+                    self.model.solid(body, q[3 * start..3 * end].to_vec())
+                };
+                return solid(body).inside(&solid(other)).map(|Sunk { depth, size, at }| (depth, size, at.into()));
+            }
+            let hull = |body: usize| {
+                let first = self.system.bodies[body].nodes.start;
+                Hull::new(body, &self.model.bodies[body].mesh.outline(), &|node| [0, 1].map(|i| q[2 * (first + node as usize) + i]))
+            };
+            hull(body).inside(&hull(other)).map(|Inside { depth, size, at }| (depth, size, at.into()))
         };
         for (index, interaction) in self.model.interactions.iter().enumerate() {
             let Partner::Surfaces(primary) = &interaction.partner else { continue };
             let pairs = std::iter::once(&self.system.pairs[index]).chain(self.system.corners_of(index));
-            if pairs.flat_map(|pair| pair.rows.clone()).any(|row| self.state.lambda[row] > 0.0) {
+            if D == 2 && pairs.flat_map(|pair| pair.rows.clone()).any(|row| self.state.lambda[row] > 0.0) {
                 continue;
             }
             for other in primary.iter().map(|on| on.body).filter(|&other| other != interaction.secondary.body) {
-                if let Some(Inside { depth, size, at }) = hull(interaction.secondary.body).inside(&hull(other))
+                if let Some((depth, size, at)) = inside(interaction.secondary.body, other)
                     && depth > LEFT_PASSED * size
                 {
                     let (contact, time) = (interaction.name.clone(), self.state.row.time);

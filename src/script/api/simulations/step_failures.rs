@@ -9,8 +9,8 @@ use crate::script::language::failure::{Class, Failure, interrupted};
 use crate::script::language::function::Call;
 
 /// `by 0.02, 0.21 facets, at [1.0, 2.0]`.
-pub(super) fn overlap_text(depth: f64, facets: f64, at: [f64; 2]) -> String {
-    format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(&at))
+pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
+    format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(at))
 }
 
 impl SimulationHandle {
@@ -19,7 +19,7 @@ impl SimulationHandle {
         let (title, hint) = (error.to_string(), error.remedy());
         match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
-            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, at)).hint(hint),
+            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, &at)).hint(hint),
             StepError::OutOfMemory { .. } | StepError::TurnsFar { .. } => Failure::new(Class::Numerics, title).hint(hint),
             StepError::Amplitude { source, .. } | StepError::Friction { source, .. } => {
                 match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
@@ -47,7 +47,7 @@ impl SimulationHandle {
         let error = self.0.simulation.try_borrow().ok()?.check_apart().err()?;
         let (title, hint) = (error.to_string(), error.remedy());
         let StepError::StillOverlaps { contact, depth, facets, at, .. } = error else { return None };
-        let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, at)).hint(hint);
+        let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, &at)).hint(hint);
         Some(failure.placed(self.0.model.place_of_contact(&contact)))
     }
 

@@ -122,7 +122,7 @@ impl SimulationHandle {
             0 => String::new(),
             others => format!("; {others} more overlap"),
         };
-        let cause = format!("{}{others}", overlap_text(worst.depth, worst.facets, worst.at));
+        let cause = format!("{}{others}", overlap_text(worst.depth, worst.facets, &worst.at));
         Err(call.fail(worst.to_string()).cause(cause).hint(worst.remedy()))
     }
 

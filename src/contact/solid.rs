@@ -1,0 +1,129 @@
+//! Bodies in space by their hulls: which of their points are inside each other, whatever contact is defined.
+
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Rectangle};
+
+use super::faces::{self, Seen, Vector};
+use super::surface::Surface;
+
+/// Part of a facet that may overlap besides the rise of curved sides.
+const ALLOWED: f64 = 0.01;
+
+/// Turn between neighboring facets, in radians, beyond which a hull has an edge there and is not curved: 45 degrees.
+const EDGE: f64 = std::f64::consts::FRAC_PI_4;
+
+/// The hull of a body in space.
+pub struct Solid {
+    surface: Surface,
+    q: Vec<f64>,
+    tree: RTree<GeomWithData<Rectangle<[f64; 3]>, u32>>,
+    /// How far the curved surface that each facet stands for may rise above it, and besides a part of the facet `[length]`.
+    allowed: Vec<f64>,
+    bounds: [Vector; 2],
+}
+
+/// The deepest place of two hulls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sunk {
+    /// How deep `[length]`.
+    pub depth: f64,
+    /// Size of the smaller facet there `[length]`.
+    pub size: f64,
+    /// Where.
+    pub at: [f64; 3],
+}
+
+impl Solid {
+    /// The hull with these facets, counter-clockwise as seen from outside, in indices of nodes whose positions are `q`.
+    pub fn new<'a>(facets: impl IntoIterator<Item = &'a [u32]>, q: Vec<f64>) -> Solid {
+        let surface = Surface::in_space(facets);
+        let mut turns = vec![0.0f64; surface.count()];
+        for edge in surface.edges() {
+            let [Some(one), Some(other)] = edge.facets else { continue };
+            let normal = |facet: u32| faces::normal(surface.facet(facet as usize), &q);
+            let turn = normal(one).angle(&normal(other));
+            for facet in [one, other].into_iter().filter(|_| turn < EDGE) {
+                turns[facet as usize] = turns[facet as usize].max(turn);
+            }
+        }
+        let allowed = turns.iter().enumerate().map(|(facet, turn)| surface.facet_size(facet, &q) * (ALLOWED + turn / 4.0)).collect();
+        let boxed = |facet: usize| {
+            let [low, high] = faces::bounds(surface.facet(facet).iter().map(|&node| faces::at(node, &q)));
+            GeomWithData::new(Rectangle::from_corners(low.into(), high.into()), facet as u32)
+        };
+        let tree = RTree::bulk_load((0..surface.count()).map(boxed).collect());
+        let bounds = faces::bounds(surface.nodes().iter().map(|&node| faces::at(node, &q)));
+        Solid { surface, tree, allowed, bounds, q }
+    }
+
+    /// The facet nearest to a point inside, with its distance; nothing outside, and where the nearest place is on an edge.
+    fn around(&self, x: Vector) -> Option<(usize, f64)> {
+        let is_out = (0..3).any(|i| x[i] <= self.bounds[0][i] || x[i] >= self.bounds[1][i]);
+        if is_out {
+            return None;
+        }
+        let mut nearest: Option<(usize, Seen)> = None;
+        for (found, square) in self.tree.nearest_neighbor_iter_with_distance_2(x.into()) {
+            if nearest.is_some_and(|(_, seen)| square > seen.distance * seen.distance) {
+                break;
+            }
+            let seen = Seen::new(x, self.surface.facet(found.data as usize), &self.q);
+            if nearest.is_none_or(|(_, known)| seen.distance < known.distance) {
+                nearest = Some((found.data as usize, seen));
+            }
+        }
+        nearest.filter(|(_, seen)| !seen.is_beside && seen.gap < 0.0).map(|(facet, seen)| (facet, seen.distance))
+    }
+
+    /// The deepest node, or middle of a facet or an edge, of this hull inside another one.
+    fn deepest_in(&self, other: &Solid) -> Option<Sunk> {
+        let surface = &self.surface;
+        let points = (0..surface.count()).flat_map(|facet| {
+            let nodes = surface.facet(facet);
+            let ends = move |k: usize| [k, (k + 1) % nodes.len()].map(|k| faces::at(nodes[k], &self.q));
+            let of_side = move |k: usize| [ends(k)[0], 0.5 * (ends(k)[0] + ends(k)[1])];
+            (0..nodes.len()).flat_map(of_side).chain([faces::middle(nodes, &self.q)]).map(move |x| (facet, x))
+        });
+        let sunk = |(own, x): (usize, Vector)| {
+            let (facet, depth) = other.around(x)?;
+            let size = surface.facet_size(own, &self.q).min(other.surface.facet_size(facet, &other.q));
+            (depth > self.allowed[own] + other.allowed[facet]).then(|| Sunk { depth, size, at: x.into() })
+        };
+        points.filter_map(sunk).max_by(|a, b| a.depth.total_cmp(&b.depth))
+    }
+
+    /// The deepest place where the two are inside each other, if they are, as far as their nodes and the middles of facets and edges tell.
+    pub fn inside(&self, other: &Solid) -> Option<Sunk> {
+        let apart = |i: usize| self.bounds[0][i] >= other.bounds[1][i] || other.bounds[0][i] >= self.bounds[1][i];
+        if (0..3).any(apart) {
+            return None;
+        }
+        [self.deepest_in(other), other.deepest_in(self)].into_iter().flatten().max_by(|a, b| a.depth.total_cmp(&b.depth))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box with one facet a side, its lowest corner there.
+    fn solid(from: [f64; 3], size: [f64; 3]) -> Solid {
+        let corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let q = corners.iter().flat_map(|corner| (0..3).map(move |i| from[i] + f64::from(corner[i]) * size[i])).collect();
+        let facets: [[u32; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+        Solid::new(facets.iter().map(|facet| &facet[..]), q)
+    }
+
+    #[test]
+    fn what_touches_is_not_inside_and_what_overlaps_is_as_deep_as_it_is() {
+        let cube = solid([0.0; 3], [1.0; 3]);
+        for (from, depth) in [([1.0, 0.0, 0.0], None), ([0.3, 0.2, 1.0], None), ([0.2, 0.1, 0.9], Some(0.1)), ([2.0, 0.0, 0.0], None)] {
+            let found = cube.inside(&solid(from, [1.0; 3]));
+            assert_eq!(found.map(|found| (found.depth * 1e9).round() * 1e-9), depth, "{from:?}");
+        }
+        // A cross of two bars has no node of one inside the other; a small one may be inside whole.
+        let bar = solid([-2.0, 0.3, 0.3], [5.0, 0.4, 0.4]);
+        assert!(cube.inside(&bar).is_some_and(|found| found.depth > 0.1));
+        assert!(cube.inside(&solid([0.4; 3], [0.2; 3])).is_some());
+    }
+}
