@@ -80,7 +80,12 @@ impl Pairing<'_> {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
             let kernel = kernel(self.surface(std::slice::from_ref(secondary)), self.surface(interaction.primary()), self.reference);
-            return self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
+            let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
+            if pair.is_unilateral() {
+                // Over a small part of a facet the rows of its nodes are nearly the same one.
+                pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
+            }
+            return pair;
         }
         let facets = (self.facets)(secondary);
         let pair = match partner {
