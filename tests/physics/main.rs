@@ -13,6 +13,7 @@ mod contact_patch;
 mod crushed_hose;
 mod fields;
 mod free_fall;
+mod in_space;
 mod node_to_segment;
 mod point_masses;
 mod reactions;
