@@ -39,6 +39,7 @@ mod search;
 mod slip;
 #[cfg(test)]
 mod slip_contract;
+mod slivers;
 mod surface;
 mod tie;
 mod tips;

@@ -18,6 +18,7 @@ use rstar::{AABB, RTree};
 use serde::{Deserialize, Serialize};
 
 use super::pair::PerNode;
+use super::slivers;
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Window};
 
@@ -184,6 +185,7 @@ impl PairSearch {
     fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
         self.window.begin(outlook.depth);
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
+        slivers::leave_out(&mut self.near, self.candidates.pairs(), sides, outlook);
     }
 
     /// Whether a pair, listed or not, that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its
