@@ -138,7 +138,8 @@ impl Seen {
     /// A facet as seen from `x`.
     pub fn new(x: Vector, nodes: &[u32], q: &[f64]) -> Seen {
         let of = |corners: [Vector; 3]| {
-            let gap = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).try_normalize(0.0).unwrap_or_default().dot(&(x - corners[0]));
+            let gap =
+                (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).try_normalize(0.0).unwrap_or_default().dot(&(x - corners[0]));
             let distance = (x - closest(x, corners)).norm();
             Seen { distance, gap, is_beside: distance > gap.abs() * (1.0 + FACING) }
         };

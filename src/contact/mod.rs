@@ -40,6 +40,7 @@ mod search;
 mod slip;
 #[cfg(test)]
 mod slip_contract;
+mod slivers;
 mod solid;
 mod space;
 mod surface;
@@ -63,8 +64,8 @@ pub use rigid_corners::RigidCorners;
 pub use rigid_shape::Obstacle;
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
-pub use space::CornersInSpace;
 pub use solid::{Solid, Sunk};
+pub use space::CornersInSpace;
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;
 pub use window::{Outlook, Travel};

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use super::faces::{self, Vector};
 use super::pair::PerNode;
+use super::slivers;
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Window};
 
@@ -54,7 +55,10 @@ impl Candidates {
         let ranks = |list: &Self| list.ranks.as_ref().map(|ranks| ranks.each_ref().map(Vec::len));
         let [secondary, primary] = own.facets;
         let exist = |&[a, b]: &[u32; 2]| a < secondary && b < primary;
-        self.facets == own.facets && counts(self) == counts(own) && ranks(self) == ranks(own) && self.pairs.iter().chain(&self.excluded).all(exist)
+        self.facets == own.facets
+            && counts(self) == counts(own)
+            && ranks(self) == ranks(own)
+            && self.pairs.iter().chain(&self.excluded).all(exist)
     }
 
     /// An empty list that will be made with `spare` `[length]` beyond the margin that is needed.
@@ -206,6 +210,7 @@ impl PairSearch {
     fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
         self.window.begin(sides, outlook.depth);
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
+        slivers::leave_out(&mut self.near, self.candidates.pairs(), sides, outlook);
     }
 
     /// Whether a pair, listed or not, that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its

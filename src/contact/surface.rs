@@ -79,8 +79,7 @@ impl Surface {
         let mut nodes = of_facets.clone();
         nodes.sort_unstable();
         nodes.dedup();
-        let local_of_facets: Vec<u32> =
-            of_facets.iter().map(|&node| nodes.partition_point(|&other| other < node) as u32).collect();
+        let local_of_facets: Vec<u32> = of_facets.iter().map(|&node| nodes.partition_point(|&other| other < node) as u32).collect();
         let of_facet = |facet: usize| local_of_facets[starts[facet]..starts[facet + 1]].iter().map(move |&node| (node, facet as u32));
         let mut incidence: Vec<(u32, u32)> = (0..starts.len() - 1).flat_map(of_facet).collect();
         incidence.sort_unstable();

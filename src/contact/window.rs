@@ -10,7 +10,7 @@
 //! with the shortest secondary facet `h`, the pair's own relative motion in the step, and the length `|t|` of its secondary facet; while
 //! its facets look at each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 travel` of each other, which every search sees.
 //! All of it is known at the start of the step, and of the pair alone: neither the reach of the search nor a fast node elsewhere changes
-//! what takes part.
+//! what takes part. Of the pairs that are left, `slivers.rs` takes out those whose overlap may begin or end in the step beside a corner.
 //!
 //! At rest bodies may be pressed together that overlap by many facets. There whoever begins a step says how deep its contact overlaps
 //! ([`Outlook::depth`]), and that takes the place of `|t|/2`; both boxes may be as much farther apart, and thickness is measured to twice

@@ -100,6 +100,10 @@ pub const FACING_AREA: f64 = 1e-9;
 /// of a needle of 24 degrees on a flat side -0.2; the gap between facets that are nearly perpendicular is steep and means nothing.
 pub const OPPOSITE: f64 = -0.1;
 
+/// Gap in shortest secondary facets beyond which a pair's beginning to overlap within a step is more than Newton's method copes with: the
+/// jump of its gradient. Half a facet stopped piles; gaps of bodies that lie flush, and of facets on curved bodies, are a hundredth.
+pub const FAR_SLIVER: f64 = 0.05;
+
 /// Cosine of the angle between two facets of a surface above which their common node has one normal: up to 45 degrees, an octagon's.
 pub const SMOOTH: f64 = 0.7;
 

@@ -145,8 +145,7 @@ impl Grid {
         let cells = surfaces.iter().map(|surface| surface.facets.len()).sum();
         let firsts = surfaces.iter().scan(0, |next, surface| Some(std::mem::replace(next, *next + surface.points.len() as i64)));
         let firsts: Vec<i64> = firsts.collect();
-        let facets =
-            || surfaces.iter().zip(&firsts).flat_map(|(surface, &first)| surface.facets.iter().map(move |facet| (first, facet)));
+        let facets = || surfaces.iter().zip(&firsts).flat_map(|(surface, &first)| surface.facets.iter().map(move |facet| (first, facet)));
         let of_facet = |nodes: usize| match nodes {
             2 => LINE,
             3 => CellKind::Tri3.row().vtk_type,

@@ -24,6 +24,7 @@ pub const SCRIPTS: &[(&str, usize)] = &[
     ("10_waves_and_impacts", 33),
     ("11_vibrations", 16),
     ("12_integrators", 26),
+    ("13_friction", 7),
 ];
 
 /// What a script computes against what is known.

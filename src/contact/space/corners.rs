@@ -99,7 +99,8 @@ impl CornersInSpace {
         let facet_size = sides.facet_size.min(sides.primary.shortest_facet(reference));
         let points = features.iter().flat_map(|features| &features.vertices).map(|vertex| std::slice::from_ref(&vertex.node));
         let owners = Surface::in_space(points.chain(features[0].edges.iter().map(|edge| &edge.nodes[..])));
-        let facets = [&sides.primary, &sides.secondary].into_iter().flat_map(|surface| (0..surface.count()).map(|facet| surface.facet(facet)));
+        let facets =
+            [&sides.primary, &sides.secondary].into_iter().flat_map(|surface| (0..surface.count()).map(|facet| surface.facet(facet)));
         let partners = Surface::in_space(facets.chain(features[1].edges.iter().map(|edge| &edge.nodes[..])));
         let row_nodes: Vec<u32> = (0..owners.count()).map(|owner| owners.facet(owner)[0]).collect();
         sides.facet_size = facet_size;

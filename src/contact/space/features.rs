@@ -60,7 +60,8 @@ impl Features {
         let around = |node: u32| surface.index(node).map_or(&[][..], |index| &of_node[index]);
         let lap = |own: usize, node: u32| {
             let others = || around(node).iter().filter(|&&other| other != own);
-            let goes_on = |&&other: &&usize| bends[other] == Bend::Sharp && along(edges[other].nodes).dot(&along(edges[own].nodes)).abs() > SMOOTH;
+            let goes_on =
+                |&&other: &&usize| bends[other] == Bend::Sharp && along(edges[other].nodes).dot(&along(edges[own].nodes)).abs() > SMOOTH;
             if others().any(|&other| bends[other] == Bend::Concave) {
                 LAP_CONCAVE
             } else if others().any(|other| goes_on(&other)) {

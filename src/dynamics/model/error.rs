@@ -194,7 +194,9 @@ impl ModelError {
                 "points can be held, moved and loaded with a force; other loads and contacts need facets".into()
             }
             ModelError::InvertedAtStart { .. } => "displace neighboring nodes by less than their distance".into(),
-            ModelError::NotInSpace { .. } => "bodies in space touch without friction by the method \"mortar\"; use that, or plane meshes".into(),
+            ModelError::NotInSpace { .. } => {
+                "bodies in space touch without friction by the method \"mortar\"; use that, or plane meshes".into()
+            }
             ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()

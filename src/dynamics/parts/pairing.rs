@@ -152,7 +152,8 @@ impl Pairing<'_> {
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
             if self.model.dimension() == 3 {
                 let sides = (self.surface(std::slice::from_ref(&interaction.secondary)), self.surface(interaction.primary()));
-                if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, CornersInSpace::kernel(sides.0, sides.1, self.reference))
+                if let (Partner::Surfaces(_), Some(kernel)) =
+                    (&interaction.partner, CornersInSpace::kernel(sides.0, sides.1, self.reference))
                 {
                     add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
