@@ -49,7 +49,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/pile", "pile.svg"),
     ("scenarios/tumbling_block", "block.svg"),
     ("scenarios/tumbling_block_3d", "brick.svg"),
-    ("scenarios/bearing_3d", "race.svg"),
+    ("scenarios/bearing_3d", "energy.svg"),
     ("scenarios/thrown_bricks", "bricks.svg"),
     ("tutorials/01_first_body", "plate.svg"),
     ("tutorials/02_first_contact", "buffer.svg"),

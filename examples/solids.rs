@@ -1,5 +1,5 @@
-//! Random scenes of bodies in space by the hundred, judged by oracles that know nothing of the code (`tests/common/solids.rs`): one line for
-//! each run with a fault, then a table for each rule.
+//! Random scenes of bodies in space by the hundred, judged by oracles that know nothing of the code (`tests/common/solids.rs`): one line
+//! for each run with a fault, then a table for each rule.
 //!
 //! `cargo run --release --example solids -- [count] [--first SEED] [--rule R]`, or `--seed N` for one
 
@@ -81,8 +81,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut depths: Vec<f64> = found.iter().map(|(_, outcome)| outcome.depth).collect();
         depths.sort_by(f64::total_cmp);
         println!(
-            "{:12} {} runs, {} touch, {} failed, {} deeper than 0.15; largest defect {:.1e}, gain {:.1e}, momentum {:.1e}; depth median {:.4}, \
-             98 % {:.3}, largest {:.3} facets; {:.2} iterations a step, {} halvings",
+            "{:12} {} runs, {} touch, {} failed, {} deeper than 0.15; largest defect {:.1e}, gain {:.1e}, momentum {:.1e}; \
+             depth median {:.4}, 98 % {:.3}, largest {:.3} facets; {:.2} iterations a step, {} halvings",
             rule.name,
             found.len(),
             count(|outcome| outcome.touching > 0),

@@ -97,8 +97,8 @@ pub fn gaps(own: &[u32], other: &[u32], q: &[f64], spare: f64) -> Option<[f64; 2
     (polygon.len() >= 3).then_some([low - own_high, high - own_low])
 }
 
-/// Distance from the mean point of each facet to the nearest one behind it that looks the other way, as far as it is below `reach`; infinite
-/// beyond.
+/// Distance from the mean point of each facet to the nearest one behind it that looks the other way, as far as it is below `reach`;
+/// infinite beyond.
 pub fn thickness<'a>(facets: impl Iterator<Item = &'a [u32]>, q: &[f64], reach: f64) -> Vec<f64> {
     let facets: Vec<&[u32]> = facets.collect();
     let boxes = facets.iter().map(|nodes| {

@@ -242,7 +242,9 @@ impl PairSearch {
 /// Positions of a surface's nodes, one after the other.
 fn positions(surface: &Surface, q: &[f64]) -> Vec<f64> {
     let d = surface.dimension();
-    surface.nodes().iter().flat_map(|&node| &q[d * node as usize..d * (node as usize + 1)]).copied().collect()
+    let mut positions = Vec::with_capacity(d * surface.nodes().len());
+    surface.nodes().iter().for_each(|&node| positions.extend_from_slice(&q[d * node as usize..d * (node as usize + 1)]));
+    positions
 }
 
 /// All pairs without a common node whose boxes lie within `margin` of each other, ascending.

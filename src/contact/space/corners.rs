@@ -2,9 +2,10 @@
 //!
 //! For convex bodies the depth of an overlap is the largest gap over the faces of the Minkowski difference: every such face is a vertex of
 //! one body on a facet of the other, or two edges that cross. So a vertex on a sharp edge has a row against each facet opposite it, and a
-//! sharp edge one against each sharp edge that it crosses, if everything next to the feature recedes along the row's normal: then the pair is
-//! such a face. Which rows there are, and their signs, is decided at the start of a step, where it begins and where it is predicted to end.
-//! A row with an overlap goes where a shallower one near by says that the bodies have to be parted along another direction (*dominance*).
+//! sharp edge one against each sharp edge that it crosses, if everything next to the feature recedes along the row's normal: then the pair
+//! is such a face. Which rows there are, and their signs, is decided at the start of a step, where it begins and where it is predicted to
+//! end. A row with an overlap goes where a shallower one near by says that the bodies have to be parted along another direction
+//! (*dominance*).
 //!
 //! Rows stand in a few slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 

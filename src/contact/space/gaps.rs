@@ -6,8 +6,8 @@
 //! ```
 //!
 //! positive when open. `sigma = +-1` is chosen at the start of a step so that `n` points out of the body of the first edge. The gradient of
-//! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common perpendicular,
-//! where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
+//! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common
+//! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
 
 use crate::contact::slip::Number;
 

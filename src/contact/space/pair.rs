@@ -1,8 +1,8 @@
 //! The weighted gap functions of one facet pair in space, with gradient and Hessian, as one continuous function of its six to eight nodes.
 //!
-//! Everything is seen along one direction: the normal `n` of the secondary facet, along `(x_3 - x_1) x (x_4 - x_2)`, through its mean point.
-//! Nodes have plane coordinates `p` and heights `h`; a facet of four nodes is four flat triangles about its mean point, which has a quarter
-//! of each node. Each primary triangle is clipped by each secondary one, and on the polygons
+//! Everything is seen along one direction: the normal `n` of the secondary facet, along `(x_3 - x_1) x (x_4 - x_2)`, through its mean
+//! point. Nodes have plane coordinates `p` and heights `h`; a facet of four nodes is four flat triangles about its mean point, which has a
+//! quarter of each node. Each primary triangle is clipped by each secondary one, and on the polygons
 //!
 //! ```text
 //! Phi_A = sum int N_A (h_primary - h_secondary) dA          [length^3], > 0 when open
@@ -20,8 +20,8 @@
 //! ```
 //!
 //! over the edges of the polygon that lie on the triangle's own border. The frame turns with the secondary facet: with the moment `m` of
-//! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives the
-//! Hessian.
+//! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives
+//! the Hessian.
 
 use crate::contact::slip::Number;
 use crate::math::tolerances::FACING_AREA;
@@ -482,7 +482,10 @@ mod tests {
 
         /// The value is continuous along lines through configurations whose edges coincide.
         #[test]
-        fn values_are_continuous_where_edges_coincide(noise in prop::collection::vec(-1.0..1.0f64, 24), shift in prop::sample::select(vec![0.0, 0.5, 1.0])) {
+        fn values_are_continuous_where_edges_coincide(
+            noise in prop::collection::vec(-1.0..1.0f64, 24),
+            shift in prop::sample::select(vec![0.0, 0.5, 1.0]),
+        ) {
             let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
             let at = |size: f64| -> [f64; CORNERS] {
                 let own = square.iter().map(|&[x, y]| [x, y, 0.0]);

@@ -37,8 +37,8 @@ pub fn contact_pairs(
     pairs
 }
 
-/// Slack of sharp vertices and edges in space over that of corners in the plane: rows of flat surfaces and of their rims no longer depend on
-/// each other from a thousandth of a facet on.
+/// Slack of sharp vertices and edges in space over that of corners in the plane: rows of flat surfaces and of their rims no longer depend
+/// on each other from a thousandth of a facet on.
 const SLACK_IN_SPACE: f64 = 0.05;
 
 /// What pairs are made from.

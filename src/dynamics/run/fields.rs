@@ -199,8 +199,8 @@ pub struct ContactSurface {
     pub name: String,
     /// For each node, in the order of [`ContactFields`], the index of its body in the model and its number in that body's mesh.
     pub nodes: Vec<(usize, usize)>,
-    /// Its facets as contact sees them, in indices into `nodes`: in the plane straight with the body on the left, an edge of second order as
-    /// two; in space of three or four nodes, counter-clockwise as seen from outside.
+    /// Its facets as contact sees them, in indices into `nodes`: in the plane straight with the body on the left, an edge of second order
+    /// as two; in space of three or four nodes, counter-clockwise as seen from outside.
     pub facets: Vec<Vec<u32>>,
     /// Undeformed positions of the nodes `[length]`.
     pub points: Vec<[f64; 3]>,
