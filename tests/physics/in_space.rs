@@ -3,7 +3,8 @@
 #[path = "../common/solids.rs"]
 mod solids;
 
-use conserva::dynamics::UPDATE_RULES;
+use conserva::dynamics::{Options, Simulation, UPDATE_RULES};
+use conserva::integrators::ENERGY_MOMENTUM;
 
 /// Energy is never gained, the ledger closes, momenta stay, and nothing gets deep: `persistency` leaves what a step approaches.
 #[test]
@@ -18,4 +19,25 @@ fn random_solids_conserve_and_stay_out_of_each_other() {
         touching += usize::from(outcome.touching > 0);
     }
     assert!(touching >= 9, "{touching} of 12 touch");
+}
+
+/// A simulation that is made anew goes on from a state to the same bytes.
+#[test]
+fn a_state_is_taken_up_by_a_new_simulation() {
+    let (model, dt, _) = solids::scene(100, UPDATE_RULES[0]);
+    let new = || Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, dt)).expect("the model is sound");
+    let step = |sim: &mut Simulation| sim.step(None, &mut |_| ()).unwrap_or_else(|error| panic!("{error}"));
+    let mut sim = new();
+    while sim.row().active == 0 {
+        step(&mut sim);
+    }
+    let state = sim.shared_state();
+    let mut other = new();
+    assert!(other.fits(&state));
+    other.restore(&state);
+    for _ in 0..10 {
+        step(&mut sim);
+        step(&mut other);
+    }
+    assert_eq!(sim.shared_state().positions, other.shared_state().positions);
 }

@@ -78,11 +78,9 @@ where
         let positions = system.nodes.positions(&displacements);
         inverted_at_start(&system, model, &displacements)?;
         let velocities = initial_velocities(&system, model, &positions);
-        if D == 2 {
-            system
-                .survey(&positions)
-                .map_err(|shortage| ModelError::TooLarge { reason: format!("whose contacts couple many nodes: {shortage}") })?;
-        }
+        system
+            .survey(&positions)
+            .map_err(|shortage| ModelError::TooLarge { reason: format!("whose contacts couple many nodes: {shortage}") })?;
         let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
         let memory = system.memory_at_rest();
         let row = LedgerRow {
