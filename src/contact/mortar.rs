@@ -455,12 +455,7 @@ impl CandidateSearch for Mortar {
     }
 
     fn list_patches(&mut self) {
-        self.sides.patches.clear();
-        for &[secondary, primary] in self.search.candidates.pairs() {
-            let [x_1, x_2] = self.sides.secondary.facets()[secondary as usize];
-            let [y_1, y_2] = self.sides.primary.facets()[primary as usize];
-            self.sides.patches.push(&[x_1, x_2, y_1, y_2], &self.sides.secondary.local_facets()[secondary as usize]);
-        }
+        self.search.list_into(&mut self.sides);
     }
 }
 

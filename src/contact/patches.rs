@@ -71,6 +71,13 @@ impl Patches {
         self.dimension
     }
 
+    /// Positions of the nodes of patch `p` at `q`, one after the other, into `z`.
+    pub fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
+        let d = self.dimension;
+        z.clear();
+        z.extend(self.nodes(p).iter().flat_map(|&node| &q[d * node as usize..d * (node as usize + 1)]));
+    }
+
     /// Numbers of the nodes that patch `p` couples, in the order of its blocks.
     pub fn nodes(&self, p: usize) -> &[u32] {
         &self.nodes[self.starts[p].nodes..self.starts[p + 1].nodes]

@@ -18,7 +18,6 @@ use rstar::{AABB, RTree};
 use serde::{Deserialize, Serialize};
 
 use super::faces::{self, Vector};
-use super::pair::PerNode;
 use super::slivers;
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Window};
@@ -221,8 +220,21 @@ impl PairSearch {
         at_end.iter().any(|pair| !took_part(pair) && self.window.is_overlooked(*pair, sides, q_0, q_1, tolerance))
     }
 
+    /// Makes a patch of each listed pair: the nodes of both facets, and the rows of the secondary one.
+    pub fn list_into(&self, sides: &mut Sides) {
+        let Sides { secondary, primary, patches, .. } = sides;
+        patches.clear();
+        let mut nodes = Vec::new();
+        for &[own, other] in self.candidates.pairs() {
+            nodes.clear();
+            nodes.extend_from_slice(secondary.facet(own as usize));
+            nodes.extend_from_slice(primary.facet(other as usize));
+            patches.push(&nodes, secondary.local_facet(own as usize));
+        }
+    }
+
     /// Sums the values of all pairs that take part, one for each node of the secondary facet, into the secondary nodes.
-    pub fn summed(&self, sides: &Sides, values: impl Iterator<Item = PerNode<f64>>) -> Vec<f64> {
+    pub fn summed<const N: usize>(&self, sides: &Sides, values: impl Iterator<Item = [f64; N]>) -> Vec<f64> {
         let mut sums = vec![0.0; sides.secondary.nodes().len()];
         for (p, values) in values.enumerate().filter(|(p, _)| self.near[*p]) {
             for (&row, value) in sides.patches.rows(p).iter().zip(values) {

@@ -9,10 +9,9 @@
 //!
 //! Rows stand in a few slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
-use num_dual::DualSVec64;
-
 use super::features::{self, Features};
 use super::gaps::{Measure, NODES};
+use super::vectors;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
@@ -39,15 +38,13 @@ const CONE: f64 = 0.1;
 const STRICT: f64 = 0.01;
 
 /// Cosine of the angle between the normals of two facets from which on a vertex has a row against the nearer one alone: 10 degrees.
-const ALIKE: f64 = 0.984_807_753_012_208;
+const ALIKE: f64 = features::SMOOTH;
 
 /// How far, in smallest facets, a body may reach beyond a row's plane and still recede along it.
 const RECEDES: f64 = 0.02;
 
 /// Unknowns of a patch, at most.
 const UNKNOWNS: usize = 3 * NODES;
-
-type Jet = DualSVec64<UNKNOWNS>;
 
 /// What a patch is between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,11 +261,6 @@ impl CornersInSpace {
         Some((self.sides.patches.rows(patch)[slot] as usize, measure))
     }
 
-    fn gather_into(&self, patch: usize, q: &[f64], z: &mut Vec<f64>) {
-        z.clear();
-        z.extend(self.sides.patches.nodes(patch).iter().flat_map(|&node| &q[3 * node as usize..3 * node as usize + 3]));
-    }
-
     /// The rows of this step that are still there at `q`, with what they are there.
     fn rows_at(&self, q: &[f64]) -> Vec<(usize, Found)> {
         let outlook = Outlook::within(q, self.sides.facet_size);
@@ -311,7 +303,7 @@ impl PatchFunctions for CornersInSpace {
         let start = |patch: usize| {
             let mut z = Vec::new();
             if self.rows[patch].is_some() {
-                self.gather_into(patch, q_0, &mut z);
+                self.sides.patches.gather_into(patch, q_0, &mut z);
             }
             z
         };
@@ -335,7 +327,7 @@ impl PatchFunctions for CornersInSpace {
         for (patch, start) in self.start.iter().enumerate() {
             out.clear_patch(&self.sides.patches, patch);
             let Some((row, measure)) = self.row(patch) else { continue };
-            self.gather_into(patch, q_1, &mut end);
+            self.sides.patches.gather_into(patch, q_1, &mut end);
             let weight = self.sides.weights[row];
             let end_gap = measure.gap(end.as_chunks().0);
             out.live[patch] = true;
@@ -392,15 +384,8 @@ fn gradient_into(measure: Measure, z: &[f64], weight: f64, out: &mut [f64]) {
 
 /// `share` times the Hessian of a gap.
 fn hessian_into(measure: Measure, z: &[f64], share: f64, out: &mut [f64]) {
-    let jet = |(k, &x): (usize, &f64)| Jet::from_re(x).derivative(k);
-    let jets: Vec<Jet> = z.iter().enumerate().map(jet).collect();
-    let gradient = measure.gradient(jets.as_chunks().0);
-    for (row, jet) in out.chunks_exact_mut(z.len()).zip(gradient.as_flattened()) {
-        match &jet.eps {
-            num_dual::Derivative(Some(slope)) => row.iter_mut().zip(slope.iter()).for_each(|(entry, slope)| *entry = share * slope),
-            num_dual::Derivative(None) => row.fill(0.0),
-        }
-    }
+    let gradient = measure.gradient(&vectors::jets::<UNKNOWNS>(z));
+    vectors::hessian_into(&gradient, share, out);
 }
 
 impl CandidateSearch for CornersInSpace {

@@ -4,7 +4,7 @@ use crate::contact::faces::{self, Vector};
 use crate::contact::surface::Surface;
 
 /// Cosine of the angle by which facets turn at an edge that is sharp: 10 degrees.
-const SMOOTH: f64 = 0.984_807_753_012_208;
+pub const SMOOTH: f64 = 0.984_807_753_012_208;
 
 /// How far a facet, or a sharp edge, may be left and still be met, over its size: across a border behind which the surface goes on
 /// smoothly, and across one into which another part of the surface rises (a point in the crease of two coarse facets would be opposite

@@ -9,12 +9,11 @@
 //! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common
 //! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
 
+use super::vectors::{Vec3, cross, diagonals, dot, sub};
 use crate::contact::slip::Number;
 
 /// Nodes of a row, at most.
 pub const NODES: usize = 5;
-
-type Vec3<T> = [T; 3];
 
 /// What measures a row in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,21 +22,6 @@ pub enum Measure {
     Facet(usize),
     /// Two edges, with the sign of their normal.
     Edges(f64),
-}
-
-fn sub<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn dot<T: Number>(a: Vec3<T>, b: Vec3<T>) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
 }
 
 /// Two vectors with their cross product's length and direction.
@@ -49,16 +33,16 @@ struct Spread<T> {
 }
 
 impl<T: Number> Spread<T> {
-    fn new(first: Vec3<T>, second: Vec3<T>) -> Self {
+    fn new([first, second]: [Vec3<T>; 2]) -> Self {
         let product = cross(first, second);
         let length = dot(product, product).sqrt();
         let inverse = length.recip();
         Spread { first, second, length, normal: product.map(|x| x * inverse) }
     }
 
-    /// The diagonals of a facet, or two sides of a triangle.
-    fn of_facet(y: &[Vec3<T>]) -> Self {
-        if y.len() == 3 { Spread::new(sub(y[1], y[0]), sub(y[2], y[0])) } else { Spread::new(sub(y[2], y[0]), sub(y[3], y[1])) }
+    /// Of two edges, by their ends.
+    fn of_edges(z: &[Vec3<T>]) -> Self {
+        Spread::new([sub(z[1], z[0]), sub(z[3], z[2])])
     }
 
     /// The feet of the common perpendicular of lines along both vectors, the second of which begins at `from` the first.
@@ -76,9 +60,9 @@ impl Measure {
             Measure::Facet(count) => {
                 let (v, y) = (z[0], &z[1..]);
                 let middle: Vec3<f64> = std::array::from_fn(|i| y.iter().map(|y| y[i]).sum::<f64>() / count as f64);
-                dot(Spread::of_facet(y).normal, sub(v, middle))
+                dot(Spread::new(diagonals(y)).normal, sub(v, middle))
             }
-            Measure::Edges(sign) => sign * dot(Spread::new(sub(z[1], z[0]), sub(z[3], z[2])).normal, sub(z[2], z[0])),
+            Measure::Edges(sign) => sign * dot(Spread::of_edges(z).normal, sub(z[2], z[0])),
         }
     }
 
@@ -89,7 +73,7 @@ impl Measure {
             Measure::Facet(count) => {
                 let (v, y) = (z[0], &z[1..]);
                 let share = 1.0 / count as f64;
-                let spread = Spread::of_facet(y);
+                let spread = Spread::new(diagonals(y));
                 let n = spread.normal;
                 let mut arm = v;
                 y.iter().for_each(|y| (0..3).for_each(|i| arm[i] -= y[i] * share));
@@ -109,7 +93,7 @@ impl Measure {
                 }
             }
             Measure::Edges(sign) => {
-                let spread = Spread::new(sub(z[1], z[0]), sub(z[3], z[2]));
+                let spread = Spread::of_edges(z);
                 let [s, t] = spread.feet(sub(z[2], z[0]));
                 let n = spread.normal.map(|n| n * sign);
                 for (node, weight) in [s - 1.0, -s, -t + 1.0, t].into_iter().enumerate() {
@@ -122,9 +106,8 @@ impl Measure {
 
     /// Feet of the common perpendicular of two edges, and the sine of the angle between them.
     pub fn feet(z: &[Vec3<f64>]) -> ([f64; 2], f64) {
-        let (first, second) = (sub(z[1], z[0]), sub(z[3], z[2]));
-        let spread = Spread::new(first, second);
-        let sine = spread.length / (dot(first, first) * dot(second, second)).sqrt();
+        let spread = Spread::of_edges(z);
+        let sine = spread.length / (dot(spread.first, spread.first) * dot(spread.second, spread.second)).sqrt();
         (spread.feet(sub(z[2], z[0])), sine)
     }
 }

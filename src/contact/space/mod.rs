@@ -5,6 +5,7 @@ mod features;
 mod gaps;
 mod mortar;
 mod pair;
+mod vectors;
 
 pub use corners::CornersInSpace;
 pub use mortar::MortarInSpace;

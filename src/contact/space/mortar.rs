@@ -4,9 +4,8 @@
 //! pair, projected off the rigid motions of the pair's nodes in mid-step, so that energy and both momenta are exact while facets slide over
 //! each other.
 
-use num_dual::DualSVec64;
-
-use super::pair::{CORNERS, NODES, Pair, Vec3};
+use super::pair::{CORNERS, NODES, Pair};
+use super::vectors;
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
 use crate::contact::search::PairSearch;
@@ -18,9 +17,6 @@ const SPARE: f64 = 1.0;
 
 /// Unknowns of a pair, at most.
 const UNKNOWNS: usize = 3 * NODES;
-
-/// A number with its derivatives with respect to all unknowns of a pair.
-type Jet = DualSVec64<UNKNOWNS>;
 
 /// Mortar contact of two surfaces in space.
 #[derive(Clone, Debug)]
@@ -43,6 +39,8 @@ struct Start {
 struct Scratch {
     end: Vec<f64>,
     middle: Vec<f64>,
+    /// Gradient of one function; its Hessian weighted by multipliers, and so the gradients in the middle and at the end of the step.
+    row: Vec<f64>,
     hessian: Vec<f64>,
     weighted: [Vec<f64>; 2],
     projection: Projection<3>,
@@ -62,26 +60,22 @@ impl MortarInSpace {
         [self.sides.secondary.facet(own as usize).len(), self.sides.primary.facet(other as usize).len()]
     }
 
-    /// Positions of the nodes of pair `p` at `q`.
-    fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
-        z.clear();
-        z.extend(self.sides.patches.nodes(p).iter().flat_map(|&node| &q[3 * node as usize..3 * node as usize + 3]));
-    }
-
     /// Pair `p` at the positions of its nodes.
     fn pair(&self, p: usize, z: &[f64]) -> Option<Pair<f64>> {
         Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)
     }
 
-    /// Tells the pairs that take part and overlap at `q`.
-    fn for_each_overlap(&self, q: &[f64], mut visit: impl FnMut(usize, Pair<f64>)) {
+    /// Sums what each pair that takes part and overlaps at `q` has for its secondary nodes into these.
+    fn sum(&self, q: &[f64], contribution: impl Fn(&Pair<f64>) -> [f64; CORNERS]) -> Vec<f64> {
         let mut z = Vec::with_capacity(UNKNOWNS);
-        for p in (0..self.sides.patches.len()).filter(|&p| self.search.near[p]) {
-            self.gather_into(p, q, &mut z);
-            if let Some(pair) = self.pair(p, &z) {
-                visit(p, pair);
+        let of_pair = |p: usize| {
+            if !self.search.near[p] {
+                return [0.0; CORNERS];
             }
-        }
+            self.sides.patches.gather_into(p, q, &mut z);
+            self.pair(p, &z).as_ref().map_or([0.0; CORNERS], &contribution)
+        };
+        self.search.summed(&self.sides, (0..self.sides.patches.len()).map(of_pair))
     }
 }
 
@@ -95,20 +89,9 @@ fn gradient_into(pair: &Option<Pair<f64>>, weights: &[f64; CORNERS], out: &mut [
 
 /// `share` times the Hessian of a pair's function.
 fn hessian_into(z: &[f64], counts: [usize; 2], weights: &[f64; CORNERS], share: f64, out: &mut [f64]) {
-    let jets: Vec<Vec3<Jet>> = z
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .enumerate()
-        .map(|(node, x)| std::array::from_fn(|i| Jet::from_re(x[i]).derivative(3 * node + i)))
-        .collect();
-    let Some(pair) = Pair::new(&jets, counts) else { return out.fill(0.0) };
-    let gradient = pair.gradient(weights);
-    for (row, jet) in out.chunks_exact_mut(z.len()).zip(gradient.as_flattened()) {
-        match &jet.eps {
-            num_dual::Derivative(Some(slope)) => row.iter_mut().zip(slope.iter()).for_each(|(entry, slope)| *entry = share * slope),
-            num_dual::Derivative(None) => row.fill(0.0),
-        }
+    match Pair::new(&vectors::jets::<UNKNOWNS>(z), counts) {
+        Some(pair) => vectors::hessian_into(&pair.gradient(weights), share, out),
+        None => out.fill(0.0),
     }
 }
 
@@ -123,17 +106,13 @@ impl PatchFunctions for MortarInSpace {
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
-            self.sides.patches.rows(p).iter().zip(start.values).for_each(|(&row, value)| gaps[row as usize] += value);
-        }
-        gaps
+        self.search.summed(&self.sides, self.start.iter().map(|start| start.values))
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
         let start = |p: usize| {
             let mut positions = Vec::new();
-            self.gather_into(p, q_0, &mut positions);
+            self.sides.patches.gather_into(p, q_0, &mut positions);
             let pair = if self.search.near[p] { self.pair(p, &positions) } else { None };
             let values = pair.as_ref().map_or([0.0; CORNERS], Pair::values);
             Start { positions, values, overlaps: pair.is_some() }
@@ -157,18 +136,11 @@ impl PatchFunctions for MortarInSpace {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        self.for_each_overlap(q, |p, pair| {
-            self.sides.patches.rows(p).iter().zip(pair.values()).for_each(|(&row, value)| gaps[row as usize] += value);
-        });
-        gaps
+        self.sum(q, Pair::values)
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut covered = vec![0.0; self.sides.weights.len()];
-        self.for_each_overlap(q, |p, pair| {
-            self.sides.patches.rows(p).iter().zip(pair.covered()).for_each(|(&row, area)| covered[row as usize] += area);
-        });
+        let mut covered = self.sum(q, Pair::covered);
         self.sides.cover(&mut covered, q);
         covered
     }
@@ -185,8 +157,8 @@ impl Scratch {
         (q_1, lambda): (&[f64], &[f64]),
         out: &mut Evaluation,
     ) -> bool {
-        let Scratch { end: end_z, middle: middle_z, hessian, weighted, projection } = self;
-        kernel.gather_into(p, q_1, end_z);
+        let Scratch { end: end_z, middle: middle_z, row, hessian, weighted, projection } = self;
+        kernel.sides.patches.gather_into(p, q_1, end_z);
         middle_z.clear();
         middle_z.extend(start.positions.iter().zip(&*end_z).map(|(a, b)| 0.5 * (a + b)));
         let (end, middle) = (kernel.pair(p, end_z), kernel.pair(p, middle_z));
@@ -214,15 +186,18 @@ impl Scratch {
         if derivative == Derivative::DiscreteGradient {
             projection.set(&start.positions, end_z);
             let [of_middle, of_end] = weighted;
-            of_middle.resize(unknowns, 0.0);
-            of_end.resize(unknowns, 0.0);
-            for (k, block) in out.gradient_bar[range].chunks_exact_mut(unknowns).enumerate() {
-                gradient_into(&middle, &unit(k), of_middle);
-                projection.gradient_into(of_middle, values[k] - start.values[k], block);
+            for vector in [&mut *of_middle, &mut *of_end, &mut *row] {
+                vector.clear();
+                vector.resize(unknowns, 0.0);
+            }
+            let blocks = out.gradient_bar[range.clone()].chunks_exact_mut(unknowns).zip(out.gradient_end[range].chunks_exact(unknowns));
+            for (k, (bar, at_end)) in blocks.enumerate() {
+                gradient_into(&middle, &unit(k), row);
+                projection.gradient_into(row, values[k] - start.values[k], bar);
+                of_middle.iter_mut().zip(&*row).for_each(|(sum, g)| *sum += weights[k] * g);
+                of_end.iter_mut().zip(at_end).for_each(|(sum, g)| *sum += weights[k] * g);
             }
             if is_pressed {
-                gradient_into(&middle, &weights, of_middle);
-                gradient_into(&end, &weights, of_end);
                 hessian.clear();
                 hessian.resize(unknowns * unknowns, 0.0);
                 if middle.is_some() {
@@ -259,11 +234,7 @@ impl CandidateSearch for MortarInSpace {
     }
 
     fn list_patches(&mut self) {
-        self.sides.patches.clear();
-        for &[secondary, primary] in self.search.candidates.pairs() {
-            let nodes = [self.sides.secondary.facet(secondary as usize), self.sides.primary.facet(primary as usize)].concat();
-            self.sides.patches.push(&nodes, self.sides.secondary.local_facet(secondary as usize));
-        }
+        self.search.list_into(&mut self.sides);
     }
 }
 

@@ -23,6 +23,7 @@
 //! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives
 //! the Hessian.
 
+use super::vectors::{Vec3, cross, diagonals, dot, scaled, sub};
 use crate::contact::slip::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -34,9 +35,6 @@ pub const NODES: usize = 2 * CORNERS;
 
 /// Corners of a polygon: a triangle cut by three lines has six at most, rounding may leave one more at each cut.
 const VERTICES: usize = 9;
-
-/// A vector in space.
-pub type Vec3<T> = [T; 3];
 
 /// A corner of a polygon: its place, the shape functions of both triangles there, what the edge that begins there lies on.
 #[derive(Clone, Copy)]
@@ -82,25 +80,6 @@ pub struct Pair<T> {
     polygons: Vec<Polygon<T>>,
 }
 
-fn sub<T: Number, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn scaled<T: Number, const N: usize>(a: [T; N], s: T) -> [T; N] {
-    a.map(|a| a * s)
-}
-
-fn dot<T: Number>(a: Vec3<T>, b: Vec3<T>) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
-}
-
 /// Twice the area of a triangle, positive counter-clockwise.
 fn area<T: Number>(a: [T; 2], b: [T; 2], c: [T; 2]) -> T {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -117,7 +96,7 @@ impl<T: Number> Pair<T> {
     /// has no area.
     pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let [own, other] = counts;
-        let diagonals = if own == 3 { [sub(x[1], x[0]), sub(x[2], x[0])] } else { [sub(x[2], x[0]), sub(x[3], x[1])] };
+        let diagonals = diagonals(&x[..own]);
         let product = cross(diagonals[0], diagonals[1]);
         let square = dot(product, product);
         if square.re() <= 0.0 {

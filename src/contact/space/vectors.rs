@@ -1,0 +1,52 @@
+//! Vectors of any numbers, and what makes a second derivative of a gradient that is written for any numbers.
+
+use num_dual::DualSVec64;
+
+use crate::contact::slip::Number;
+
+/// A vector in space.
+pub type Vec3<T> = [T; 3];
+
+/// A number with its derivatives with respect to `N` unknowns.
+pub type Jet<const N: usize> = DualSVec64<N>;
+
+pub fn sub<T: Number, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+pub fn scaled<T: Number, const N: usize>(a: [T; N], s: T) -> [T; N] {
+    a.map(|a| a * s)
+}
+
+pub fn dot<T: Number>(a: Vec3<T>, b: Vec3<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
+/// The diagonals of a facet of four nodes, two sides of one of three: their product is along its normal.
+pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
+    if nodes.len() == 3 { [sub(nodes[1], nodes[0]), sub(nodes[2], nodes[0])] } else { [sub(nodes[2], nodes[0]), sub(nodes[3], nodes[1])] }
+}
+
+/// The unknowns `z` as numbers that carry their derivatives, three for each node.
+pub fn jets<const N: usize>(z: &[f64]) -> Vec<Vec3<Jet<N>>> {
+    let jet = |k: usize| Jet::from_re(z[k]).derivative(k);
+    (0..z.len() / 3).map(|node| std::array::from_fn(|i| jet(3 * node + i))).collect()
+}
+
+/// `share` times the derivatives of a gradient, row by row over its unknowns.
+pub fn hessian_into<const N: usize>(gradient: &[Vec3<Jet<N>>], share: f64, out: &mut [f64]) {
+    let unknowns = out.len().isqrt();
+    for (row, jet) in out.chunks_exact_mut(unknowns).zip(gradient.as_flattened()) {
+        match &jet.eps {
+            num_dual::Derivative(Some(slope)) => row.iter_mut().zip(slope.iter()).for_each(|(entry, slope)| *entry = share * slope),
+            num_dual::Derivative(None) => row.fill(0.0),
+        }
+    }
+}
