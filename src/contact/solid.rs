@@ -4,7 +4,7 @@ use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
 
 use super::faces::{self, Seen, Vector};
-use super::surface::Surface;
+use super::surface::{Edge, Surface};
 
 /// Part of a facet that may overlap besides the rise of curved sides.
 const ALLOWED: f64 = 0.01;
@@ -15,6 +15,7 @@ const EDGE: f64 = std::f64::consts::FRAC_PI_4;
 /// The hull of a body in space.
 pub struct Solid {
     surface: Surface,
+    edges: Vec<Edge>,
     q: Vec<f64>,
     tree: RTree<GeomWithData<Rectangle<[f64; 3]>, u32>>,
     /// How far the curved surface that each facet stands for may rise above it, and besides a part of the facet `[length]`.
@@ -38,7 +39,8 @@ impl Solid {
     pub fn new<'a>(facets: impl IntoIterator<Item = &'a [u32]>, q: Vec<f64>) -> Solid {
         let surface = Surface::in_space(facets);
         let mut turns = vec![0.0f64; surface.count()];
-        for edge in surface.edges() {
+        let edges = surface.edges();
+        for edge in &edges {
             let [Some(one), Some(other)] = edge.facets else { continue };
             let normal = |facet: u32| faces::normal(surface.facet(facet as usize), &q);
             let turn = normal(one).angle(&normal(other));
@@ -53,7 +55,7 @@ impl Solid {
         };
         let tree = RTree::bulk_load((0..surface.count()).map(boxed).collect());
         let bounds = faces::bounds(surface.nodes().iter().map(|&node| faces::at(node, &q)));
-        Solid { surface, tree, allowed, bounds, q }
+        Solid { surface, edges, tree, allowed, bounds, q }
     }
 
     /// The facet nearest to a point inside, with its distance; nothing outside, and where the nearest place is on an edge.
@@ -78,18 +80,19 @@ impl Solid {
     /// The deepest node, or middle of a facet or an edge, of this hull inside another one.
     fn deepest_in(&self, other: &Solid) -> Option<Sunk> {
         let surface = &self.surface;
-        let points = (0..surface.count()).flat_map(|facet| {
-            let nodes = surface.facet(facet);
-            let ends = move |k: usize| [k, (k + 1) % nodes.len()].map(|k| faces::at(nodes[k], &self.q));
-            let of_side = move |k: usize| [ends(k)[0], 0.5 * (ends(k)[0] + ends(k)[1])];
-            (0..nodes.len()).flat_map(of_side).chain([faces::middle(nodes, &self.q)]).map(move |x| (facet, x))
-        });
-        let sunk = |(own, x): (usize, Vector)| {
+        let at = |node: u32| faces::at(node, &self.q);
+        let nodes = surface.nodes().iter().enumerate().map(|(index, &node)| (surface.adjacent_facets(index).to_vec(), at(node)));
+        let edges =
+            self.edges.iter().map(|edge| (edge.facets.into_iter().flatten().collect(), 0.5 * (at(edge.nodes[0]) + at(edge.nodes[1]))));
+        let facets = (0..surface.count()).map(|facet| (vec![facet as u32], faces::middle(surface.facet(facet), &self.q)));
+        // Of the facets that a point lies on, the one that allows the least.
+        let sunk = |(on, x): (Vec<u32>, Vector)| {
             let (facet, depth) = other.around(x)?;
+            let own = on.into_iter().map(|own| own as usize).min_by(|&a, &b| self.allowed[a].total_cmp(&self.allowed[b]))?;
             let size = surface.facet_size(own, &self.q).min(other.surface.facet_size(facet, &other.q));
             (depth > self.allowed[own] + other.allowed[facet]).then(|| Sunk { depth, size, at: x.into() })
         };
-        points.filter_map(sunk).max_by(|a, b| a.depth.total_cmp(&b.depth))
+        nodes.chain(edges).chain(facets).filter_map(sunk).max_by(|a, b| a.depth.total_cmp(&b.depth))
     }
 
     /// The deepest place where the two are inside each other, if they are, as far as their nodes and the middles of facets and edges tell.

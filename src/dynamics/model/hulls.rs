@@ -1,11 +1,13 @@
-//! Hulls of bodies in the plane, and where two of them are inside each other.
+//! Hulls of bodies, and where two of them are inside each other.
 //!
-//! Two cases count: a node of one hull inside the other, and facets that cross far from all their nodes. Hulls are polygons, so a node of
-//! one curved side may lie behind the chord of the other by its rise (sagitta): that much, and a hundredth of a facet, is allowed.
+//! In the plane two cases count: a node of one hull inside the other, and facets that cross far from all their nodes. Hulls are polygons,
+//! so a node of one curved side may lie behind the chord of the other by its rise (sagitta): that much, and a hundredth of a facet, is
+//! allowed.
 
 use std::collections::HashMap;
 
-use crate::mesh::{cross, is_inside};
+use crate::contact::{Solid, Sunk};
+use crate::mesh::{Mesh, cross, is_inside};
 
 /// Part of a facet that may overlap besides the rise of curved sides.
 pub const ALLOWED: f64 = 0.01;
@@ -28,14 +30,44 @@ pub struct Hull {
     high: [f64; 2],
 }
 
+/// The hull of a body in the plane or in space.
+pub enum BodyHull {
+    /// A polygon.
+    Plane(Hull),
+    /// A polyhedron.
+    Space(Box<Solid>),
+}
+
 /// Two hulls that are inside each other.
 pub struct Inside {
     /// How deep `[length]`.
     pub depth: f64,
     /// Length of the facet there `[length]`.
     pub size: f64,
-    /// Where.
-    pub at: [f64; 2],
+    /// Where, with as many coordinates as there are dimensions.
+    pub at: Vec<f64>,
+}
+
+impl BodyHull {
+    /// The hull of a mesh with its nodes at `q`.
+    pub fn new(body: usize, mesh: &Mesh, q: &[f64]) -> BodyHull {
+        if mesh.dimension() == 2 {
+            return BodyHull::Plane(Hull::new(body, &mesh.outline(), &|node| [q[2 * node as usize], q[2 * node as usize + 1]]));
+        }
+        let facets: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.facet_nodes(facet).collect()).collect();
+        BodyHull::Space(Box::new(Solid::new(facets.iter().map(|facet| &facet[..]), q.to_vec())))
+    }
+
+    /// The deepest place where the two are inside each other, if they are.
+    pub fn inside(&self, other: &BodyHull) -> Option<Inside> {
+        match (self, other) {
+            (BodyHull::Plane(own), BodyHull::Plane(other)) => own.inside(other),
+            (BodyHull::Space(own), BodyHull::Space(other)) => {
+                own.inside(other).map(|Sunk { depth, size, at }| Inside { depth, size, at: at.into() })
+            }
+            _ => None,
+        }
+    }
 }
 
 impl Hull {
@@ -74,7 +106,7 @@ impl Hull {
         }
         let places = [deepest(self, other), deepest(other, self), crossing(self, other)];
         let (depth, size, at) = places.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Inside { depth, size, at })
+        Some(Inside { depth, size, at: at.into() })
     }
 
     /// Whether the boxes around two hulls overlap.

@@ -5,10 +5,10 @@
 use std::fmt;
 
 use super::boundaries::boundary_facets;
-use super::definitions::Model;
-use super::hulls::{ALLOWED, Hull, Inside};
+use super::definitions::{BodyDefinition, Model};
+use super::hulls::{ALLOWED, BodyHull, Hull, Inside};
 use super::interactions::{Interaction, Partner};
-use crate::contact::{CandidateSearch, Evaluation, Obstacle, Outlook, PatchFunctions, RigidContact, RigidObstacle, Solid, Sunk};
+use crate::contact::{CandidateSearch, Evaluation, Obstacle, Outlook, PatchFunctions, RigidContact, RigidObstacle};
 use crate::integrators::Derivative;
 
 /// An overlap in the undeformed bodies.
@@ -69,46 +69,28 @@ impl Overlap {
 impl Model {
     /// Everything that overlaps in the undeformed bodies, the deepest place of each two.
     pub fn overlaps(&self) -> Vec<Overlap> {
-        if self.dimension() != 2 {
-            return self.overlaps_in_space();
-        }
-        let hulls: Vec<Hull> = (0..self.bodies.len()).map(|body| self.hull(body)).collect();
+        let dimension = self.dimension();
+        let hull = |(body, definition): (usize, &BodyDefinition)| {
+            let q: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
+            BodyHull::new(body, &definition.mesh, &q)
+        };
+        let hulls: Vec<BodyHull> = self.bodies.iter().enumerate().map(hull).collect();
         let mut found = Vec::new();
-        for (index, first) in hulls.iter().enumerate() {
-            for second in &hulls[index + 1..] {
-                let Some(Inside { depth, size, at }) = first.inside(second) else { continue };
-                let names = [first.body, second.body].map(|body| self.bodies[body].name.clone());
-                let contact = self.between(first.body, second.body);
-                found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at: at.into() });
-            }
-        }
-        found.extend(self.obstacle_overlaps());
-        found
-    }
-
-    /// The same of bodies in space.
-    fn overlaps_in_space(&self) -> Vec<Overlap> {
-        let solids: Vec<Solid> = (0..self.bodies.len()).map(|body| self.solid(body, self.start(body).concat())).collect();
-        let mut found = Vec::new();
-        for (second, other) in solids.iter().enumerate() {
-            for (first, solid) in solids[..second].iter().enumerate() {
-                let Some(Sunk { depth, size, at }) = solid.inside(other) else { continue };
+        for (first, one) in hulls.iter().enumerate() {
+            for (second, other) in hulls.iter().enumerate().skip(first + 1) {
+                let Some(Inside { depth, size, at }) = one.inside(other) else { continue };
                 let names = [first, second].map(|body| self.bodies[body].name.clone());
                 let contact = self.between(first, second);
-                found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at: at.into() });
+                found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at });
             }
+        }
+        if dimension == 2 {
+            found.extend(self.obstacle_overlaps());
         }
         found
     }
 
-    /// The hull of a body in space with its nodes at `q`.
-    pub fn solid(&self, body: usize, q: Vec<f64>) -> Solid {
-        let mesh = &self.bodies[body].mesh;
-        let facets: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.facet_nodes(facet).collect()).collect();
-        Solid::new(facets.iter().map(|facet| &facet[..]), q)
-    }
-
-    /// The hull of a body at the start.
+    /// The hull of a body in the plane at the start.
     pub fn hull(&self, body: usize) -> Hull {
         let points = self.start(body);
         Hull::new(body, &self.bodies[body].mesh.outline(), &|node| [points[node as usize][0], points[node as usize][1]])
@@ -183,7 +165,6 @@ fn looks_away(kernel: &RigidContact, q: &[f64], depth: f64) -> bool {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::definitions::BodyDefinition;
     use super::super::interactions::{BodyBoundary, Interaction};
     use super::*;
     use crate::materials::NeoHookean;

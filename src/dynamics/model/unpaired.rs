@@ -1,15 +1,19 @@
-//! Bodies that nothing keeps apart: no interaction is defined between them, so they pass through each other unnoticed. In the plane only.
+//! Bodies that nothing keeps apart: no interaction is defined between them, so they pass through each other. Where they are inside each
+//! other is known in the plane and in space, that they will meet in the plane only.
+
+use std::sync::Arc;
 
 use super::definitions::Model;
-use super::hulls::{Hull, Inside};
+use super::hulls::{BodyHull, Hull, Inside};
+use crate::mesh::Mesh;
 
 /// Two bodies by their names.
 pub type Names = [String; 2];
 
 /// The pairs of bodies of a model without an interaction between them.
 pub struct UnpairedBodies {
-    /// Name, first node among those of all bodies, and hull of each body.
-    bodies: Vec<(String, usize, Vec<[u32; 2]>)>,
+    /// Name, first node among those of all bodies, and mesh of each body.
+    bodies: Vec<(String, usize, Arc<Mesh>)>,
     pairs: Vec<[usize; 2]>,
 }
 
@@ -17,17 +21,14 @@ impl UnpairedBodies {
     /// Those of a model.
     pub fn of(model: &Model) -> UnpairedBodies {
         let mut pairs = Vec::new();
-        if model.dimension() == 2 {
-            for first in 0..model.bodies.len() {
-                let others = first + 1..model.bodies.len();
-                pairs.extend(others.filter(|&second| model.between(first, second).is_none()).map(|second| [first, second]));
-            }
+        for first in 0..model.bodies.len() {
+            let others = first + 1..model.bodies.len();
+            pairs.extend(others.filter(|&second| model.between(first, second).is_none()).map(|second| [first, second]));
         }
         let mut first = 0;
         let mut bodies = Vec::new();
-        for (index, body) in model.bodies.iter().enumerate() {
-            let is_one = pairs.iter().flatten().any(|&other| other == index);
-            bodies.push((body.name.clone(), first, if is_one { body.mesh.outline() } else { Vec::new() }));
+        for body in &model.bodies {
+            bodies.push((body.name.clone(), first, body.mesh.clone()));
             first += body.mesh.points.len();
         }
         UnpairedBodies { bodies, pairs }
@@ -36,11 +37,12 @@ impl UnpairedBodies {
     /// Those that are inside each other with the nodes of all bodies at `q`, with the deepest place of each two.
     pub fn inside(&self, q: &[f64]) -> Vec<(Names, Inside)> {
         let hull = |index: usize| {
-            let (_, first, ends) = &self.bodies[index];
-            Hull::new(index, ends, &|node| [q[2 * (first + node as usize)], q[2 * (first + node as usize) + 1]])
+            let (_, first, mesh) = &self.bodies[index];
+            let dimension = mesh.dimension();
+            BodyHull::new(index, mesh, &q[dimension * first..dimension * (first + mesh.points.len())])
         };
-        let hulls: Vec<Option<Hull>> =
-            (0..self.bodies.len()).map(|index| (!self.bodies[index].2.is_empty()).then(|| hull(index))).collect();
+        let is_one = |index: usize| self.pairs.iter().flatten().any(|&other| other == index);
+        let hulls: Vec<Option<BodyHull>> = (0..self.bodies.len()).map(|index| is_one(index).then(|| hull(index))).collect();
         let inside = |&pair: &[usize; 2]| {
             let [Some(first), Some(second)] = pair.map(|index| hulls[index].as_ref()) else { return None };
             Some((pair.map(|index| self.bodies[index].0.clone()), first.inside(second)?))
@@ -51,11 +53,12 @@ impl UnpairedBodies {
 
 impl Model {
     /// Pairs of bodies without an interaction between them of which the first one moves straight towards the second one: by its velocity
-    /// at the start, or by gravity where it has none and only the second one is held. Whether they meet depends on how far the run goes.
+    /// at the start, or by gravity where it has none and only the second one is held; none in space. Whether they meet depends on how far
+    /// the run goes.
     pub fn meetings(&self) -> Vec<Names> {
         let unpaired = UnpairedBodies::of(self);
         let mut met: Vec<[usize; 2]> = Vec::new();
-        if unpaired.pairs.is_empty() {
+        if unpaired.pairs.is_empty() || self.dimension() != 2 {
             return Vec::new();
         }
         let hulls: Vec<Hull> = (0..self.bodies.len()).map(|body| self.hull(body)).collect();
@@ -107,13 +110,11 @@ impl Model {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::super::definitions::{BodyDefinition, InitialVelocity, Support};
     use super::super::interactions::{BodyBoundary, Interaction};
     use super::*;
     use crate::materials::NeoHookean;
-    use crate::mesh::rectangle;
+    use crate::mesh::{block, rectangle};
 
     /// A table, a cube 0.5 above it, and a cube beside that one.
     fn scene() -> Model {
@@ -166,6 +167,19 @@ mod tests {
         let end = first + 2 * model.bodies[1].mesh.points.len();
         q[first..end].iter_mut().skip(1).step_by(2).for_each(|y| *y -= 0.75);
         let found = unpaired.inside(&q);
+        assert!(found.len() == 1 && found[0].0 == ["table", "cube"] && (found[0].1.depth - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn strangers_in_space_are_found_and_not_foretold() {
+        let mut model = scene();
+        for (body, height) in model.bodies.iter_mut().zip([-1.0, -0.25, 4.0]) {
+            body.mesh = Arc::new(block([1.0; 3], [2; 3], [0.1, 0.2, height]).expect("the mesh is sound"));
+        }
+        model.gravity = [0.0, 0.0, -1.0];
+        assert_eq!(model.meetings(), names(&[]));
+        let q: Vec<f64> = model.bodies.iter().flat_map(|body| body.mesh.points.concat()).collect();
+        let found = UnpairedBodies::of(&model).inside(&q);
         assert!(found.len() == 1 && found[0].0 == ["table", "cube"] && (found[0].1.depth - 0.25).abs() < 1e-12);
     }
 }

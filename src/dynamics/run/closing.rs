@@ -6,11 +6,10 @@
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
-use crate::contact::Sunk;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::depths::{Depth, Depths};
 use crate::dynamics::model::error::StepError;
-use crate::dynamics::model::hulls::{Hull, Inside};
+use crate::dynamics::model::hulls::{BodyHull, Inside};
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::step::conditions::Conditions;
@@ -143,19 +142,9 @@ where
             return Ok(());
         }
         let q = &self.state.positions;
-        let inside = |body: usize, other: usize| -> Option<(f64, f64, Vec<f64>)> {
-            if D == 3 {
-                let solid = |body: usize| {
-                    let std::ops::Range { start, end } = self.system.bodies[body].nodes;
-                    self.model.solid(body, q[3 * start..3 * end].to_vec())
-                };
-                return solid(body).inside(&solid(other)).map(|Sunk { depth, size, at }| (depth, size, at.into()));
-            }
-            let hull = |body: usize| {
-                let first = self.system.bodies[body].nodes.start;
-                Hull::new(body, &self.model.bodies[body].mesh.outline(), &|node| [0, 1].map(|i| q[2 * (first + node as usize) + i]))
-            };
-            hull(body).inside(&hull(other)).map(|Inside { depth, size, at }| (depth, size, at.into()))
+        let hull = |body: usize| {
+            let std::ops::Range { start, end } = self.system.bodies[body].nodes;
+            BodyHull::new(body, &self.model.bodies[body].mesh, &q[D * start..D * end])
         };
         for (index, interaction) in self.model.interactions.iter().enumerate() {
             let Partner::Surfaces(primary) = &interaction.partner else { continue };
@@ -164,7 +153,7 @@ where
                 continue;
             }
             for other in primary.iter().map(|on| on.body).filter(|&other| other != interaction.secondary.body) {
-                if let Some((depth, size, at)) = inside(interaction.secondary.body, other)
+                if let Some(Inside { depth, size, at }) = hull(interaction.secondary.body).inside(&hull(other))
                     && depth > LEFT_PASSED * size
                 {
                     let (contact, time) = (interaction.name.clone(), self.state.row.time);

@@ -299,9 +299,10 @@ impl Simulation {
         let worst = inside.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
         let ([first, second], Inside { at, .. }) = worst;
         let (row, facets) = (self.row(), depth(worst));
+        let at: Vec<String> = at.iter().map(|x| format!("{x:.3}")).collect();
         let explanation = format!(
-            "\"{first}\" and \"{second}\" overlap by {facets:.2} facets at ({:.3}, {:.3}), and no contact is defined between them",
-            at[0], at[1]
+            "\"{first}\" and \"{second}\" overlap by {facets:.2} facets at ({}), and no contact is defined between them",
+            at.join(", ")
         );
         let (kind, step, time) = (RunFindingKind::PassedThrough, row.step, row.time);
         Some(RunFinding { kind, contact: None, value: facets, limit: ALLOWED, step, time, explanation })
