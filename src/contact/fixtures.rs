@@ -1,6 +1,6 @@
 //! Surfaces and measures that the tests of several contact kernels share.
 
-use super::{ContactKernel, Evaluation};
+use super::{ContactKernel, Evaluation, Patches};
 use crate::integrators::Derivative;
 
 pub fn evaluated(kernel: &dyn ContactKernel, derivative: Derivative, q_1: &[f64], lambda: &[f64]) -> Evaluation {
@@ -19,12 +19,17 @@ pub fn product(a: &[f64], b: &[f64]) -> f64 {
 
 /// `Gbar` as one dense row per secondary node.
 pub fn dense_rows(kernel: &dyn ContactKernel, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
-    let mut rows = vec![vec![0.0; unknowns]; kernel.rows_per_node() * kernel.secondary().nodes().len()];
-    for p in 0..kernel.patches().len() {
-        let block = &blocks[kernel.patches().gradient_range(p)];
-        for (&row, part) in kernel.patches().rows(p).iter().zip(block.chunks_exact(kernel.patches().unknowns(p))) {
+    dense_rows_of(kernel.patches(), kernel.rows_per_node() * kernel.secondary().nodes().len(), blocks, unknowns)
+}
+
+/// The same of `count` rows of these patches, in any dimension.
+pub fn dense_rows_of(patches: &Patches, count: usize, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
+    let (mut rows, d) = (vec![vec![0.0; unknowns]; count], patches.dimension());
+    for p in 0..patches.len() {
+        let block = &blocks[patches.gradient_range(p)];
+        for (&row, part) in patches.rows(p).iter().zip(block.chunks_exact(patches.unknowns(p))) {
             for (i, value) in part.iter().enumerate() {
-                rows[row as usize][2 * kernel.patches().nodes(p)[i / 2] as usize + i % 2] += value;
+                rows[row as usize][d * patches.nodes(p)[i / d] as usize + i % d] += value;
             }
         }
     }

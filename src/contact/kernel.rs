@@ -85,6 +85,11 @@ pub trait PatchFunctions {
         &self.sides().patches
     }
 
+    /// The same patches with the tangential rows beside those: as many in the plane, in space two, which follow each other, for each.
+    fn slip_patches(&self) -> &Patches {
+        self.sides().slip_patches()
+    }
+
     /// Keeps what depends on the start of the step, `q_0`, for the present candidates.
     fn begin_step(&mut self, q_0: &[f64]);
 
@@ -100,7 +105,7 @@ pub trait PatchFunctions {
     /// Slips of a step with their gradients and tangent, row by row as [`Self::evaluate`] gives gaps: what friction works on. `lambda` are
     /// the tangential multipliers; coverage is that in mid-step. A kernel without slips clears everything.
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        let (patches, _) = (self.patches(), step);
+        let (patches, _) = (self.slip_patches(), step);
         out.prepare(patches, lambda.len());
         (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
     }

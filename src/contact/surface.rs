@@ -30,6 +30,8 @@ pub struct Sides {
     pub primary: Surface,
     /// Patches of the present candidates.
     pub patches: Patches,
+    /// In space the same with two tangential rows for each.
+    pub tangential: Patches,
     /// Weights of the constraint rows: lengths in the plane, areas in space `[length^(D-1)]`.
     pub weights: Vec<f64>,
     /// What the secondary nodes have of their facets in the reference positions `[length^(D-1)]`.
@@ -48,13 +50,31 @@ impl Sides {
     pub fn of(secondary: Surface, primary: Surface, reference: &[f64]) -> Self {
         let weights = secondary.weights(reference);
         let (facet_size, patches) = (secondary.shortest_facet(reference), Patches::new(secondary.dimension));
-        Sides { secondary, primary, patches, lengths: weights.clone(), weights, facet_size }
+        Sides { secondary, primary, tangential: patches.clone(), patches, lengths: weights.clone(), weights, facet_size }
     }
 
-    /// Turns what is covered of each secondary node into its share of what the node has of its facets at `q`.
+    /// The patches with their tangential rows.
+    pub fn slip_patches(&self) -> &Patches {
+        if self.secondary.dimension == 2 { &self.patches } else { &self.tangential }
+    }
+
+    /// Makes the patches with tangential rows of those that are listed.
+    pub fn list_slips(&mut self) {
+        self.tangential.clear();
+        let mut groups = Vec::new();
+        for p in 0..self.patches.len() {
+            groups.clear();
+            groups.extend(self.patches.rows(p).iter().flat_map(|row| [2 * row, 2 * row + 1]));
+            self.tangential.push(self.patches.nodes(p), &groups);
+        }
+    }
+
+    /// Turns what is covered of each secondary node, told once or for each of several rows, into its share of what the node has of its facets
+    /// at `q`.
     pub fn cover(&self, covered: &mut [f64], q: &[f64]) {
-        for (node, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
-            *share /= self.secondary.node_measure(node, q);
+        let rows = covered.len() / self.secondary.nodes().len();
+        for (row, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
+            *share /= self.secondary.node_measure(row / rows, q);
         }
     }
 }

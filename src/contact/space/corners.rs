@@ -11,11 +11,13 @@
 
 use super::features::{self, Features};
 use super::gaps::{Measure, NODES};
-use super::vectors;
+use super::slip::{self, Group, SlipsInSpace};
+use super::vectors::{self, Vec3};
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
 use crate::contact::search::Candidates;
+use crate::contact::slip::{Number, SlipStep};
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
@@ -136,6 +138,7 @@ impl CornersInSpace {
             self.kinds.push(kind);
         }
         self.rows = vec![None; self.kinds.len()];
+        self.sides.list_slips();
     }
 
     /// Decides which rows there are in a step, from the configurations between which it leads.
@@ -363,6 +366,10 @@ impl PatchFunctions for CornersInSpace {
         }
     }
 
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate::<UNKNOWNS>(self, &self.sides, step, lambda, out);
+    }
+
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         self.rows_at(q).into_iter().for_each(|(row, found)| gaps[row] = self.sides.weights[row] * found.gap);
@@ -373,6 +380,17 @@ impl PatchFunctions for CornersInSpace {
         let mut coverage = vec![0.0; self.sides.weights.len()];
         self.rows_at(q).into_iter().for_each(|(row, _)| coverage[row] = 1.0);
         coverage
+    }
+}
+
+/// Slip of a vertex on the point of the facet below it, and of the points of two edges where they cross.
+impl SlipsInSpace for CornersInSpace {
+    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
+        let Some((place, measure)) = self.rows[p] else { return Vec::new() };
+        let Some(tangents) = measure.tangents(z) else { return Vec::new() };
+        let (of_gap, weight) = (measure.weights(z), self.sides.weights[0]);
+        let weights = std::array::from_fn(|k| of_gap.get(k).map_or(T::from(0.0), |w| *w * weight));
+        vec![Group { place, weights, tangents, covered: 1.0 }]
     }
 }
 

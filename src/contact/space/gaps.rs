@@ -9,7 +9,7 @@
 //! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common
 //! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
 
-use super::vectors::{Vec3, cross, diagonals, dot, sub};
+use super::vectors::{Frame, Vec3, cross, diagonals, dot, scaled, sub};
 use crate::contact::slip::Number;
 
 /// Nodes of a row, at most.
@@ -104,12 +104,66 @@ impl Measure {
         gradient
     }
 
+    /// Weights of the motions of its nodes in that of one side against the other where they touch; their sum is zero.
+    pub fn weights<T: Number>(self, z: &[Vec3<T>]) -> [T; NODES] {
+        let mut weights = [T::from(0.0); NODES];
+        match self {
+            Measure::Facet(count) => {
+                weights[0] = T::from(1.0);
+                foot(z[0], &z[1..]).into_iter().take(count).enumerate().for_each(|(k, weight)| weights[1 + k] = -weight);
+            }
+            Measure::Edges(_) => {
+                let [s, t] = Spread::of_edges(z).feet(sub(z[2], z[0]));
+                (weights[0], weights[1], weights[2], weights[3]) = (-s + 1.0, s, t - 1.0, -t);
+            }
+        }
+        weights
+    }
+
+    /// Two unit vectors across the direction of the gap, which go with the facet or with the first edge.
+    pub fn tangents<T: Number>(self, z: &[Vec3<T>]) -> Option<[Vec3<T>; 2]> {
+        match self {
+            Measure::Facet(_) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
+            Measure::Edges(_) => {
+                let Spread { first, normal, .. } = Spread::of_edges(z);
+                let first = scaled(first, dot(first, first).sqrt().recip());
+                Some([first, cross(normal, first)])
+            }
+        }
+    }
+
     /// Feet of the common perpendicular of two edges, and the sine of the angle between them.
     pub fn feet(z: &[Vec3<f64>]) -> ([f64; 2], f64) {
         let spread = Spread::of_edges(z);
         let sine = spread.length / (dot(spread.first, spread.first) * dot(spread.second, spread.second)).sqrt();
         (spread.feet(sub(z[2], z[0])), sine)
     }
+}
+
+/// Shares of a facet's nodes in the point below `v`, seen along its normal: linear on each of the triangles about its mean point.
+fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> [T; 4] {
+    let (count, zero) = (y.len(), T::from(0.0));
+    let [first, second] = diagonals(y);
+    let normal = cross(first, second);
+    let part = 1.0 / count as f64;
+    let middle: Vec3<T> = std::array::from_fn(|i| y.iter().fold(zero, |sum, y| sum + y[i] * part));
+    let mut shares = [zero; 4];
+    let mut least = f64::NEG_INFINITY;
+    for k in 0..count {
+        let next = (k + 1) % count;
+        let (a, b, r) = (sub(y[k], middle), sub(y[next], middle), sub(v, middle));
+        let inverse = dot(cross(a, b), normal).recip();
+        let (of_a, of_b) = (dot(cross(r, b), normal) * inverse, dot(cross(a, r), normal) * inverse);
+        // The triangle in which the point is, or which it has left least.
+        let within = of_a.re().min(of_b.re());
+        if within > least {
+            least = within;
+            shares = std::array::from_fn(|node| if node < count { (-of_a - of_b + 1.0) * part } else { zero });
+            shares[k] += of_a;
+            shares[next] += of_b;
+        }
+    }
+    shares
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod features;
 mod gaps;
 mod mortar;
 mod pair;
+mod slip;
 mod vectors;
 
 pub use corners::CornersInSpace;

@@ -5,10 +5,12 @@
 //! each other.
 
 use super::pair::{CORNERS, NODES, Pair};
-use super::vectors;
+use super::slip::{self, Group, SlipsInSpace};
+use super::vectors::{self, Vec3};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
 use crate::contact::search::PairSearch;
+use crate::contact::slip::{Number, SlipStep};
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
@@ -24,6 +26,8 @@ pub struct MortarInSpace {
     sides: Sides,
     search: PairSearch,
     start: Vec<Start>,
+    /// By facet and node, how tangents lie on the facet.
+    turns: Vec<Vec<[f64; 2]>>,
 }
 
 /// What a pair keeps of the start of the step.
@@ -51,7 +55,8 @@ impl MortarInSpace {
     pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Box<dyn ContactKernel> {
         let sides = Sides::of(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
-        Box::new(MortarInSpace { sides, search, start: Vec::new() })
+        let turns = slip::turns(&sides.secondary, reference);
+        Box::new(MortarInSpace { sides, search, start: Vec::new(), turns })
     }
 
     /// Numbers of nodes of the facets of pair `p`.
@@ -133,6 +138,11 @@ impl PatchFunctions for MortarInSpace {
             }
         }
         self.sides.cover(&mut out.coverage, q_1);
+    }
+
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate::<UNKNOWNS>(self, &self.sides, step, lambda, out);
+        self.sides.cover(&mut out.coverage, step.q_1);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
@@ -224,6 +234,20 @@ impl Scratch {
     }
 }
 
+/// Slip weighted as the gap is: the facet's own shape functions against those of the facet opposite, over the overlap.
+impl SlipsInSpace for MortarInSpace {
+    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
+        let Some(pair) = Pair::new(z, self.counts(p)).filter(Pair::overlaps) else { return Vec::new() };
+        let (weights, covered, [first, second, _]) = (pair.mortar_weights(), pair.covered(), pair.axes());
+        let along = |cos: f64, sin: f64| -> Vec3<T> { std::array::from_fn(|i| first[i] * cos + second[i] * sin) };
+        let group = |(place, &[cos, sin]): (usize, &[f64; 2])| {
+            let tangents = [along(cos, sin), along(-sin, cos)];
+            Group { place, weights: weights[place], tangents, covered: covered[place] }
+        };
+        self.turns[self.search.candidates.pairs()[p][0] as usize].iter().enumerate().map(group).collect()
+    }
+}
+
 impl CandidateSearch for MortarInSpace {
     fn search(&self) -> Option<&PairSearch> {
         Some(&self.search)
@@ -235,6 +259,7 @@ impl CandidateSearch for MortarInSpace {
 
     fn list_patches(&mut self) {
         self.search.list_into(&mut self.sides);
+        self.sides.list_slips();
     }
 }
 

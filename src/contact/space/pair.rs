@@ -23,7 +23,7 @@
 //! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives
 //! the Hessian.
 
-use super::vectors::{Vec3, cross, diagonals, dot, scaled, sub};
+use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
 use crate::contact::slip::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -96,18 +96,8 @@ impl<T: Number> Pair<T> {
     /// has no area.
     pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let [own, other] = counts;
-        let diagonals = diagonals(&x[..own]);
-        let product = cross(diagonals[0], diagonals[1]);
-        let square = dot(product, product);
-        if square.re() <= 0.0 {
-            return None;
-        }
-        let length = square.sqrt();
-        let normal = scaled(product, length.recip());
-        let side = if own == 3 { diagonals[0] } else { sub(sub(x[1], x[0]), sub(x[3], x[2])) };
-        let along = sub(side, scaled(normal, dot(side, normal)));
-        let first = scaled(along, dot(along, along).sqrt().recip());
-        let axes = [first, cross(normal, first), normal];
+        let Frame { axes, diagonals, length } = Frame::new(&x[..own])?;
+        let normal = axes[2];
         let zero = T::from(0.0);
         let mut middle = [zero; 3];
         x[..own].iter().for_each(|x| (0..3).for_each(|i| middle[i] += x[i] * (1.0 / own as f64)));
@@ -235,6 +225,34 @@ impl<T: Number> Pair<T> {
             }
         }
         covered
+    }
+
+    /// Axes of the secondary facet.
+    pub fn axes(&self) -> [Vec3<T>; 3] {
+        self.axes
+    }
+
+    /// Mortar weights of the secondary nodes: `int N_A N_B dA` of secondary nodes, `-int N_A M_C dA` of primary ones, over the overlap.
+    pub fn mortar_weights(&self) -> [[T; NODES]; CORNERS] {
+        let mut weights = [[T::from(0.0); NODES]; CORNERS];
+        for polygon in &self.polygons {
+            let own = |k: usize, j: usize| polygon.vertices[k].of_secondary[j];
+            let other = |k: usize, j: usize| polygon.vertices[k].of_primary[j];
+            for a in 0..3 {
+                for b in 0..3 {
+                    let on_own = polygon.integral(|k| own(k, a), |k| own(k, b));
+                    let on_other = polygon.integral(|k| own(k, a), |k| other(k, b));
+                    let (rows, share) = self.shares(polygon.secondary[a]);
+                    for (integral, point) in [(on_own, polygon.secondary[b]), (-on_other, polygon.primary[b])] {
+                        let (nodes, part) = self.shares(point);
+                        for row in rows.clone() {
+                            nodes.clone().for_each(|node| weights[row][node] += integral * (share * part));
+                        }
+                    }
+                }
+            }
+        }
+        weights
     }
 
     /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes.

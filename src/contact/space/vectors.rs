@@ -34,6 +34,33 @@ pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
     if nodes.len() == 3 { [sub(nodes[1], nodes[0]), sub(nodes[2], nodes[0])] } else { [sub(nodes[2], nodes[0]), sub(nodes[3], nodes[1])] }
 }
 
+/// The axes of a facet: its first one along the first side and that opposite, its third one normal to its diagonals.
+pub struct Frame<T> {
+    /// Unit vectors.
+    pub axes: [Vec3<T>; 3],
+    /// Diagonals, or two sides of a triangle, and the length of their product.
+    pub diagonals: [Vec3<T>; 2],
+    pub length: T,
+}
+
+impl<T: Number> Frame<T> {
+    /// That of a facet with these nodes; nothing where it has no area.
+    pub fn new(x: &[Vec3<T>]) -> Option<Self> {
+        let diagonals = diagonals(x);
+        let product = cross(diagonals[0], diagonals[1]);
+        let square = dot(product, product);
+        if square.re() <= 0.0 {
+            return None;
+        }
+        let length = square.sqrt();
+        let normal = scaled(product, length.recip());
+        let side = if x.len() == 3 { diagonals[0] } else { sub(sub(x[1], x[0]), sub(x[3], x[2])) };
+        let along = sub(side, scaled(normal, dot(side, normal)));
+        let first = scaled(along, dot(along, along).sqrt().recip());
+        Some(Frame { axes: [first, cross(normal, first), normal], diagonals, length })
+    }
+}
+
 /// The unknowns `z` as numbers that carry their derivatives, three for each node.
 pub fn jets<const N: usize>(z: &[f64]) -> Vec<Vec3<Jet<N>>> {
     let jet = |k: usize| Jet::from_re(z[k]).derivative(k);

@@ -111,7 +111,7 @@ fn check_in_space(interaction: &Interaction) -> Result<(), ModelError> {
         Partner::Tied { .. } => Some("a tie".to_string()),
         Partner::Obstacle { .. } => Some("a rigid obstacle".to_string()),
         _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
-        _ => interaction.friction.as_ref().map(|_| "friction".to_string()),
+        _ => None,
     };
     lacking.map_or(Ok(()), |what| Err(ModelError::NotInSpace { contact: interaction.name.clone(), what }))
 }

@@ -195,7 +195,7 @@ impl ModelError {
             }
             ModelError::InvertedAtStart { .. } => "displace neighboring nodes by less than their distance".into(),
             ModelError::NotInSpace { .. } => {
-                "bodies in space touch each other by the method \"mortar\", without friction; leave this out, or use plane meshes".into()
+                "bodies in space touch each other by the method \"mortar\"; leave this out, or use plane meshes".into()
             }
             ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => {

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::friction_rows::FrictionRows;
 use super::laws::{Bilateral, Equation, Penalty, RowLaw, Unilateral};
-use crate::contact::{ContactKernel, Evaluation};
+use crate::contact::{ContactKernel, Evaluation, Patches};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::interactions::Interaction;
@@ -92,6 +92,8 @@ pub struct RowBlock<'a> {
     pub pair: &'a ContactPair,
     /// Range of the rows among all rows.
     pub rows: Range<usize>,
+    /// Which of them each patch has.
+    pub patches: &'a Patches,
     /// What they are there.
     pub evaluation: &'a Evaluation,
     /// Blocks of rows and columns in the matrix.
@@ -146,7 +148,9 @@ impl ContactPair {
 
     /// Gives its rows the friction of its contact, if that has any.
     pub fn add_friction(&mut self, interaction: &Interaction) {
-        self.friction = interaction.friction.as_ref().map(|friction| FrictionRows::new(friction, self.kernel.rows(), self.c));
+        let tangents = self.kernel.patches().dimension() - 1;
+        let of = |friction| FrictionRows::new(friction, self.kernel.rows(), tangents, self.c);
+        self.friction = interaction.friction.as_ref().map(of);
     }
 
     /// What a length of the section at a node stands for: one, or the circumference there `[length]`.
@@ -241,23 +245,32 @@ impl ContactPair {
         if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }
     }
 
-    /// Where its rows begin, those that press and the tangential ones.
-    fn first_rows(&self) -> impl Iterator<Item = usize> {
-        std::iter::once(self.rows.start).chain(self.friction.iter().map(|friction| friction.rows.start))
+    /// Where its rows begin, those that press and the tangential ones, each with the rows of the patches.
+    fn row_kinds(&self) -> impl Iterator<Item = (usize, &Patches)> {
+        let tangential = self.friction.iter().map(|friction| (friction.rows.start, self.kernel.slip_patches()));
+        std::iter::once((self.rows.start, self.kernel.patches())).chain(tangential)
     }
 
     /// Its tangential rows, each with the row that presses.
     pub fn tangential(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.friction.iter().flat_map(|friction| friction.rows.clone().zip(self.rows.clone()))
+        let of = |friction: &FrictionRows, row: usize| (row, self.rows.start + friction.pressing(row));
+        self.friction.iter().flat_map(move |friction| friction.rows.clone().map(move |row| of(friction, row)))
     }
 
     /// Its rows at an iterate, those that press and the tangential ones.
     pub fn blocks<'a>(&'a self, [pressing, slip]: [&'a Evaluation; 2]) -> impl Iterator<Item = RowBlock<'a>> {
         let places = &self.places;
-        let own = RowBlock { pair: self, rows: self.rows.clone(), evaluation: pressing, places: [&places.rows, &places.columns] };
+        let own = RowBlock {
+            pair: self,
+            rows: self.rows.clone(),
+            patches: self.kernel.patches(),
+            evaluation: pressing,
+            places: [&places.rows, &places.columns],
+        };
         let tangential = self.friction.iter().map(move |friction| RowBlock {
             pair: self,
             rows: friction.rows.clone(),
+            patches: self.kernel.slip_patches(),
             evaluation: slip,
             places: [&places.slip_rows, &places.slip_columns],
         });
@@ -270,14 +283,18 @@ impl ContactPair {
         for p in 0..patches.len() {
             clique.clear();
             clique.extend_from_slice(patches.nodes(p));
-            for first in self.first_rows() {
+            for (first, patches) in self.row_kinds() {
                 clique.extend(patches.rows(p).iter().map(|row| (nodes + first) as u32 + row));
             }
             visit(&clique);
         }
         if let Some(friction) = &self.friction {
             // What no patch holds has a row of its own, too.
-            self.rows.clone().zip(friction.rows.clone()).for_each(|(row, slip)| visit(&[row, slip].map(|row| (nodes + row) as u32)));
+            for (local, row) in self.rows.clone().enumerate() {
+                clique.clear();
+                clique.extend(std::iter::once(row).chain(friction.group(local)).map(|row| (nodes + row) as u32));
+                visit(&clique);
+            }
         }
     }
 
@@ -290,7 +307,7 @@ impl ContactPair {
                 places.tangent.extend(patches.nodes(p).iter().map(|&v| pattern.block(u, v)));
             }
             let of_rows = [(&mut places.rows, &mut places.columns), (&mut places.slip_rows, &mut places.slip_columns)];
-            for (first, (rows, columns)) in self.first_rows().zip(of_rows) {
+            for ((first, patches), (rows, columns)) in self.row_kinds().zip(of_rows) {
                 for &row in patches.rows(p) {
                     let multiplier = (nodes + first + row as usize) as u32;
                     for &node in patches.nodes(p) {
@@ -302,25 +319,16 @@ impl ContactPair {
         }
         self.places = places;
         if let Some(friction) = &mut self.friction {
-            let rows = self.rows.clone().zip(friction.rows.clone());
-            friction.couplings = rows.map(|(row, slip)| pattern.block((nodes + slip) as u32, (nodes + row) as u32)).collect();
+            let block = |row: usize, column: usize| pattern.block((nodes + row) as u32, (nodes + column) as u32);
+            friction.couplings = friction.rows.clone().map(|slip| block(slip, self.rows.start + friction.pressing(slip))).collect();
+            let groups = (0..self.rows.len()).map(|local| friction.group(local)).filter(|group| group.len() == 2);
+            friction.partners = groups.flat_map(|group| [block(group.start, group.end - 1), block(group.end - 1, group.start)]).collect();
         }
     }
 
     /// The rows of the patches that hold anything, those that press.
     pub fn live_rows<'a>(&'a self, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
-        self.live_rows_from(self.rows.start, evaluation)
-    }
-
-    fn live_rows_from<'a>(&'a self, first_row: usize, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
-        let patches = self.kernel.patches();
-        (0..patches.len()).filter(|&p| evaluation.live[p]).flat_map(move |p| {
-            let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
-            patches.rows(p).iter().enumerate().map(move |(m, &row)| {
-                let start = first + m * count;
-                PatchRow { patch: p, row: first_row + row as usize, nodes: patches.nodes(p), gradient: start..start + count }
-            })
-        })
+        live_rows(self.rows.start, self.kernel.patches(), evaluation)
     }
 
     /// Whether a node owns a row of a patch.
@@ -330,10 +338,21 @@ impl ContactPair {
 
     /// The node that owns a row of the model, if a node does.
     pub fn node_of(&self, row: usize) -> Option<u32> {
-        let tangential =
-            self.friction.as_ref().map(|friction| friction.rows.start).filter(|first| row >= *first && !self.rows.contains(&row));
-        self.kernel.row_nodes().get((row - tangential.unwrap_or(self.rows.start)) / self.kernel.rows_per_node()).copied()
+        let tangential = self.friction.as_ref().filter(|friction| row >= friction.rows.start && !self.rows.contains(&row));
+        let local = tangential.map_or_else(|| row - self.rows.start, |friction| friction.pressing(row));
+        self.kernel.row_nodes().get(local / self.kernel.rows_per_node()).copied()
     }
+}
+
+/// The rows of patches that hold anything, numbered from `first_row`.
+fn live_rows<'a>(first_row: usize, patches: &'a Patches, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
+    (0..patches.len()).filter(|&p| evaluation.live[p]).flat_map(move |p| {
+        let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
+        patches.rows(p).iter().enumerate().map(move |(m, &row)| {
+            let start = first + m * count;
+            PatchRow { patch: p, row: first_row + row as usize, nodes: patches.nodes(p), gradient: start..start + count }
+        })
+    })
 }
 
 impl<'a> RowBlock<'a> {
@@ -349,12 +368,12 @@ impl<'a> RowBlock<'a> {
 
     /// Its rows of the patches that hold anything.
     pub fn live_rows(&self) -> impl Iterator<Item = PatchRow<'a>> {
-        self.pair.live_rows_from(self.rows.start, self.evaluation)
+        live_rows(self.rows.start, self.patches, self.evaluation)
     }
 
     /// Subtracts `weight` times the derivative of the contact forces at fixed multipliers.
     pub fn tangent_into<const D: usize>(&self, weight: f64, values: &mut [f64]) {
-        let (patches, evaluation) = (self.pair.kernel.patches(), self.evaluation);
+        let RowBlock { patches, evaluation, .. } = self;
         let mut block = 0;
         for p in 0..patches.len() {
             let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
@@ -388,14 +407,14 @@ impl<'a> RowBlock<'a> {
 
     /// Adds rows `factor G_1` and columns `-weight columns^T` of those that press or slide.
     pub fn constraints_into<const D: usize>(&self, equations: &[Equation], columns: &[f64], weight: f64, values: &mut [f64]) {
-        let (patches, evaluation) = (self.pair.kernel.patches(), self.evaluation);
+        let RowBlock { patches, evaluation, .. } = self;
         let [row_places, column_places] = self.places;
         let mut place = 0;
         for p in 0..patches.len() {
             let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
             let first = patches.gradient_range(p).start;
             for (m, &row) in patches.rows(p).iter().enumerate() {
-                let Equation { acts, gradient: factor, .. } = equations[self.rows.start + row as usize];
+                let Equation { acts, gradient: factor, beside, .. } = equations[self.rows.start + row as usize];
                 if acts && evaluation.live[p] {
                     for u in 0..nodes {
                         let (row_place, column_place) = (row_places[place + u], column_places[place + u]);
@@ -403,6 +422,11 @@ impl<'a> RowBlock<'a> {
                             let entry = first + m * count + u * D + i;
                             values[row_place.at(0, i)] += factor * evaluation.gradient_end[entry];
                             values[column_place.at(i, 0)] -= weight * columns[entry];
+                        }
+                        if beside[0] != 0.0 {
+                            // The rows of a group follow each other.
+                            let other = first + (m ^ 1) * count + u * D;
+                            (0..D).for_each(|i| values[row_place.at(0, i)] += beside[0] * evaluation.gradient_end[other + i]);
                         }
                     }
                 }

@@ -1,4 +1,5 @@
-//! The tangential rows of a contact pair: beside every row that presses one that friction holds.
+//! The tangential rows of a contact pair: beside every row that presses those that friction holds, one in the plane, a group of two in space
+//! (`slip_vector.rs`), one for each component of a slip.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,17 +19,21 @@ pub struct FrictionRows {
     pub coefficient: Coefficient,
     /// The same in this step, row by row.
     pub coefficients: Vec<f64>,
-    /// Range of the rows among all rows.
+    /// Range of the rows among all rows; those of a group follow each other.
     pub rows: Range<usize>,
+    /// Number of rows in a group.
+    pub tangents: usize,
     /// Multiplier per slip: compares the two.
     pub c: f64,
-    /// Blocks of the rows, each with the row that presses.
+    /// Blocks of the rows, each with the row that presses, and with the other row of its group, if there is one.
     pub(super) couplings: Vec<Block>,
+    pub(super) partners: Vec<Block>,
 }
 
 impl FrictionRows {
-    /// Friction of `count` rows of a pair whose multipliers compare with gaps by `c`; the rows are numbered later.
-    pub fn new(friction: &Friction, count: usize, c: f64) -> Self {
+    /// Friction of `count` rows of a pair, with `tangents` slips each, whose multipliers compare with gaps by `c`; the rows are numbered
+    /// later.
+    pub fn new(friction: &Friction, count: usize, tangents: usize, c: f64) -> Self {
         let coefficients = match friction.coefficient {
             Coefficient::Constant(value) => vec![value; count],
             _ => vec![0.0; count],
@@ -37,16 +42,33 @@ impl FrictionRows {
             law: friction.law.clone(),
             coefficient: friction.coefficient.clone(),
             coefficients,
-            rows: 0..count,
+            rows: 0..tangents * count,
+            tangents,
             c: tolerances::TANGENTIAL * c,
             couplings: Vec::new(),
+            partners: Vec::new(),
         }
     }
 
-    /// Writes the factors of the multipliers that press into values of the matrix.
+    /// The group of rows beside the row of that index in the pair that presses.
+    pub fn group(&self, local: usize) -> Range<usize> {
+        let first = self.rows.start + self.tangents * local;
+        first..first + self.tangents
+    }
+
+    /// Index in the pair of the row that presses beside one of the rows.
+    pub fn pressing(&self, row: usize) -> usize {
+        (row - self.rows.start) / self.tangents
+    }
+
+    /// Writes the factors of the multipliers that press, and of those of the other row of a group, into values of the matrix.
     pub fn couple(&self, equations: &[Equation], values: &mut [f64]) {
-        for (place, equation) in self.couplings.iter().zip(&equations[self.rows.clone()]) {
+        let equations = &equations[self.rows.clone()];
+        for (place, equation) in self.couplings.iter().zip(equations) {
             values[place.at(0, 0)] = equation.normal;
+        }
+        for (place, equation) in self.partners.iter().zip(equations) {
+            values[place.at(0, 0)] = equation.beside[1];
         }
     }
 
@@ -74,28 +96,65 @@ impl FrictionRows {
     }
 }
 
-/// A tangential row at an iterate.
-pub struct SlipRow<'a> {
+/// What the tangential rows beside a row that presses have in common at an iterate.
+#[derive(Clone, Copy)]
+pub struct Pressed<'a> {
     /// How large the shear stress is.
     pub law: &'a dyn FrictionLaw,
     /// Coefficient that the law is given.
     pub coefficient: f64,
     /// Multiplier of the row that presses.
     pub normal: f64,
-    /// Tangential multiplier.
-    pub lambda: f64,
-    /// Slip of the step.
-    pub slip: f64,
     /// Speed per slip.
     pub speed: f64,
     /// Multiplier per stress: one, or a circumference.
     pub around: f64,
-    /// Slip per change of the multiplier within an iteration.
+    /// Slip per change of a multiplier within an iteration.
     pub compliance: f64,
     /// Multiplier per slip, which compares the two.
     pub c: f64,
     /// Slip that counts as zero.
     pub tolerance: f64,
+}
+
+impl Pressed<'_> {
+    /// The largest dry multiplier at the speed of a slip of that size, with its derivatives with respect to the pressing multiplier and to
+    /// the size.
+    pub fn limit(&self, slip: f64) -> Limit {
+        let (pressure, speed) = (self.normal.max(0.0) / self.around, slip * self.speed);
+        let limit = self.law.limit(Sliding { coefficient: self.coefficient, pressure, speed });
+        // A film that bears no more is as dry friction.
+        let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
+        Limit {
+            shear: limit.shear * self.around + film * self.normal.max(0.0),
+            by_pressure: limit.by_pressure + film,
+            by_speed: limit.by_speed * self.around * self.speed,
+        }
+    }
+
+    /// Multiplier of the film per slip of that size, as long as the pressure bears it.
+    pub fn film(&self, slip: f64) -> f64 {
+        if self.is_film_at(slip) { self.law.film() * self.around * self.speed } else { 0.0 }
+    }
+
+    fn is_film_at(&self, slip: f64) -> bool {
+        self.law.film() * self.around * self.speed * slip <= ROUGH * self.normal.max(0.0)
+    }
+
+    /// Whether a slip is more than round-off.
+    pub fn is_clear(&self, off: f64) -> bool {
+        off > tolerances::CLEARLY * self.tolerance
+    }
+}
+
+/// A tangential row at an iterate, where it is the only one beside a row that presses.
+pub struct SlipRow<'a> {
+    /// How it is pressed.
+    pub pressed: Pressed<'a>,
+    /// Tangential multiplier.
+    pub lambda: f64,
+    /// Slip of the step.
+    pub slip: f64,
     /// Slip with which a row that slid has no speed at the end of the step; 0 for others.
     pub rest: f64,
     /// Whether supports keep it from sliding whatever presses: then its multiplier follows from its slip, and stays as it was without one.
@@ -112,26 +171,12 @@ pub struct SlipRow<'a> {
 /// so that no state gives energy. A stick alone (`rest` = 0: `|s| <= L` where the slip is 0) would turn the speed of what comes to rest
 /// around, again and again from step to step, by forces that use up what friction holds.
 impl SlipRow<'_> {
-    /// The largest multiplier at the speed of a slip, with its derivatives with respect to the pressing multiplier and to the slip's size.
     fn limit(&self, slip: f64) -> Limit {
-        let (pressure, speed) = (self.normal.max(0.0) / self.around, slip.abs() * self.speed);
-        let limit = self.law.limit(Sliding { coefficient: self.coefficient, pressure, speed });
-        // A film that bears no more is as dry friction.
-        let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
-        Limit {
-            shear: limit.shear * self.around + film * self.normal.max(0.0),
-            by_pressure: limit.by_pressure + film,
-            by_speed: limit.by_speed * self.around * self.speed,
-        }
+        self.pressed.limit(slip.abs())
     }
 
-    /// Multiplier of the film per slip, as long as the pressure bears it.
     fn film(&self) -> f64 {
-        if self.is_film_at(self.slip) { self.law.film() * self.around * self.speed } else { 0.0 }
-    }
-
-    fn is_film_at(&self, slip: f64) -> bool {
-        self.law.film() * self.around * self.speed * slip.abs() <= ROUGH * self.normal.max(0.0)
+        self.pressed.film(self.slip.abs())
     }
 
     /// Multiplier without that of the film.
@@ -142,12 +187,12 @@ impl SlipRow<'_> {
     /// Direction of `rest`, and its size: 0 where that is round-off.
     fn stop(&self) -> (f64, f64) {
         let size = self.rest.abs();
-        (1f64.copysign(self.rest), if self.is_clear(size) { size } else { 0.0 })
+        (1f64.copysign(self.rest), if self.pressed.is_clear(size) { size } else { 0.0 })
     }
 
     /// Dry multiplier that the row would have if it stuck from here.
     fn trial(&self) -> f64 {
-        self.dry() - self.c * self.slip
+        self.dry() - self.pressed.c * self.slip
     }
 
     /// Where the row is on the graph with this limit, and the multiplier there: the point next to slip and multiplier, by `c`.
@@ -158,8 +203,8 @@ impl SlipRow<'_> {
             _ if z < -limit => (RowState::sliding(sense), -limit),
             _ if rest == 0.0 && z <= limit => (RowState::Closed, z),
             _ if z <= 0.0 => (RowState::Closed, z),
-            _ if z < self.c * rest => (RowState::Turns, 0.0),
-            _ if z <= self.c * rest + limit => (RowState::Stops, z - self.c * rest),
+            _ if z < self.pressed.c * rest => (RowState::Turns, 0.0),
+            _ if z <= self.pressed.c * rest + limit => (RowState::Stops, z - self.pressed.c * rest),
             _ => (RowState::sliding(-sense), limit),
         };
         (state, -sense * s)
@@ -167,7 +212,7 @@ impl SlipRow<'_> {
 
     /// State of a row that supports hold.
     fn held(&self) -> RowState {
-        if self.is_clear(self.slip.abs()) { RowState::sliding(-self.slip) } else { RowState::Closed }
+        if self.pressed.is_clear(self.slip.abs()) { RowState::sliding(-self.slip) } else { RowState::Closed }
     }
 
     /// The state with which an iteration begins.
@@ -177,7 +222,7 @@ impl SlipRow<'_> {
         }
         let (limit, trial) = (self.limit(self.slip).shear, self.trial());
         // What is pressed by nothing yet, and does not move, begins by sticking.
-        match limit > 0.0 || (trial == 0.0 && self.normal <= 0.0) {
+        match limit > 0.0 || (trial == 0.0 && self.pressed.normal <= 0.0) {
             true => self.nearest(limit).0,
             false => RowState::sliding(trial),
         }
@@ -187,11 +232,11 @@ impl SlipRow<'_> {
     pub fn residual(&self) -> (f64, f64) {
         let limit = self.limit(self.slip).shear;
         let off = match self.is_held {
-            true if self.is_clear(self.slip.abs()) => self.dry() + limit * self.slip.signum(),
+            true if self.pressed.is_clear(self.slip.abs()) => self.dry() + limit * self.slip.signum(),
             true => self.lambda - self.lambda.clamp(-limit, limit),
             false => self.dry() - self.nearest(limit).1,
         };
-        (off / self.c, off * self.slip)
+        (off / self.pressed.c, off * self.slip)
     }
 
     /// The equation of the row in a state.
@@ -200,38 +245,40 @@ impl SlipRow<'_> {
             return match state {
                 RowState::Open => Equation::OPEN,
                 RowState::Turns => {
-                    let by = 1.0 / self.c;
-                    Equation { acts: true, gradient: by * self.film(), diagonal: by, normal: 0.0, right: -by * self.film() * self.slip }
+                    let by = 1.0 / self.pressed.c;
+                    Equation {
+                        acts: true,
+                        gradient: by * self.film(),
+                        diagonal: by,
+                        right: -by * self.film() * self.slip,
+                        ..Equation::OPEN
+                    }
                 }
                 _ if self.is_held => self.kept(),
-                RowState::Stops => Equation::held(self.compliance, self.compliance * self.lambda - self.slip + self.rest),
-                _ => Equation::held(self.compliance, self.compliance * self.lambda - self.slip),
+                RowState::Stops => Equation::held(self.pressed.compliance, self.pressed.compliance * self.lambda - self.slip + self.rest),
+                _ => Equation::held(self.pressed.compliance, self.pressed.compliance * self.lambda - self.slip),
             };
         };
         // Slip leads against the multiplier; one that does not yet has no speed.
         let Limit { shear, by_pressure, by_speed } = self.limit((-sense * self.slip).max(0.0));
         // Divided by `c`: then it is of the size of other rows.
-        let by = 1.0 / self.c;
+        let by = 1.0 / self.pressed.c;
         Equation {
             acts: true,
             // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
-            gradient: by * (self.film() + by_speed.max(-self.c)),
+            gradient: by * (self.film() + by_speed.max(-self.pressed.c)),
             diagonal: by,
             normal: -by * sense * by_pressure,
-            right: by * (sense * (shear - by_pressure * self.normal) - self.film() * self.slip),
+            right: by * (sense * (shear - by_pressure * self.pressed.normal) - self.film() * self.slip),
+            ..Equation::OPEN
         }
     }
 
     /// The multiplier as it was, as far as the pressure bears it.
     fn kept(&self) -> Equation {
         let limit = self.limit(0.0).shear;
-        let (by, right) = (1.0 / self.c, self.lambda.clamp(-limit, limit) / self.c);
-        Equation { acts: true, gradient: 0.0, diagonal: by, normal: 0.0, right }
-    }
-
-    /// Whether a slip is more than round-off.
-    fn is_clear(&self, off: f64) -> bool {
-        off > tolerances::CLEARLY * self.tolerance
+        let (by, right) = (1.0 / self.pressed.c, self.lambda.clamp(-limit, limit) / self.pressed.c);
+        Equation { acts: true, diagonal: by, right, ..Equation::OPEN }
     }
 
     /// The state that the row asks for, and how strongly, if it is another one; `self` is what the frozen linearization makes of it.
@@ -240,8 +287,8 @@ impl SlipRow<'_> {
             return (state != self.held()).then(|| (self.held(), self.slip.abs()));
         }
         let ((sense, rest), limit) = (self.stop(), self.limit(0.0).shear);
-        let (s, slip) = (-sense * self.dry() / self.c, sense * self.slip);
-        let (most, stopped) = (limit / self.c, self.limit(self.rest).shear / self.c);
+        let (s, slip) = (-sense * self.dry() / self.pressed.c, sense * self.slip);
+        let (most, stopped) = (limit / self.pressed.c, self.limit(self.rest).shear / self.pressed.c);
         let slides = |s: f64| RowState::sliding(-sense * s);
         // How far it is beyond either end of its part of the graph, and what lies there.
         let (below, above) = match state {
@@ -256,7 +303,7 @@ impl SlipRow<'_> {
             _ => ((rest - slip, RowState::Stops), (0.0, state)),
         };
         let (off, next) = if below.0 > above.0 { below } else { above };
-        self.is_clear(off).then_some((next, off))
+        self.pressed.is_clear(off).then_some((next, off))
     }
 }
 
@@ -267,7 +314,8 @@ mod tests {
 
     fn row(law: &dyn FrictionLaw, normal: f64, lambda: f64, slip: f64) -> SlipRow<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        SlipRow { law, coefficient, normal, lambda, slip, speed, around, compliance, c, tolerance, rest: 0.0, is_held: false }
+        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, tolerance };
+        SlipRow { pressed, lambda, slip, rest: 0.0, is_held: false }
     }
 
     /// Where a row solves the equation of its state, nothing is left of its residual unless it asks for another state; and what slides

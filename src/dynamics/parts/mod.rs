@@ -11,6 +11,8 @@ pub mod nodal;
 pub mod nodes;
 pub mod pairing;
 pub mod point_mass;
+pub mod slip_group;
+pub mod slip_vector;
 pub mod spring;
 pub mod supports;
 pub mod viscosity;

@@ -12,7 +12,8 @@
 //! has a force: its pressure is continued from its neighbours'.
 //!
 //! Friction is evaluated in the same way: its stress at a node follows from tangential multipliers as the pressure does from those that
-//! press, so where all of a contact slides the one is the coefficient times the other.
+//! press, so where all of a contact slides the one is the coefficient times the other. In space stress and slip have two components, and
+//! their sizes are told.
 
 use super::fields::{ContactFields, NodeState};
 use super::ledger::ContactTotals;
@@ -60,6 +61,29 @@ pub struct Tangential<'a> {
     pub lambda: &'a [f64],
     pub active: &'a [RowState],
     pub slipped: &'a [SlipMemory],
+    /// How many of them stand beside a row that presses.
+    pub count: usize,
+}
+
+impl Tangential<'_> {
+    /// One multiplier for each row that presses: its own, or the size of several.
+    fn multipliers(&self) -> Vec<f64> {
+        self.lambda.chunks_exact(self.count).map(size).collect()
+    }
+
+    /// What each row that presses has opposite.
+    fn coverage(&self) -> Vec<f64> {
+        self.evaluation.coverage.iter().step_by(self.count).copied().collect()
+    }
+
+    /// What is kept of the slips beside each row that presses.
+    fn memories(&self) -> impl Iterator<Item = SlipMemory> {
+        let of = |group: &[SlipMemory]| {
+            let slips: Vec<f64> = group.iter().map(|memory| memory.slip).collect();
+            SlipMemory { slip: size(&slips), path: group[0].path, heat: group.iter().map(|memory| memory.heat).sum() }
+        };
+        self.slipped.chunks_exact(self.count).map(of)
+    }
 }
 
 impl Loaded<'_> {
@@ -148,8 +172,16 @@ fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], 
                 (0..D).for_each(|i| friction[index][i] += force[i]);
             }
         });
-        *mean_shear = means::<D>(contact, lambda, friction, q, |lambda, visit| contact.for_each_pull::<D>(lambda, visit));
+        *mean_shear = if D == 2 {
+            means::<D>(contact, lambda, friction, q, |lambda, visit| contact.for_each_pull::<D>(lambda, visit))
+        } else {
+            // A stress along any direction has the force of a pressure of its size.
+            let unit = unit_forces::<D>(contact, lambda, q, |lambda, visit| contact.for_each_force::<D>(lambda, visit));
+            let over = |(force, unit): (&[f64; 3], &[f64; 3])| if *unit == [0.0; 3] { 0.0 } else { size(force) / size(unit) };
+            friction.iter().zip(&unit).map(over).collect()
+        };
     }
+    let mut of_corners = vec![[0.0; 3]; count];
     for corners in corners {
         let Some(Tangential { lambda, .. }) = corners.tangential else { continue };
         corners.for_each_pull::<D>(lambda, |node, own, multiplier, force| {
@@ -158,9 +190,13 @@ fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], 
                 && let Some(index) = secondary.index(node)
             {
                 (0..D).for_each(|i| friction[index][i] += force[i]);
+                (0..D).for_each(|i| of_corners[index][i] += force[i]);
                 pulled[index] += multiplier.signum() * size(&force);
             }
         });
+    }
+    if D == 3 {
+        pulled.iter_mut().zip(&of_corners).for_each(|(pulled, force)| *pulled = size(force));
     }
 }
 
@@ -172,21 +208,30 @@ fn means<const D: usize>(
     q: &[f64],
     for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, f64, [f64; 3])),
 ) -> Vec<f64> {
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let over = |(force, unit): (&[f64; 3], &[f64; 3])| if *unit == [0.0; 3] { 0.0 } else { dot(force, unit) / dot(unit, unit) };
+    forces.iter().zip(&unit_forces::<D>(contact, lambda, q, for_each)).map(over).collect()
+}
+
+/// Forces of unit multipliers on the secondary nodes; none where there are no means or no multipliers `lambda`.
+fn unit_forces<const D: usize>(
+    contact: Loaded,
+    lambda: &[f64],
+    q: &[f64],
+    for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, f64, [f64; 3])),
+) -> Vec<[f64; 3]> {
     let (pair, secondary) = (contact.pair, contact.pair.kernel.secondary());
-    let stride = pair.kernel.rows_per_node();
-    if stride != 1 || pair.kernel.is_nodal() || lambda.iter().all(|lambda| *lambda == 0.0) {
-        return vec![0.0; forces.len()];
+    let mut of_unit = vec![[0.0; 3]; secondary.nodes().len()];
+    if pair.kernel.rows_per_node() != 1 || pair.kernel.is_nodal() || lambda.iter().all(|lambda| *lambda == 0.0) {
+        return of_unit;
     }
     let unit: Vec<f64> = secondary.nodes().iter().map(|&node| pair.circumference(node, q)).collect();
-    let mut of_unit = vec![[0.0; 3]; forces.len()];
     for_each(&unit, &mut |node, own, _, force| {
         if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| of_unit[index][i] += force[i]);
         }
     });
-    let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let over = |(force, unit): (&[f64; 3], &[f64; 3])| if *unit == [0.0; 3] { 0.0 } else { dot(force, unit) / dot(unit, unit) };
-    forces.iter().zip(&of_unit).map(over).collect()
+    of_unit
 }
 
 /// Sums over a contact at a configuration.
@@ -294,8 +339,8 @@ fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
 
 /// Shear stress of friction at each secondary node, that of corners on it included.
 fn shears(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
-    let Some(Tangential { evaluation, lambda, .. }) = contact.tangential else { return vec![0.0; forces.own.len()] };
-    at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean_shear, &forces.pulled], q)
+    let Some(tangential) = contact.tangential else { return vec![0.0; forces.own.len()] };
+    at_nodes(contact, [&tangential.multipliers(), &tangential.coverage()], [&forces.mean_shear, &forces.pulled], q)
 }
 
 /// What friction makes of the secondary nodes, and how many corners of the other side slide.
@@ -304,15 +349,15 @@ fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeStat
     let pressed = if is_held { NodeState::Stick } else { NodeState::Slip };
     let mut states: Vec<NodeState> = active.iter().map(|&active| if active { pressed } else { NodeState::Open }).collect();
     let slides = |state: &RowState| state.slides();
-    if let Some(Tangential { active, .. }) = contact.tangential {
-        let sliding = states.iter_mut().zip(active).filter(|(_, state)| slides(state));
+    if let Some(Tangential { active, count, .. }) = contact.tangential {
+        let sliding = states.iter_mut().zip(active.iter().step_by(count)).filter(|(_, state)| slides(state));
         sliding.for_each(|(state, _)| *state = NodeState::Slip);
     }
     let mut others = 0;
     for corners in corners {
-        let rows = corners.tangential.iter().flat_map(|tangential| tangential.active).enumerate();
-        for (index, _) in rows.filter(|(_, state)| slides(state)) {
-            match corner_node(contact, corners, index) {
+        let rows = corners.tangential.iter().flat_map(|tangential| tangential.active.iter().step_by(tangential.count)).enumerate();
+        for (row, _) in rows.filter(|(_, state)| slides(state)) {
+            match corner_node(contact, corners, row / corners.pair.kernel.rows_per_node()) {
                 Some(node) => states[node] = NodeState::Slip,
                 None => others += 1,
             }
@@ -321,7 +366,7 @@ fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeStat
     (states, others)
 }
 
-/// The secondary node on which a corner's row lies, if it lies on one.
+/// The secondary node on which a corner's rows lie, if they lie on one.
 fn corner_node(contact: Loaded, corners: &Loaded, index: usize) -> Option<usize> {
     corners.pair.kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node))
 }
@@ -329,12 +374,12 @@ fn corner_node(contact: Loaded, corners: &Loaded, index: usize) -> Option<usize>
 /// What the secondary nodes have done so far: of a node with several rows the longest slips, and the heat of all.
 fn slipped(contact: Loaded, corners: &[Loaded]) -> Vec<SlipMemory> {
     let mut nodes = vec![SlipMemory::default(); contact.pair.kernel.secondary().nodes().len()];
-    if let Some(Tangential { slipped, .. }) = contact.tangential {
-        nodes.iter_mut().zip(slipped).for_each(|(node, own)| *node = *own);
+    if let Some(tangential) = contact.tangential {
+        nodes.iter_mut().zip(tangential.memories()).for_each(|(node, own)| *node = own);
     }
     for corners in corners {
-        for (index, more) in corners.tangential.iter().flat_map(|tangential| tangential.slipped).enumerate() {
-            let Some(node) = corner_node(contact, corners, index) else { continue };
+        for (row, more) in corners.tangential.iter().flat_map(Tangential::memories).enumerate() {
+            let Some(node) = corner_node(contact, corners, row / corners.pair.kernel.rows_per_node()) else { continue };
             let SlipMemory { slip, path, heat } = &mut nodes[node];
             if more.slip.abs() > slip.abs() {
                 *slip = more.slip;

@@ -3,8 +3,6 @@
 //! One idea: a cause is only named where numbers show it. Nothing here changes a step; a cause that is not recognised is called slow
 //! convergence.
 
-use std::ops::Range;
-
 use super::report::{CyclingNode, FailureCause, FailureReport, IterationReport, TryReport};
 use super::state::State;
 use crate::bodies::{Elements, Inverted, Space};
@@ -124,10 +122,10 @@ where
         let cycling = |row: usize| 2 * last.iter().filter(|iteration| iteration.changed.contains(&row)).count() >= last.len();
         let of_pair = |pair: &ContactPair| -> (Vec<CyclingNode>, bool) {
             let rows = pair.kernel.rows_per_node();
-            let changing = |of: Range<usize>| of.clone().filter(|&row| cycling(row)).map(move |row| (row - of.start) / rows);
-            let mut indices: Vec<usize> = changing(pair.rows.clone()).collect();
+            let mut indices: Vec<usize> = pair.rows.clone().filter(|&row| cycling(row)).map(|row| (row - pair.rows.start) / rows).collect();
             let is_slip = indices.is_empty();
-            indices.extend(pair.friction.iter().flat_map(|friction| changing(friction.rows.clone())));
+            let tangential = pair.tangential().filter(|&(row, _)| cycling(row));
+            indices.extend(tangential.map(|(_, pressing)| (pressing - pair.rows.start) / rows));
             indices.sort_unstable();
             indices.dedup();
             let contact = pair.corners.map_or(pair, |corners| &self.system.pairs[corners.pair]);

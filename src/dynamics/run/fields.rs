@@ -171,9 +171,9 @@ pub struct ContactFields {
     pub active: Vec<bool>,
     /// Whether friction holds it.
     pub state: Vec<NodeState>,
-    /// Shear stress of friction on the secondary side, along its tangent with the body on the left `[stress]`.
+    /// Shear stress of friction on the secondary side, along its tangent with the body on the left; in space its size `[stress]`.
     pub shear: Vec<f64>,
-    /// Slip in the last step against the other side, along the same tangent `[length]`.
+    /// Slip in the last step against the other side, along the same tangent; in space its size `[length]`.
     pub slip: Vec<f64>,
     /// Sum of the sizes of the slips since the start `[length]`.
     pub slip_path: Vec<f64>,

@@ -290,6 +290,7 @@ fn loaded<'a, const D: usize>(system: &'a System<D>, index: usize, touching: &To
             lambda: &lambda[friction.rows.clone()],
             active: &active[friction.rows.clone()],
             slipped: &slipped[friction.rows.start - system.pressing..friction.rows.end - system.pressing],
+            count: friction.tangents,
         });
         let (lambda, active) = (&lambda[pair.rows.clone()], &active[pair.rows.clone()]);
         Loaded { pair, evaluation: &evaluations[k], lambda, active, tangential }

@@ -6,7 +6,7 @@ use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::system::System;
 
-/// What is kept of a tangential row.
+/// What is kept of a tangential row; the path of a group of them stands at its first one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlipMemory {
     /// Its slip in the last step, while it was pressed `[length]`.
@@ -29,15 +29,21 @@ pub fn slipped<const D: usize>(
     let mut after = before.to_vec();
     for (pair, slips) in system.pairs.iter().zip(&at.slips) {
         let Some(friction) = &pair.friction else { continue };
-        for (local, (row, pressing)) in friction.rows.clone().zip(pair.rows.clone()).enumerate() {
-            let length = slips.coverage[local] * pair.kernel.weights()[local];
+        for (local, pressing) in pair.rows.clone().enumerate() {
+            let group = friction.group(local);
+            let own = group.start - friction.rows.start..group.end - friction.rows.start;
+            let length = slips.coverage[own.start] * pair.kernel.weights()[local];
             let is_pressed = active[pressing].is_closed() && length > 0.0;
-            let slip = if is_pressed { slips.gap[local] / length } else { 0.0 };
-            let memory = &mut after[row - system.pressing];
-            memory.slip = kept * memory.slip + slip;
-            memory.path += slip.abs();
-            // No zero with a sign where nothing slides.
-            memory.heat += 0.0 - shear[row] * slips.gap[local];
+            let memories = &mut after[group.start - system.pressing..group.end - system.pressing];
+            let mut path = 0.0f64;
+            for ((memory, work), shear) in memories.iter_mut().zip(&slips.gap[own]).zip(&shear[group]) {
+                let slip = if is_pressed { work / length } else { 0.0 };
+                memory.slip = kept * memory.slip + slip;
+                path = path.hypot(slip);
+                // No zero with a sign where nothing slides.
+                memory.heat += 0.0 - shear * work;
+            }
+            memories[0].path += path;
         }
     }
     after

@@ -191,8 +191,13 @@ where
     }
 
     fn friction_multipliers(&self) -> Vec<[f64; 2]> {
-        let rows = self.system.pairs.iter().flat_map(ContactPair::tangential);
-        rows.map(|(row, pressing)| [pressing, row].map(|row| self.state.lambda[row])).collect()
+        let lambda = &self.state.lambda;
+        let rows: Vec<(usize, usize)> = self.system.pairs.iter().flat_map(ContactPair::tangential).collect();
+        let of = |group: &[(usize, usize)]| match *group {
+            [(row, pressing)] => [lambda[pressing], lambda[row]],
+            _ => [lambda[group[0].1], group.iter().map(|&(row, _)| lambda[row]).fold(0.0, f64::hypot)],
+        };
+        rows.chunk_by(|a, b| a.1 == b.1).map(of).collect()
     }
 
     fn halvings(&self) -> &[Halving] {

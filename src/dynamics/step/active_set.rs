@@ -1,6 +1,6 @@
 //! The set of active rows, finished on the frozen linearisation of one iteration.
 
-use super::contact_set::{constraint_rows, first_state, has_row, pairs_at, slips_at};
+use super::contact_set::{SlipPlace, constraint_rows, first_state, has_row, pairs_at, slips_at};
 use super::failure::Failure;
 use super::frozen::{Frozen, RowValues};
 use super::iterate::Linearization;
@@ -69,7 +69,7 @@ where
                 let Some(worst) = worst else { break true };
                 let changed = next[worst];
                 next.clone_from(set);
-                next[worst] = changed;
+                next[self.system.group_of(worst)].fill(changed);
                 self.follow(at, set, &mut next);
                 if seen.contains(&next) {
                     break false;
@@ -122,9 +122,10 @@ where
 
     /// Opens tangential rows whose pressing row opens from one set to the next, and lets those of rows that close begin.
     fn follow(&self, at: &Linearization, set: &[RowState], next: &mut [RowState]) {
-        for place in slips_at(self.system, at).filter(|place| !self.dropped[place.row]) {
+        for place in slips_at(self.system, at).filter(|place| !self.dropped[place.rows.start]) {
             if next[place.pressing] != set[place.pressing] {
-                next[place.row] = first_state(&place, self.task.conditions, at, next);
+                let state = first_state(&place, self.task.conditions, at, next);
+                next[place.rows].fill(state);
             }
         }
     }
@@ -143,12 +144,13 @@ where
                 }
             }
         }
-        for place in slips_at(self.system, at).filter(|place| place.exists && !self.dropped[place.row] && set[place.pressing].is_closed()) {
-            let row = place.with(self.task.conditions, gaps[place.row], lambda);
-            let Some((state, violation)) = row.change(set[place.row]) else { continue };
-            next[place.row] = state;
+        let takes_part = |place: &SlipPlace| place.exists && !self.dropped[place.rows.start] && set[place.pressing].is_closed();
+        for place in slips_at(self.system, at).filter(takes_part) {
+            let first = place.rows.start;
+            let Some((state, violation)) = place.with(self.task.conditions, gaps, lambda).change(set[first]) else { continue };
+            next[place.rows].fill(state);
             if violation > largest {
-                (largest, worst) = (violation, Some(place.row));
+                (largest, worst) = (violation, Some(first));
             }
         }
         self.follow(at, set, &mut next);

@@ -53,15 +53,22 @@ impl Conditions {
 impl<const D: usize> System<D> {
     /// Inverse augmentation of every constraint row in a step.
     pub fn compliance(&self, start: &StepStart) -> Vec<f64> {
-        if self.pairs.iter().all(|pair| pair.augmentation.is_none()) {
+        if self.pairs.iter().all(|pair| pair.augmentation.is_none() && (D == 2 || pair.friction.is_none())) {
             return vec![0.0; self.multipliers];
         }
-        let mut compliance = self.row_stiffness(start);
+        let stiffness = self.row_stiffness(start);
+        let mut compliance = stiffness.clone();
         for pair in &self.pairs {
             let rows = &mut compliance[pair.rows.clone()];
             rows.iter_mut().for_each(|row| *row = pair.augmentation.map_or(0.0, |factor| 1.0 / (factor * *row)));
         }
         self.copy_to_slips(&mut compliance);
+        // Supports may keep a slip from one direction, along no row.
+        for pair in self.pairs.iter().filter(|pair| D == 3 && pair.augmentation.is_none()) {
+            for (row, pressing) in pair.tangential() {
+                compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[pressing]);
+            }
+        }
         compliance
     }
 
@@ -92,11 +99,7 @@ impl<const D: usize> System<D> {
 
     /// Gives tangential rows what the rows have that press beside them.
     pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
-        for pair in &self.pairs {
-            if let Some(friction) = &pair.friction {
-                values.copy_within(pair.rows.clone(), friction.rows.start);
-            }
-        }
+        self.pairs.iter().flat_map(ContactPair::tangential).for_each(|(row, pressing)| values[row] = values[pressing]);
     }
 
     /// Finds the coefficients of friction of a step that begins at `q`, with that time in its middle.

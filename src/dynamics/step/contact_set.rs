@@ -1,6 +1,7 @@
 //! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's system gets from them.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use super::conditions::Conditions;
 use super::constraint_rows::ConstraintRows;
@@ -8,8 +9,10 @@ use super::iterate::Linearization;
 use super::system::System;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::friction_rows::{FrictionRows, SlipRow};
+use crate::dynamics::parts::friction_rows::{FrictionRows, Pressed, SlipRow};
 use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::parts::slip_group::SlipGroup;
+use crate::dynamics::parts::slip_vector::SlipVector;
 use crate::math::tolerances;
 
 /// Every pair with what it is at an iterate.
@@ -25,60 +28,72 @@ pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> boo
     !pair.has_multipliers() || evaluation.coverage[local] > tolerances::ZERO_ROW
 }
 
-/// A tangential row of the model at an iterate.
+/// The tangential rows beside a row that presses, at an iterate.
 pub struct SlipPlace<'a> {
-    /// The row, and the one that presses, among all rows.
-    pub row: usize,
+    /// The rows, and the one that presses, among all rows.
+    pub rows: Range<usize>,
     pub pressing: usize,
     /// Its pair.
     pub pair: &'a ContactPair,
-    /// Whether it can have a multiplier at all: both rows have something opposite.
+    /// Whether they can have multipliers at all: all rows have something opposite.
     pub exists: bool,
     friction: &'a FrictionRows,
-    local: usize,
     slip: &'a Evaluation,
+    covered: f64,
     around: f64,
-    rest: f64,
+    rests: &'a [f64],
     is_held: bool,
 }
 
 impl<'a> SlipPlace<'a> {
-    /// The row with what a solution makes of its slip and of both multipliers.
-    pub fn with(&self, conditions: &Conditions, slip: f64, lambda: &[f64]) -> SlipRow<'a> {
-        let &SlipPlace { row, pressing, pair, local, around, rest, is_held, .. } = self;
-        let length = self.slip.coverage[local] * pair.kernel.weights()[local];
-        SlipRow {
-            law: &*self.friction.law,
-            coefficient: self.friction.coefficients[local],
-            normal: lambda[pressing],
-            lambda: lambda[row],
-            slip,
-            speed: if conditions.dt > 0.0 && length > 0.0 { 1.0 / (length * conditions.dt) } else { 0.0 },
-            around,
-            compliance: conditions.compliance[row],
-            c: self.friction.c,
-            tolerance: pair.gap_tolerance,
-            rest: if conditions.stops[row] { rest } else { 0.0 },
-            is_held,
-        }
+    /// The rows with what a solution makes of all slips, in the order of all rows, and of all multipliers.
+    pub fn with(&self, conditions: &Conditions, slips: &[f64], lambda: &[f64]) -> SlipGroup<'a> {
+        self.group(conditions, |row| slips[row], lambda)
     }
 
-    /// The row at the iterate.
-    pub fn at(&self, conditions: &Conditions, at: &Linearization) -> SlipRow<'a> {
-        self.with(conditions, self.slip.gap[self.local], &at.lambda)
+    /// The rows at the iterate.
+    pub fn at(&self, conditions: &Conditions, at: &Linearization) -> SlipGroup<'a> {
+        self.group(conditions, |row| self.slip.gap[row - self.friction.rows.start], &at.lambda)
+    }
+
+    fn group(&self, conditions: &Conditions, slip: impl Fn(usize) -> f64, lambda: &[f64]) -> SlipGroup<'a> {
+        let &SlipPlace { pressing, pair, friction, around, rests, is_held, .. } = self;
+        let first = self.rows.start;
+        let local = pressing - pair.rows.start;
+        let length = self.covered * pair.kernel.weights()[local];
+        let pressed = Pressed {
+            law: &*friction.law,
+            coefficient: friction.coefficients[local],
+            normal: lambda[pressing],
+            speed: if conditions.dt > 0.0 && length > 0.0 { 1.0 / (length * conditions.dt) } else { 0.0 },
+            around,
+            compliance: conditions.compliance[first],
+            c: friction.c,
+            tolerance: pair.gap_tolerance,
+        };
+        let rest = |k: usize| if conditions.stops[first] { rests[k] } else { 0.0 };
+        if self.rows.len() == 1 {
+            SlipGroup::Row(SlipRow { pressed, lambda: lambda[first], slip: slip(first), rest: rest(0), is_held })
+        } else {
+            let of = |values: &dyn Fn(usize) -> f64| [0, 1].map(values);
+            let (lambda, slip) = (of(&|k| lambda[first + k]), of(&|k| slip(first + k)));
+            SlipGroup::Vector(SlipVector { pressed, lambda, slip, rest: of(&rest) })
+        }
     }
 }
 
-/// All tangential rows at an iterate.
+/// The tangential rows of all pairs at an iterate.
 pub fn slips_at<'a, const D: usize>(system: &'a System<D>, at: &'a Linearization) -> impl Iterator<Item = SlipPlace<'a>> {
     pairs_at(system, at).zip(&at.slips).flat_map(move |((pair, evaluation), slip)| {
-        let rows = pair.friction.iter().flat_map(|friction| friction.rows.clone().enumerate().map(move |at| (friction, at)));
-        rows.map(move |(friction, (local, row))| {
-            let pressing = pair.rows.start + local;
+        let groups = pair.friction.iter().flat_map(|friction| pair.rows.clone().enumerate().map(move |of| (friction, of)));
+        groups.map(move |(friction, (local, pressing))| {
+            let rows = friction.group(local);
+            let (first, end) = (rows.start - system.pressing, rows.end - system.pressing);
+            let covered = slip.coverage[rows.start - friction.rows.start];
             let around = pair.node_of(pressing).map_or(1.0, |node| pair.circumference(node, &at.q_1));
-            let exists = has_row(pair, evaluation, local) && slip.coverage[local] > tolerances::SLIVER && around > 0.0;
-            let (rest, is_held) = (at.rests[row - system.pressing], at.held[row - system.pressing]);
-            SlipPlace { row, pressing, pair, exists, friction, local, slip, around, rest, is_held }
+            let exists = has_row(pair, evaluation, local) && covered > tolerances::SLIVER && around > 0.0;
+            let (rests, is_held) = (&at.rests[first..end], at.held[first]);
+            SlipPlace { rows, pressing, pair, exists, friction, slip, covered, around, rests, is_held }
         })
     })
 }
@@ -123,12 +138,12 @@ pub fn worst_violation<const D: usize>(
             work += energy;
         }
     }
-    for place in slips_at(system, at).filter(|place| !dropped[place.row]) {
-        let row = place.at(conditions, at);
-        let (natural, energy) = if place.exists { row.residual() } else { (row.lambda / row.c, row.lambda * row.slip) };
-        let violation = natural.abs() / row.tolerance;
+    for place in slips_at(system, at).filter(|place| !dropped[place.rows.start]) {
+        let group = place.at(conditions, at);
+        let (natural, energy) = if place.exists { group.residual() } else { group.excess() };
+        let violation = natural.abs() / group.tolerance();
         if violation > worst {
-            (worst, worst_row) = (violation, place.row);
+            (worst, worst_row) = (violation, place.rows.start);
         }
         work += energy;
     }
@@ -152,8 +167,9 @@ pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, cond
             }
         }
     }
-    for place in slips_at(system, at).filter(|place| !dropped[place.row]) {
-        set[place.row] = first_state(&place, conditions, at, &set);
+    for place in slips_at(system, at).filter(|place| !dropped[place.rows.start]) {
+        let state = first_state(&place, conditions, at, &set);
+        set[place.rows].fill(state);
     }
     set
 }
@@ -175,13 +191,15 @@ pub fn constraint_rows<const D: usize>(
         }
     }
     let held = rows_of_nodes(system, set);
-    for place in slips_at(system, at).filter(|place| set[place.row].acts()) {
-        let mut row = place.at(conditions, at);
+    for place in slips_at(system, at).filter(|place| set[place.rows.start].acts()) {
+        let (mut group, first) = (place.at(conditions, at), place.rows.start);
         // More rows than a node can move: those that stick give way, until the multipliers are found.
-        if place.pair.node_of(place.row).is_some_and(|node| held[&node] > system.supports.free_components::<D>(node)) {
-            row.compliance = row.compliance.max(yielding * conditions.yielding[place.row]);
+        if place.pair.node_of(first).is_some_and(|node| held[&node] > system.supports.free_components::<D>(node)) {
+            group.yield_by(yielding * conditions.yielding[first]);
         }
-        rows.0[place.row] = row.equation(set[place.row]);
+        for (row, equation) in place.rows.zip(group.equations(set[first])) {
+            rows.0[row] = equation;
+        }
     }
     rows
 }
@@ -200,7 +218,7 @@ fn rows_of_nodes<const D: usize>(system: &System<D>, set: &[RowState]) -> BTreeM
     counts
 }
 
-/// The state with which an iteration begins for a tangential row, by the state of the row that presses: open without pressure.
+/// The state with which an iteration begins for tangential rows, by the state of the row that presses: open without pressure.
 pub fn first_state(place: &SlipPlace, conditions: &Conditions, at: &Linearization, set: &[RowState]) -> RowState {
     if place.exists && set[place.pressing].is_closed() { place.at(conditions, at).first_state() } else { RowState::Open }
 }

@@ -135,12 +135,19 @@ where
         }
         // What a changed row must have: its equation, or no multiplier where it opens.
         let of = |row: usize, values: &RowValues| {
-            let Equation { acts, gradient, diagonal, normal, .. } = rows.0[row];
+            let Equation { acts, gradient, diagonal, normal, beside, .. } = rows.0[row];
             if !acts {
                 return values.lambda[row];
             }
-            let own = gradient * values.gaps[row] + diagonal * values.lambda[row];
-            if normal == 0.0 { own } else { own + normal * values.lambda[self.pressing_row(row)] }
+            let mut own = gradient * values.gaps[row] + diagonal * values.lambda[row];
+            if normal != 0.0 {
+                own += normal * values.lambda[self.pressing_row(row)];
+            }
+            if beside != [0.0; 2] {
+                let other = self.partner_row(row);
+                own += beside[0] * values.gaps[other] + beside[1] * values.lambda[other];
+            }
+            own
         };
         let matrix = DMatrix::from_fn(changed.len(), changed.len(), |i, j| of(changed[i], &frozen.answers[&changed[j]]));
         let wanted = |row: usize| if rows.0[row].acts { rows.0[row].right } else { 0.0 };

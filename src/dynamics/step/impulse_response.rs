@@ -62,7 +62,7 @@ where
         let mut given: Vec<f64> = hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }).collect();
         for pair in &self.pairs {
             for (row, pressing) in pair.tangential().filter(|(row, _)| ratios[*row] != 0.0) {
-                rows.0[row] = Equation { acts: true, gradient: 0.0, diagonal: 1.0, normal: -ratios[row], right: 0.0 };
+                rows.0[row] = Equation { acts: true, normal: -ratios[row], ..Equation::OPEN };
                 given[row] = scale * ratios[row] * lambda[pressing];
             }
         }

@@ -105,8 +105,8 @@ pub fn pattern_of<'a, const D: usize>(
         for (rows, &node) in rows.chunks_exact(pair.kernel.rows_per_node()).zip(pair.kernel.row_nodes()) {
             if !std::mem::replace(&mut taken[node as usize], true) {
                 anchors.extend(rows.iter().map(|row| ((nodes + row) as u32, node)));
-                let slips = pair.friction.iter().flat_map(|friction| rows.iter().map(|row| friction.rows.start + row - pair.rows.start));
-                anchors.extend(slips.map(|row| ((nodes + row) as u32, node)));
+                let groups = pair.friction.iter().flat_map(|friction| rows.iter().flat_map(|row| friction.group(row - pair.rows.start)));
+                anchors.extend(groups.map(|row| ((nodes + row) as u32, node)));
             }
         }
     }

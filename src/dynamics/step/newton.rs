@@ -196,8 +196,8 @@ where
                 let mut active = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
                 let pressing = active.iter_mut().zip(&at.lambda).take(attempt.system.pressing);
                 pressing.filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
-                let idle: Vec<usize> =
-                    slips_at(attempt.system, &at).filter(|place| !active[place.pressing].is_closed()).map(|place| place.row).collect();
+                let idle = slips_at(attempt.system, &at).filter(|place| !active[place.pressing].is_closed());
+                let idle: Vec<usize> = idle.flat_map(|place| place.rows).collect();
                 idle.into_iter().for_each(|row| active[row] = RowState::Open);
                 return Ok(Solution { at, active, preferred: Preferred::default() });
             }
@@ -414,7 +414,7 @@ where
                 sum += natural * natural;
             }
         }
-        for place in slips_at(self.system, at).filter(|place| place.exists && !self.dropped[place.row]) {
+        for place in slips_at(self.system, at).filter(|place| place.exists && !self.dropped[place.rows.start]) {
             let natural = place.pair.kernel.facet_size() * place.pair.c * place.at(self.task.conditions, at).residual().0;
             sum += natural * natural;
         }

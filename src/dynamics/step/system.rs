@@ -9,6 +9,7 @@
 //!
 //! (Hesch and Betsch 2007, equation 3). Its numbers at an iterate are a [`Linearization`](super::iterate::Linearization).
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -25,6 +26,7 @@ use crate::dynamics::model::part::{Numbering, Part, Pose};
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::friction_rows::FrictionRows;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
@@ -298,11 +300,24 @@ impl<const D: usize> System<D> {
 
     /// The row that presses beside a tangential row.
     pub fn pressing_row(&self, slip: usize) -> usize {
-        let of = |pair: &ContactPair| {
-            let friction = pair.friction.as_ref().filter(|friction| friction.rows.contains(&slip))?;
-            Some(pair.rows.start + slip - friction.rows.start)
-        };
-        self.pairs.iter().find_map(of).expect("every tangential row belongs to a pair")
+        self.tangential_at(slip, |pair, friction| pair.rows.start + friction.pressing(slip))
+            .expect("every tangential row belongs to a pair")
+    }
+
+    /// The rows that change their state together with a row: it alone, or all tangential ones beside one that presses.
+    pub fn group_of(&self, row: usize) -> Range<usize> {
+        self.tangential_at(row, |_, friction| friction.group(friction.pressing(row))).unwrap_or(row..row + 1)
+    }
+
+    /// The other tangential row of a group of two.
+    pub fn partner_row(&self, slip: usize) -> usize {
+        let group = self.group_of(slip);
+        group.start + group.end - 1 - slip
+    }
+
+    fn tangential_at<T>(&self, row: usize, of: impl Fn(&ContactPair, &FrictionRows) -> T) -> Option<T> {
+        let owns = |pair: &ContactPair| Some(of(pair, pair.friction.as_ref().filter(|friction| friction.rows.contains(&row))?));
+        self.pairs.iter().find_map(owns)
     }
 
     /// The body that owns a node.

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment; `lambda_n` is there for tangential rows
-//! (`friction_rows.rs`) alone. A law knows neither methods nor surfaces.
+//! (`friction_rows.rs`) alone. In space these come in groups of two (`slip_vector.rs`), of which each also has the other one's slip and
+//! multiplier in its equation. A law knows neither methods nor surfaces.
 
 use std::fmt;
 
@@ -22,7 +23,7 @@ pub enum RowState {
     Open,
     /// Its condition holds, its multiplier may press; a tangential row sticks.
     Closed,
-    /// A tangential row slides, its multiplier is positive.
+    /// A tangential row slides, its multiplier is positive; in space a group of them slides in whatever direction.
     Forward,
     /// A tangential row slides, its multiplier is negative.
     Backward,
@@ -130,7 +131,8 @@ pub struct Row {
     pub tolerance: f64,
 }
 
-/// The equation of a row: `A G_1 dq + B lambda + N lambda_n = r`, with the pressing multiplier `lambda_n` of a tangential row.
+/// The equation of a row: `A G_1 dq + B lambda + N lambda_n = r`, with the pressing multiplier `lambda_n` of a tangential row; in space
+/// `+ A' G'_1 dq + B' lambda'` of the other tangential row of its group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equation {
     /// Whether its multiplier presses.
@@ -141,17 +143,19 @@ pub struct Equation {
     pub diagonal: f64,
     /// `N`.
     pub normal: f64,
+    /// `A'` and `B'`.
+    pub beside: [f64; 2],
     /// `r`.
     pub right: f64,
 }
 
 impl Equation {
     /// `lambda = 0`.
-    pub const OPEN: Equation = Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, right: 0.0 };
+    pub const OPEN: Equation = Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, beside: [0.0; 2], right: 0.0 };
 
     /// `G_1 dq + compliance lambda = right`.
     pub fn held(compliance: f64, right: f64) -> Equation {
-        Equation { acts: true, gradient: 1.0, diagonal: compliance, normal: 0.0, right }
+        Equation { acts: true, gradient: 1.0, diagonal: compliance, right, ..Equation::OPEN }
     }
 }
 

@@ -1,0 +1,376 @@
+//! The slips of constraint rows in space: what friction works on.
+//!
+//! The slip of row `A` has two components, each a linear function of the displacement `d = q_1 - q_0` in the step as in the plane
+//! (`contact/slip.rs`),
+//!
+//! ```text
+//! u_Ak = sum_patches G_Ak(q_mid) d,    G_Ak d = t_k . sum_j w_Aj (P d)_j          [length^3]
+//! ```
+//!
+//! with weights `w` whose sum is zero, those of the gap, and two tangents. `P` takes the rigid motions of `q_mid` out of the displacement
+//! of a patch, so that forces have neither resultant nor moment and a rigid motion of everything, however large, has no slip. `P` is its
+//! own transpose: the force of multipliers `tau` is `P` of `sum_A w_Aj (tau_A1 t_1 + tau_A2 t_2)`.
+//!
+//! Tangents go with the material of the secondary facet: its own first axis, turned about its normal by an angle that is chosen once, in
+//! the reference configuration, so that the facets around a node agree. Components of a multiplier mean the same from step to step, and
+//! nothing has to be carried over when a body turns.
+
+use super::vectors::{Frame, Jet, Vec3, cross, dot, hessian_into, jets, scaled, sub};
+use crate::contact::faces;
+use crate::contact::patches::Evaluation;
+use crate::contact::slip::{Number, SlipStep};
+use crate::contact::surface::{Sides, Surface};
+use crate::integrators::Configuration;
+
+/// Nodes of a patch, at most.
+const NODES: usize = 8;
+
+/// The two tangential rows beside a row that presses, at a configuration of a patch.
+#[derive(Clone)]
+pub struct Group<T> {
+    /// Place of the row that presses among those of the patch.
+    pub place: usize,
+    /// Weights of the motions of the nodes, their sum is zero `[length^2]`.
+    pub weights: [T; NODES],
+    /// Unit vectors along which slips are measured.
+    pub tangents: [Vec3<T>; 2],
+    /// What the row has opposite.
+    pub covered: f64,
+}
+
+/// What the slips of a kernel in space are.
+pub trait SlipsInSpace {
+    /// The tangential rows of patch `p` at the positions of its nodes.
+    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
+}
+
+impl<T: Number> Group<T> {
+    fn values(&self) -> Group<f64> {
+        let vector = |v: &Vec3<T>| v.map(|x| x.re());
+        Group {
+            place: self.place,
+            weights: self.weights.map(|w| w.re()),
+            tangents: [vector(&self.tangents[0]), vector(&self.tangents[1])],
+            covered: self.covered,
+        }
+    }
+
+    /// Slip along a tangent for these displacements.
+    fn slip(&self, tangent: usize, moved: &[Vec3<T>]) -> T {
+        let mut sum = [T::from(0.0); 3];
+        for (weight, moved) in self.weights.iter().zip(moved) {
+            (0..3).for_each(|i| sum[i] += moved[i] * *weight);
+        }
+        dot(self.tangents[tangent], sum)
+    }
+
+    /// Adds the forces of multipliers along the tangents.
+    fn add_forces(&self, shear: [f64; 2], forces: &mut [Vec3<T>]) {
+        let [first, second] = self.tangents;
+        let along: Vec3<T> = std::array::from_fn(|i| first[i] * shear[0] + second[i] * shear[1]);
+        for (weight, force) in self.weights.iter().zip(forces) {
+            (0..3).for_each(|i| force[i] += along[i] * *weight);
+        }
+    }
+}
+
+/// Slips (as gaps of the evaluation), their gradients at the end of the step, the rows that carry forces, and their tangent with the
+/// multipliers `lambda`; coverage as what each row has opposite in mid-step. `N` is the number of unknowns of a patch, at most.
+pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+    let patches = sides.slip_patches();
+    out.prepare(patches, lambda.len());
+    let (mut start, mut z, mut moved) = (Vec::new(), Vec::new(), Vec::new());
+    for p in 0..patches.len() {
+        out.clear_patch(patches, p);
+        if !step.live[p] {
+            continue;
+        }
+        patches.gather_into(p, step.q_0, &mut start);
+        patches.gather_into(p, step.q_1, &mut z);
+        patches.gather_into(p, step.moved, &mut moved);
+        let end = (step.test == Configuration::End).then(|| jets::<N>(&z));
+        z.iter_mut().zip(&start).for_each(|(z, start)| *z = 0.5 * (*z + start));
+        let middle = jets::<N>(&z);
+        let groups = kernel.groups(p, &middle);
+        if groups.is_empty() {
+            continue;
+        }
+        out.live[p] = true;
+        let constant: Vec<Vec3<Jet<N>>> = moved.as_chunks().0.iter().map(|d: &Vec3<f64>| d.map(Jet::from)).collect();
+        let relative = without_rigid_motion(&middle, &constant);
+        let (first, width, rows) = (patches.gradient_range(p).start, z.len(), patches.rows(p));
+        for group in &groups {
+            let values = group.values();
+            for k in 0..2 {
+                let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &relative));
+                out.gap[row] += slip.re;
+                out.coverage[row] += group.covered;
+                let block = first + (2 * group.place + k) * width;
+                let gradient = &mut out.gradient_end[block..block + width];
+                gradient.copy_from_slice(row_of(&values, k, z.as_chunks().0).as_flattened());
+                if let num_dual::Derivative(Some(slope)) = &slip.eps {
+                    gradient.iter_mut().zip(slope.iter()).for_each(|(g, slope)| *g += 0.5 * slope);
+                }
+            }
+        }
+        let (at, groups) = match end {
+            Some(end) => {
+                let groups = kernel.groups(p, &end);
+                (end, groups)
+            }
+            None => (middle, groups),
+        };
+        let positions: Vec<Vec3<f64>> = at.iter().map(|x| [x[0].re, x[1].re, x[2].re]).collect();
+        let (mut forces, mut is_loaded) = (vec![[Jet::<N>::from(0.0); 3]; at.len()], false);
+        for group in &groups {
+            let values = group.values();
+            for k in 0..2 {
+                let block = first + (2 * group.place + k) * width;
+                out.gradient_bar[block..block + width].copy_from_slice(row_of(&values, k, &positions).as_flattened());
+            }
+            let shear = [0, 1].map(|k| lambda[rows[2 * group.place + k] as usize]);
+            if shear != [0.0; 2] {
+                is_loaded = true;
+                group.add_forces(shear, &mut forces);
+            }
+        }
+        if is_loaded {
+            let balanced = without_rigid_motion(&at, &forces);
+            hessian_into(&balanced, step.test.share(), &mut out.tangent[patches.tangent_range(p)]);
+        }
+    }
+}
+
+/// The row of a slip at the positions of the nodes.
+fn row_of(group: &Group<f64>, tangent: usize, z: &[Vec3<f64>]) -> Vec<Vec3<f64>> {
+    let mut row = vec![[0.0; 3]; z.len()];
+    group.add_forces([[1.0, 0.0], [0.0, 1.0]][tangent], &mut row);
+    without_rigid_motion(z, &row)
+}
+
+/// Vectors at the places `z` without what a rigid motion of these makes of them: `P`.
+fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Vec3<T>> {
+    let mean = |of: &[Vec3<T>]| -> Vec3<T> {
+        let mut mean = [T::from(0.0); 3];
+        of.iter().for_each(|x| (0..3).for_each(|i| mean[i] += x[i] * (1.0 / of.len() as f64)));
+        mean
+    };
+    let (center, shift) = (mean(z), mean(vectors));
+    let mut moment = [T::from(0.0); 3];
+    let mut inertia = [[T::from(0.0); 3]; 3];
+    for (z, v) in z.iter().zip(vectors) {
+        let r = sub(*z, center);
+        let turn = cross(r, *v);
+        let square = dot(r, r);
+        for i in 0..3 {
+            moment[i] += turn[i];
+            inertia[i][i] += square;
+            (0..3).for_each(|j| inertia[i][j] -= r[i] * r[j]);
+        }
+    }
+    let cofactors: [Vec3<T>; 3] = std::array::from_fn(|i| cross(inertia[(i + 1) % 3], inertia[(i + 2) % 3]));
+    let inverse = dot(inertia[0], cofactors[0]).recip();
+    // Symmetric: rows and columns of the inverse are the same.
+    let turn: Vec3<T> = cofactors.map(|cofactor| dot(cofactor, moment) * inverse);
+    let rest = |(z, v): (&Vec3<T>, &Vec3<T>)| sub(sub(*v, shift), cross(turn, sub(*z, center)));
+    z.iter().zip(vectors).map(rest).collect()
+}
+
+/// For each facet of a surface and each of its nodes cosine and sine of the angle between the facet's first axis and the first tangent of the
+/// node: that of the node's first facet, as it continues over its other ones.
+pub fn turns(surface: &Surface, reference: &[f64]) -> Vec<Vec<[f64; 2]>> {
+    let axes = |facet: usize| {
+        let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
+        Frame::new(&nodes).map(|frame| frame.axes)
+    };
+    let along: Vec<Option<Vec3<f64>>> = (0..surface.nodes().len())
+        .map(|index| {
+            let facets = surface.adjacent_facets(index);
+            let mut normal = [0.0; 3];
+            for axes in facets.iter().filter_map(|&facet| axes(facet as usize)) {
+                (0..3).for_each(|i| normal[i] += axes[2][i]);
+            }
+            let first = axes(*facets.first()? as usize)?[0];
+            let square = dot(normal, normal);
+            let out = if square > 0.0 { dot(first, normal) / square } else { 0.0 };
+            Some(sub(first, scaled(normal, out)))
+        })
+        .collect();
+    let of_facet = |facet: usize| {
+        let axes = axes(facet);
+        let turn = |&node: &u32| {
+            let (Some([first, second, _]), Some(along)) = (axes, along[node as usize]) else { return [1.0, 0.0] };
+            let [x, y] = [dot(first, along), dot(second, along)];
+            let size = x.hypot(y);
+            if size > 0.0 { [x / size, y / size] } else { [1.0, 0.0] }
+        };
+        surface.local_facet(facet).iter().map(turn).collect()
+    };
+    (0..surface.count()).map(of_facet).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+    use crate::contact::fixtures::{dense_rows_of, difference, evaluated};
+    use crate::contact::space::{CornersInSpace, MortarInSpace};
+    use crate::contact::{ContactKernel, Outlook};
+    use crate::integrators::Derivative;
+
+    /// Four facets of a body below, three nodes by three, one facet of a body above.
+    const FACETS: [[u32; 4]; 4] = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
+    const COUNT: usize = 13;
+    const UNKNOWNS: usize = 3 * COUNT;
+
+    fn base() -> Vec<f64> {
+        let below = (0..9).flat_map(|k| [f64::from(k % 3), f64::from(k / 3), 0.0]);
+        let above = [[0.4, 0.3], [0.5, 1.5], [1.6, 1.7], [1.5, 0.4]].into_iter().flat_map(|[x, y]| [x, y, 0.02]);
+        below.chain(above).collect()
+    }
+
+    fn kernels(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
+        let below = || Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
+        let above = || Surface::in_space([&[9u32, 10, 11, 12][..]]);
+        let mut kernels = vec![MortarInSpace::kernel(below(), above(), &base())];
+        kernels.extend(CornersInSpace::kernel(below(), above(), &base()));
+        for kernel in &mut kernels {
+            kernel.update_candidates(&Outlook::within(q, 1.0));
+            kernel.begin_step(q);
+        }
+        kernels
+    }
+
+    fn shears(rows: usize) -> Vec<f64> {
+        (0..rows).map(|k| [1.0, -0.5, 2.0, 0.25, -1.5][k % 5]).collect()
+    }
+
+    fn slips(kernel: &dyn ContactKernel, q_0: &[f64], q_1: &[f64], test: Configuration) -> Evaluation {
+        let pressing = evaluated(kernel, Derivative::DiscreteGradient, q_1, &vec![1.0; kernel.rows()]);
+        let (moved, mut out) = (difference(q_1, q_0), Evaluation::default());
+        kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &pressing.live }, &shears(2 * kernel.rows()), &mut out);
+        out
+    }
+
+    fn rows(kernel: &dyn ContactKernel, blocks: &[f64]) -> Vec<Vec<f64>> {
+        dense_rows_of(kernel.slip_patches(), 2 * kernel.rows(), blocks, UNKNOWNS)
+    }
+
+    fn product(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    /// Largest resultant and moment of rows at positions.
+    fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
+        let of = |row: &Vec<f64>| {
+            let mut sums = [0.0; 6];
+            for (x, g) in q.as_chunks::<3>().0.iter().zip(row.as_chunks::<3>().0) {
+                let turn = cross(*x, *g);
+                (0..3).for_each(|i| (sums[i], sums[3 + i]) = (sums[i] + g[i], sums[3 + i] + turn[i]));
+            }
+            sums.iter().fold(0.0, |largest: f64, sum| largest.max(sum.abs()))
+        };
+        rows.iter().map(of).fold(0.0, f64::max)
+    }
+
+    fn steps() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+        let noise = || prop::collection::vec(-0.05..0.05f64, UNKNOWNS);
+        let moved = |noise: &[f64], shift: [f64; 3]| -> Vec<f64> {
+            base().iter().enumerate().map(|(k, x)| x + noise[k] + if k >= 27 { shift[k % 3] } else { 0.0 }).collect()
+        };
+        (noise(), noise(), -0.2..0.2f64, -0.2..0.2f64)
+            .prop_map(move |(first, second, x, y)| (moved(&first, [0.0; 3]), moved(&second, [x, y, -0.01])))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 60, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn shear_forces_work_on_slips_alone_and_are_balanced((q_0, q_1) in steps()) {
+            let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
+            let moved = difference(&q_1, &q_0);
+            for kernel in kernels(&q_0) {
+                let out = slips(&*kernel, &q_0, &q_1, Configuration::Middle);
+                let bar = rows(&*kernel, &out.gradient_bar);
+                for (row, slip) in bar.iter().zip(&out.gap) {
+                    prop_assert!((product(row, &moved) - slip).abs() < 1e-14);
+                }
+                prop_assert!(unbalance(&bar, &middle) < 1e-13);
+                let at_end = slips(&*kernel, &q_0, &q_1, Configuration::End);
+                prop_assert!(unbalance(&rows(&*kernel, &at_end.gradient_bar), &q_1) < 1e-13);
+            }
+        }
+
+        /// However large it is, a rigid motion of both sides is no slip.
+        #[test]
+        fn a_rigid_motion_has_no_slip((q_0, _) in steps(), angles in prop::array::uniform3(-1.0..1.0f64)) {
+            let rotation = nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
+            let turned = |x: &[f64; 3]| -> [f64; 3] { (rotation * nalgebra::Vector3::from(*x)).add_scalar(2.0).into() };
+            let q_1: Vec<f64> = q_0.as_chunks::<3>().0.iter().flat_map(turned).collect();
+            for kernel in kernels(&q_0) {
+                let out = slips(&*kernel, &q_0, &q_1, Configuration::Middle);
+                prop_assert!(out.gap.iter().all(|slip| slip.abs() < 1e-13), "{:?}", out.gap);
+            }
+        }
+
+        /// Gradients and tangents along a random direction against differences, but where these meet a kink.
+        #[test]
+        fn gradients_and_tangents_are_derivatives((q_0, q_1) in steps(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
+            for kernel in kernels(&q_0) {
+                for test in [Configuration::Middle, Configuration::End] {
+                    let out = slips(&*kernel, &q_0, &q_1, test);
+                    let at = |width: f64| {
+                        let moved: Vec<f64> = q_1.iter().zip(&direction).map(|(q, d)| q + width * d).collect();
+                        let out = slips(&*kernel, &q_0, &moved, test);
+                        let rows = rows(&*kernel, &out.gradient_bar);
+                        let shears = shears(rows.len());
+                        let force = (0..UNKNOWNS).map(|k| rows.iter().zip(&shears).map(|(row, shear)| shear * row[k]).sum());
+                        out.gap.iter().copied().chain(force).collect::<Vec<f64>>()
+                    };
+                    let slope = |width: f64| -> Vec<f64> {
+                        at(width).iter().zip(at(-width)).map(|(a, b)| (a - b) / (2.0 * width)).collect()
+                    };
+                    let (fine, coarse) = (slope(1e-4), slope(2e-4));
+                    let mut exact: Vec<f64> = rows(&*kernel, &out.gradient_end).iter().map(|row| product(row, &direction)).collect();
+                    let mut of_forces = vec![0.0; UNKNOWNS];
+                    let patches = kernel.slip_patches();
+                    for p in 0..patches.len() {
+                        let (nodes, width) = (patches.nodes(p), patches.unknowns(p));
+                        let place = |i: usize| 3 * nodes[i / 3] as usize + i % 3;
+                        for (entry, value) in out.tangent[patches.tangent_range(p)].iter().enumerate() {
+                            of_forces[place(entry / width)] += value * direction[place(entry % width)];
+                        }
+                    }
+                    exact.extend(of_forces);
+                    for ((exact, fine), coarse) in exact.iter().zip(&fine).zip(&coarse) {
+                        let scale = 1.0 + fine.abs();
+                        prop_assert!((fine - coarse).abs() > 1e-5 * scale || (exact - fine).abs() < 2e-5 * scale, "{exact} {fine}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Closed form: what slides by a length has that slip, times what the row has opposite, whatever the direction; and the facets around a
+    /// node agree on its tangents, however they are numbered.
+    #[test]
+    fn sliding_by_a_length_is_that_slip() {
+        let q_0: Vec<f64> = base().iter().map(|&x| if x == 0.02 { 0.0 } else { x }).collect();
+        let by = [0.01, -0.007];
+        let q_1: Vec<f64> = q_0.iter().enumerate().map(|(k, x)| if k < 27 && k % 3 < 2 { x + by[k % 3] } else { *x }).collect();
+        for facets in [FACETS, [[1, 4, 3, 0], [5, 4, 1, 2], [7, 6, 3, 4], [8, 7, 4, 5]]] {
+            let below = Surface::in_space(facets.iter().map(|facet| &facet[..]));
+            let mut mortar = MortarInSpace::kernel(below, Surface::in_space([&[9u32, 10, 11, 12][..]]), &q_0);
+            mortar.update_candidates(&Outlook::within(&q_0, 1.0));
+            mortar.begin_step(&q_0);
+            let out = slips(&*mortar, &q_0, &q_1, Configuration::Middle);
+            for node in 0..9 {
+                let size = out.gap[2 * node].hypot(out.gap[2 * node + 1]);
+                let expected = by[0].hypot(by[1]) * out.coverage[2 * node] * mortar.weights()[node];
+                assert!((size - expected).abs() < 1e-16, "{node}: {size} {expected}");
+            }
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! The two tangential rows beside a row that presses in space: a slip and a multiplier with two components.
+//!
+//! With the dry multiplier `s = lambda + F u` (`F` that of the film), its limit `L`, and `r` the size of the slip with which a row that slid
+//! would have no speed at the end of the step (0 for others), slips and multipliers that a step admits are
+//!
+//! ```text
+//! |u| < r: s = 0 (turns)    |u| = r: s = -a u/r, 0 <= a <= L (stops; with r = 0: u = 0, |s| <= L, sticks)    |u| > r: s = -L u/|u| (slides)
+//! ```
+//!
+//! so that `lambda . u <= 0` always. It is `s = N(z)` with the trial `z = s - c u`, whatever `c > 0` is: `N = z` up to `|z| = L` (sticks),
+//! or `0` up to `c r` (turns), `z - c r z/|z|` up to `c r + L` (stops), `L z/|z|` beyond (slides). Newton's rows are those of this equation:
+//! along `z` and across it `N` has the derivatives `n` and `m`,
+//!
+//! ```text
+//! (1 - N') (ds)/c + N' du = (N - s)/c,    N' = n z z/|z|^2 + m (1 - z z/|z|^2)
+//! ```
+//!
+//! (Alart and Curnier, CMAME 92, 1991, for `r = 0`).
+
+use super::friction_rows::Pressed;
+use super::laws::{Equation, RowState};
+use crate::contact::Limit;
+
+/// Two components along the tangents of a row.
+type Pair = [f64; 2];
+
+/// The tangential rows of a group at an iterate.
+pub struct SlipVector<'a> {
+    /// How they are pressed.
+    pub pressed: Pressed<'a>,
+    /// Tangential multipliers.
+    pub lambda: Pair,
+    /// Slip of the step.
+    pub slip: Pair,
+    /// Slip with which a row that slid has no speed at the end of the step; 0 for others.
+    pub rest: Pair,
+}
+
+/// `N` at a trial, and its derivatives along the trial and across it.
+struct Map {
+    value: Pair,
+    along: f64,
+    across: f64,
+}
+
+fn size([x, y]: Pair) -> f64 {
+    x.hypot(y)
+}
+
+fn dot(a: Pair, b: Pair) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// `a + s b`.
+fn plus(a: Pair, s: f64, b: Pair) -> Pair {
+    [a[0] + s * b[0], a[1] + s * b[1]]
+}
+
+/// The direction of a vector; of none the first one.
+fn direction(a: Pair) -> Pair {
+    let size = size(a);
+    if size > 0.0 { a.map(|x| x / size) } else { [1.0, 0.0] }
+}
+
+impl SlipVector<'_> {
+    /// Size of the slip at rest: 0 where that is round-off.
+    fn stop(&self) -> f64 {
+        let size = size(self.rest);
+        if self.pressed.is_clear(size) { size } else { 0.0 }
+    }
+
+    fn limit(&self, slip: Pair) -> Limit {
+        self.pressed.limit(size(slip))
+    }
+
+    fn film(&self) -> f64 {
+        self.pressed.film(size(self.slip))
+    }
+
+    /// Multiplier without that of the film.
+    fn dry(&self) -> Pair {
+        plus(self.lambda, self.film(), self.slip)
+    }
+
+    fn trial(&self) -> Pair {
+        plus(self.dry(), -self.pressed.c, self.slip)
+    }
+
+    /// The state of the trial.
+    fn nearest(&self, limit: f64) -> RowState {
+        let (size, stop) = (size(self.trial()), self.pressed.c * self.stop());
+        match stop > 0.0 {
+            true if size < stop => RowState::Turns,
+            true if size <= stop + limit => RowState::Stops,
+            false if size <= limit => RowState::Closed,
+            _ => RowState::Forward,
+        }
+    }
+
+    /// `N` in a state.
+    fn map(&self, state: RowState, limit: f64) -> Map {
+        let z = self.trial();
+        let (size, stop) = (size(z), self.pressed.c * self.stop());
+        let share = |part: f64| if size > part { part / size } else { 1.0 };
+        match state {
+            RowState::Turns | RowState::Open => Map { value: [0.0; 2], along: 0.0, across: 0.0 },
+            RowState::Stops => {
+                let rest = 1.0 - share(stop);
+                Map { value: plus(z, -stop, direction(z)), along: 1.0, across: rest }
+            }
+            RowState::Forward | RowState::Backward => {
+                Map { value: direction(z).map(|e| limit * e), along: 0.0, across: if limit > 0.0 { share(limit) } else { 0.0 } }
+            }
+            RowState::Closed => Map { value: z, along: 1.0, across: 1.0 },
+        }
+    }
+
+    /// The state with which an iteration begins.
+    pub fn first_state(&self) -> RowState {
+        let limit = self.limit(self.slip).shear;
+        // What is pressed by nothing yet, and does not move, begins by sticking.
+        let is_idle = self.pressed.normal <= 0.0 && self.trial() == [0.0; 2];
+        if limit > 0.0 || is_idle { self.nearest(limit) } else { RowState::Forward }
+    }
+
+    /// Natural residual: by how much the rows are off, as a slip, and the energy that goes with it.
+    pub fn residual(&self) -> (f64, f64) {
+        let limit = self.limit(self.slip).shear;
+        let off = plus(self.dry(), -1.0, self.map(self.nearest(limit), limit).value);
+        (size(off) / self.pressed.c, dot(off, self.slip))
+    }
+
+    /// The equations of the rows in a state.
+    pub fn equations(&self, state: RowState) -> [Equation; 2] {
+        if state == RowState::Open {
+            return [Equation::OPEN; 2];
+        }
+        let Pressed { c, compliance, normal, .. } = self.pressed;
+        let e = direction(self.trial());
+        let slides = matches!(state, RowState::Forward | RowState::Backward);
+        // Slip leads against the multiplier; one that does not yet has no speed.
+        let at = if slides { (-dot(e, self.slip)).max(0.0) } else { size(self.slip) };
+        let Limit { shear, by_pressure, by_speed } = self.pressed.limit(at);
+        let (Map { value, along, across }, film, by) = (self.map(state, shear), self.film(), 1.0 / c);
+        let matrix = |along: f64, across: f64| -> [Pair; 2] {
+            std::array::from_fn(|i| std::array::from_fn(|j| (along - across) * e[i] * e[j] + if i == j { across } else { 0.0 }))
+        };
+        // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
+        let weakening = if slides { by_speed.max(-c) } else { 0.0 };
+        let gradient = matrix(along + by * ((1.0 - along) * film + weakening), across + by * (1.0 - across) * film);
+        let diagonal = matrix(by * (1.0 - along) + compliance * along, by * (1.0 - across) + compliance * across);
+        let pressing = if slides { by * by_pressure } else { 0.0 };
+        let missed = plus(value, -1.0, self.dry());
+        std::array::from_fn(|i| {
+            let j = 1 - i;
+            let right = by * missed[i] + dot(diagonal[i], self.lambda) - pressing * normal * e[i];
+            Equation {
+                acts: true,
+                gradient: gradient[i][i],
+                diagonal: diagonal[i][i],
+                normal: -pressing * e[i],
+                beside: [gradient[i][j], diagonal[i][j]],
+                right,
+            }
+        })
+    }
+
+    /// The state that the rows ask for, and how strongly, if it is another one; `self` is what the frozen linearization makes of them.
+    pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
+        let (dry, stop, c) = (self.dry(), self.stop(), self.pressed.c);
+        let most = self.limit([0.0; 2]).shear / c;
+        // Speed against the multiplier, and multiplier against the slip.
+        let (forward, against) = (-dot(direction(dry), self.slip), -dot(dry, direction(self.slip)) / c);
+        let (next, off) = match state {
+            RowState::Open | RowState::Closed if stop > 0.0 => (RowState::Turns, size(self.slip)),
+            RowState::Open | RowState::Closed => (RowState::Forward, size(dry) / c - most),
+            RowState::Turns => (RowState::Stops, size(self.slip) - stop),
+            RowState::Stops if against < 0.0 => (RowState::Turns, -against),
+            RowState::Stops => (RowState::Forward, against - self.limit(self.rest).shear / c),
+            // Without a limit there is nothing but to slide.
+            RowState::Forward | RowState::Backward if most <= 0.0 => return None,
+            RowState::Forward | RowState::Backward => (if stop > 0.0 { RowState::Stops } else { RowState::Closed }, stop - forward),
+        };
+        self.pressed.is_clear(off).then_some((next, off))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Coulomb, FrictionLaw};
+
+    fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Pair, slip: Pair, rest: Pair) -> SlipVector<'_> {
+        let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
+        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, tolerance };
+        SlipVector { pressed, lambda, slip, rest }
+    }
+
+    /// Places on the graph, by limit and size of the slip at rest: multiplier, slip, state.
+    fn places(limit: f64, r: f64) -> Vec<(Pair, Pair, RowState)> {
+        let e = [0.6, -0.8];
+        let at = |slip: f64, s: f64| (e.map(|e| -s * e), e.map(|e| slip * e));
+        let named = |(lambda, slip), state| (lambda, slip, state);
+        if r == 0.0 {
+            let stuck = (e.map(|e| 0.5 * limit * e), [0.0; 2], RowState::Closed);
+            return vec![stuck, named(at(0.1, limit), RowState::Forward)];
+        }
+        vec![
+            named(at(0.5 * r, 0.0), RowState::Turns),
+            named(at(r, 0.4 * limit), RowState::Stops),
+            named(at(r + 0.2, limit), RowState::Forward),
+        ]
+    }
+
+    #[test]
+    fn what_is_on_the_graph_has_no_residual_and_asks_for_nothing() {
+        let law = Coulomb::default();
+        for r in [0.0, 0.2] {
+            for (lambda, slip, state) in places(0.6, r) {
+                let at = rows(&law, 2.0, lambda, slip, [0.0, r]);
+                assert_eq!(at.first_state(), state);
+                assert!(at.residual().0 < 1e-15 && dot(lambda, slip) <= 0.0, "{state:?}");
+                assert_eq!(at.change(state), None, "{state:?}");
+                // The equations hold there: a step of none.
+                for (k, equation) in at.equations(state).into_iter().enumerate() {
+                    let Equation { diagonal, normal, beside, right, .. } = equation;
+                    let left = diagonal * lambda[k] + beside[1] * lambda[1 - k] + normal * 2.0;
+                    assert!((left - right).abs() < 1e-15, "{state:?}: {left} {right}");
+                }
+            }
+        }
+    }
+
+    /// From any state the graph is gone along towards the right one.
+    #[test]
+    fn rows_change_their_state_along_the_graph() {
+        let law = Coulomb::default();
+        for r in [0.0, 0.2] {
+            let places = places(0.6, r);
+            for (index, (lambda, slip, _)) in places.iter().enumerate() {
+                let at = rows(&law, 2.0, *lambda, *slip, [0.0, r]);
+                for (other, (.., wrong)) in places.iter().enumerate() {
+                    let asked = at.change(*wrong).map(|(next, _)| next);
+                    let next = if other < index { other + 1 } else { other.saturating_sub(1) };
+                    assert!(asked.is_none() || asked == Some(places[next].2), "{slip:?}: {wrong:?} asks for {asked:?}");
+                }
+            }
+        }
+    }
+
+    /// Newton's rows have the derivatives of what they linearize, the map of the trial.
+    #[test]
+    fn equations_are_the_derivatives_of_the_map() {
+        let law = Coulomb { static_ratio: 1.6, transition_speed: 0.4, exponent: 2.0, viscosity: 0.3, ..Coulomb::default() };
+        let h = 1e-6;
+        let cases = [
+            (RowState::Closed, [0.2, 0.1], [0.01, 0.02], 0.0),
+            (RowState::Forward, [0.9, -0.3], [-0.12, 0.05], 0.0),
+            (RowState::Stops, [-0.1, 0.4], [0.06, -0.2], 0.2),
+            (RowState::Turns, [0.01, 0.02], [0.03, 0.05], 0.2),
+        ];
+        for (state, lambda, slip, r) in cases {
+            // Speed against the trial, as in the equation: along a slip that leads straight against it both are the same.
+            let missed = |normal: f64, lambda: Pair, slip: Pair| {
+                let at = rows(&law, normal, lambda, slip, [r, 0.0]);
+                let speed = (-dot(direction(at.trial()), slip)).max(0.0);
+                plus(at.dry(), -1.0, at.map(state, at.pressed.limit(speed).shear).value).map(|x| x / 5.0)
+            };
+            let equations = rows(&law, 1.7, lambda, slip, [r, 0.0]).equations(state);
+            for (i, Equation { gradient, diagonal, normal, beside, .. }) in equations.into_iter().enumerate() {
+                let j = 1 - i;
+                let unit = |k: usize, s: f64| -> Pair { std::array::from_fn(|l| if l == k { s } else { 0.0 }) };
+                let slope = |f: &dyn Fn(f64) -> Pair| (f(h)[i] - f(-h)[i]) / (2.0 * h);
+                let by_normal = slope(&|s| missed(1.7 + s, lambda, slip));
+                let by_lambda = [i, j].map(|k| slope(&|s| missed(1.7, plus(lambda, 1.0, unit(k, s)), slip)));
+                assert!((by_normal - normal).abs() < 1e-8, "{state:?} {by_normal} {normal}");
+                assert!((by_lambda[0] - diagonal).abs() < 2e-3 && (by_lambda[1] - beside[1]).abs() < 2e-3, "{state:?} {by_lambda:?}");
+                let by_slip = [i, j].map(|k| slope(&|s| missed(1.7, lambda, plus(slip, 1.0, unit(k, s)))));
+                // A film turns the trial besides, and speed follows its direction: terms of their size are left out.
+                assert!((by_slip[0] - gradient).abs() < 0.05 && (by_slip[1] - beside[0]).abs() < 0.05, "{state:?} {by_slip:?}");
+            }
+        }
+    }
+}
