@@ -7,7 +7,10 @@
 // Each test program uses its part of it.
 #![allow(dead_code)]
 
-use conserva::dynamics::{BodyBoundary, InitialVelocity, LedgerRow, Model, Options, Simulation, UpdateRule};
+use std::sync::Arc;
+
+use conserva::contact::Coulomb;
+use conserva::dynamics::{BodyBoundary, Coefficient, Friction, InitialVelocity, LedgerRow, Model, Options, Simulation, UpdateRule};
 use conserva::elements::CellKind;
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::mesh::{Boundary, Mesh, block};
@@ -15,6 +18,17 @@ use conserva::mesh::{Boundary, Mesh, block};
 use crate::common::{Random, material};
 
 pub type Point = [f64; 3];
+
+/// What a scene is made from.
+#[derive(Clone, Copy)]
+pub struct Scene {
+    /// The same scene for every rule and friction.
+    pub seed: u64,
+    /// Rule of its contact.
+    pub rule: &'static UpdateRule,
+    /// Coefficient of friction; 0: none.
+    pub friction: f64,
+}
 
 /// What a run came to.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +42,9 @@ pub struct Outcome {
     pub defect: f64,
     pub gain: f64,
     pub momentum: f64,
+    /// Largest work of friction in a step over the scale of energies, which is never positive, and largest ratio of shear to pressure.
+    pub friction: f64,
+    pub ratio: f64,
     /// Largest depth of a point, over the size of the coarser facet.
     pub depth: f64,
     /// Why a step failed, if one did.
@@ -92,8 +109,9 @@ fn turn(mesh: &mut Mesh, random: &mut Random) {
     }
 }
 
-/// A scene of a seed under a rule, as a model with its step size and number of steps.
-pub fn scene(seed: u64, rule: &'static UpdateRule) -> (Model, f64, usize) {
+/// A scene as a model with its step size and number of steps.
+pub fn model_of(scene: Scene) -> (Model, f64, usize) {
+    let Scene { seed, rule, friction } = scene;
     let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5eed);
     for _ in 0..3 {
         random.next();
@@ -128,7 +146,11 @@ pub fn scene(seed: u64, rule: &'static UpdateRule) -> (Model, f64, usize) {
             model.gravity = away.map(|x| -10.0 * x);
         }
     }
-    model.add_contact("touch", secondary, primary).update = Some(rule);
+    let contact = model.add_contact("touch", secondary, primary);
+    contact.update = Some(rule);
+    if friction > 0.0 {
+        contact.friction = Some(Friction { law: Arc::new(Coulomb::default()), coefficient: Coefficient::Constant(friction) });
+    }
     let spin: Point = std::array::from_fn(|_| 3.0 * random.next());
     model.initial_velocities.push(InitialVelocity { body: 0, linear: away.map(|x| -speed * x), angular: spin });
     (model, 0.005, 160)
@@ -224,13 +246,13 @@ fn deepest(skins: &[Skin; 2], q: &[f64]) -> f64 {
 }
 
 /// Takes a scene through its steps, or to its failure.
-pub fn run(seed: u64, rule: &'static UpdateRule) -> Outcome {
-    watched(seed, rule, &mut |_, _| ())
+pub fn run(scene: Scene) -> Outcome {
+    watched(scene, &mut |_, _| ())
 }
 
 /// The same; `watch` is told the ledger and the depth in facets at the end of every step.
-pub fn watched(seed: u64, rule: &'static UpdateRule, watch: &mut dyn FnMut(&LedgerRow, f64)) -> Outcome {
-    let (model, dt, steps) = scene(seed, rule);
+pub fn watched(scene: Scene, watch: &mut dyn FnMut(&LedgerRow, f64)) -> Outcome {
+    let (model, dt, steps) = model_of(scene);
     let mut outcome = Outcome::default();
     let firsts = [0, model.bodies[0].mesh.points.len()];
     let skins = [0, 1].map(|body| {
@@ -247,7 +269,7 @@ pub fn watched(seed: u64, rule: &'static UpdateRule, watch: &mut dyn FnMut(&Ledg
     let size = skins.iter().map(|skin| skin.size(&sim.shared_state().positions)).fold(0.0, f64::max);
     let energy = start.kinetic.max(if gravity > 0.0 { gravity * (2.0 * start.kinetic).sqrt() * 0.1 } else { 0.0 });
     let momentum = length(start.momentum).max((2.0 * energy).sqrt() * 0.1);
-    let keeps_reserve = rule.name == "velocity";
+    let keeps_reserve = scene.rule.name == "velocity";
     let mut bound = start.total();
     for _ in 0..steps {
         let mut rows: Vec<LedgerRow> = Vec::new();
@@ -256,6 +278,7 @@ pub fn watched(seed: u64, rule: &'static UpdateRule, watch: &mut dyn FnMut(&Ledg
             outcome.defect = outcome.defect.max(row.energy_defect.abs() / energy);
             let total = row.kinetic + row.strain + row.potential;
             outcome.gain = outcome.gain.max((total - bound) / energy);
+            outcome.friction = outcome.friction.max(row.friction_work / energy);
             bound = if keeps_reserve { bound.max(total) } else { bound.min(total) };
             outcome.iterations += row.newton_iterations;
             outcome.halvings += row.halvings;
@@ -267,6 +290,10 @@ pub fn watched(seed: u64, rule: &'static UpdateRule, watch: &mut dyn FnMut(&Ledg
         outcome.steps += 1;
         let row = sim.row();
         outcome.touching += usize::from(row.active > 0);
+        let most = sim.friction_multipliers().iter().map(|[pressing, _]| *pressing).fold(0.0, f64::max);
+        for [pressing, shear] in sim.friction_multipliers() {
+            outcome.ratio = outcome.ratio.max(shear.abs() / pressing.max(1e-6 * most).max(f64::MIN_POSITIVE));
+        }
         if is_free {
             let changes = [minus(row.momentum, start.momentum), minus(row.angular_momentum, start.angular_momentum)];
             outcome.momentum = changes.map(|change| length(change) / momentum).into_iter().fold(outcome.momentum, f64::max);
