@@ -80,13 +80,13 @@ pub fn functions() -> Vec<Function> {
         array(
             "shear",
             "the shear stress of friction at each secondary node, in their order along the surface: positive where it pulls that way, with \
-             the body on the left",
+             the body on the left; in space its size",
             |contact| contact.fields.shear.iter().map(|&value| value.into()).collect(),
         ),
         array(
             "slip",
             "the slip of each secondary node in the last step, against the other side and in the direction of their order along the \
-             surface; 0 without friction and where nothing presses",
+             surface, in space its size; 0 without friction and where nothing presses",
             |contact| contact.fields.slip.iter().map(|&value| value.into()).collect(),
         ),
         array(
