@@ -13,6 +13,9 @@ use crate::dynamics::PlacedObstacle;
 
 type Vector = Vector3<f64>;
 
+/// How far obstacles are drawn over the radius of one that is drawn as a whole.
+const WHOLE: f64 = 0.3;
+
 /// Pieces of what is flat or straight.
 const PIECES: usize = 24;
 /// Pieces of a circle.
@@ -114,7 +117,7 @@ impl Grid {
 
 /// Direction of the middle of what is drawn of something round, and half the angle of it: all of it where that is not far.
 fn part(toward: Vector, otherwise: Vector, reach: f64) -> (Vector, f64) {
-    if reach >= 1.0 { (otherwise, PI) } else { (toward.try_normalize(0.0).unwrap_or(otherwise), (2.0 * reach).min(PI)) }
+    if reach >= WHOLE { (otherwise, PI) } else { (toward.try_normalize(0.0).unwrap_or(otherwise), (2.0 * reach).min(PI)) }
 }
 
 fn unit(vector: [f64; 3]) -> Vector {

@@ -27,7 +27,8 @@ impl Surroundings {
     pub fn of(points: impl Iterator<Item = [f64; 3]>) -> Self {
         let finite = points.filter(|point| point.iter().all(|x| x.is_finite()));
         let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        let wider = |(low, high): ([f64; 3], [f64; 3]), x: [f64; 3]| ([0, 1, 2].map(|d| low[d].min(x[d])), [0, 1, 2].map(|d| high[d].max(x[d])));
+        let wider =
+            |(low, high): ([f64; 3], [f64; 3]), x: [f64; 3]| ([0, 1, 2].map(|d| low[d].min(x[d])), [0, 1, 2].map(|d| high[d].max(x[d])));
         let (low, high) = finite.fold(start, wider);
         let extent = (0..3).map(|d| high[d] - low[d]).fold(f64::NEG_INFINITY, f64::max);
         if extent > 0.0 && extent.is_finite() {

@@ -104,7 +104,7 @@ impl CornersInSpace {
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
     /// The surface's vertices have rows elsewhere. `facet_size` is that of the whole contact.
     pub fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
-        let features = [Features::new(&surface, positions), Features::new(&obstacle, positions)];
+        let features = [Features::with_smooth_edges(&surface, positions), Features::new(&obstacle, positions)];
         if features[1].vertices.is_empty() {
             return None;
         }

@@ -74,6 +74,8 @@ struct Face {
     of_vertices: [Vector3<f64>; 3],
     /// Whether the surface ends at an edge, or at a vertex.
     ends: [[bool; 3]; 2],
+    /// Whether another side rises there: beyond, this one goes on as a plane.
+    goes_on: [[bool; 3]; 2],
     /// Whether an edge is sharp and not re-entrant.
     is_sharp: [bool; 3],
 }
@@ -121,14 +123,15 @@ impl Face {
 
     fn distance(&self, x: Vector3<f64>) -> Distance {
         let (at, place) = self.nearest(x);
-        let (pseudo, covered) = match place {
-            Place::Face => {
-                let gap = self.normal.dot(&(x - self.corners[0]));
-                return Distance { gap, normal: self.normal, curvature: Matrix3::zeros(), covered: true };
-            }
-            Place::Edge(k) => (self.of_edges[k], !self.ends[0][k]),
-            Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k]),
+        let (pseudo, covered, is_plane) = match place {
+            Place::Face => (self.normal, true, true),
+            Place::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
+            Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
         };
+        if is_plane {
+            let gap = self.normal.dot(&(x - self.corners[0]));
+            return Distance { gap, normal: self.normal, curvature: Matrix3::zeros(), covered };
+        }
         let (r, sign) = (x - at, if pseudo.dot(&(x - at)) < 0.0 { -1.0 } else { 1.0 });
         let length = r.norm();
         if length == 0.0 {
@@ -219,15 +222,16 @@ impl<'a> Net<'a> {
         let faces: Vec<usize> = (0..self.triangles.len()).filter(|&face| of(face)).collect();
         let at = |node: u32| Vector3::from(self.points[node as usize]);
         let mut of_vertices: BTreeMap<u32, Vector3<f64>> = BTreeMap::new();
-        let mut ends: BTreeSet<u32> = BTreeSet::new();
+        let [mut ends, mut rises]: [BTreeSet<u32>; 2] = Default::default();
         let edge_of = |face: usize, k: usize| {
             let nodes = self.triangles[face];
             let (a, b) = (nodes[k], nodes[(k + 1) % 3]);
             self.edges.get(&[a.min(b), a.max(b)])
         };
         let other = |face: usize, edge: &Edge| if edge.faces[0] == face { edge.faces[1] } else { edge.faces[0] };
-        // A side goes on in the one that rises from it.
-        let is_end = |face: usize, k: usize| edge_of(face, k).is_none_or(|edge| !of(other(face, edge)) && !edge.is_reentrant);
+        let is_border = |face: usize, k: usize| edge_of(face, k).is_none_or(|edge| !of(other(face, edge)));
+        let rises_at = |face: usize, k: usize| is_border(face, k) && edge_of(face, k).is_some_and(|edge| edge.is_reentrant);
+        let is_end = |face: usize, k: usize| is_border(face, k) && !rises_at(face, k);
         for &face in &faces {
             let nodes = self.triangles[face];
             for k in 0..3 {
@@ -236,6 +240,9 @@ impl<'a> Net<'a> {
                 *of_vertices.entry(nodes[k]).or_default() += self.normals[face] * angle;
                 if is_end(face, k) {
                     ends.extend([nodes[k], nodes[(k + 1) % 3]]);
+                }
+                if rises_at(face, k) {
+                    rises.extend([nodes[k], nodes[(k + 1) % 3]]);
                 }
             }
         }
@@ -247,9 +254,11 @@ impl<'a> Net<'a> {
                 triangle: face,
                 corners: nodes.map(at),
                 normal: self.normals[face],
-                of_edges: [0, 1, 2].map(|k| (self.normals[face] + both(k).map_or(Vector3::zeros(), |other| self.normals[other])).normalize()),
+                of_edges: [0, 1, 2]
+                    .map(|k| (self.normals[face] + both(k).map_or(Vector3::zeros(), |other| self.normals[other])).normalize()),
                 of_vertices: nodes.map(|node| of_vertices[&node].normalize()),
                 ends: [[0, 1, 2].map(|k| is_end(face, k)), nodes.map(|node| ends.contains(&node))],
+                goes_on: [[0, 1, 2].map(|k| rises_at(face, k)), nodes.map(|node| rises.contains(&node))],
                 is_sharp: [0, 1, 2].map(sharp),
             }
         });
@@ -373,12 +382,13 @@ impl Facets {
         (side, close.into_iter().map(|(_, other)| other).collect())
     }
 
-    /// The plane of the face that a point at a sharp edge or vertex is in front of, or least behind: a point of it and its normal.
-    pub(super) fn plane_at_edge(&self, x: Vector3<f64>, near: f64) -> Option<[Vector3<f64>; 2]> {
-        let nearest = self.whole.nearest_neighbor(x.into())?;
+    /// The planes of the faces at the sharp edge or vertex at which a point is, each by a point and the normal: first that which the point
+    /// is in front of, or least behind; none away from edges.
+    pub(super) fn planes_at_edge(&self, x: Vector3<f64>, near: f64) -> Vec<[Vector3<f64>; 2]> {
+        let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return Vec::new() };
         let at = nearest.nearest(x).0;
         if (x - at).norm() > near || !nearest.distance(x).covered {
-            return None;
+            return Vec::new();
         }
         let is_at = |face: &Face| {
             (0..3).any(|k| {
@@ -387,10 +397,10 @@ impl Facets {
                 face.is_sharp[k] && (at - a - (b - a) * share).norm() <= near
             })
         };
-        let around = self.whole.locate_within_distance(x.into(), 4.0 * near * near).filter(|face| is_at(face));
+        let mut around: Vec<&Face> = self.whole.locate_within_distance(x.into(), 4.0 * near * near).filter(|face| is_at(face)).collect();
         let height = |face: &Face| face.normal.dot(&(x - face.corners[0]));
-        let highest = around.max_by(|a, b| height(a).total_cmp(&height(b)).then(b.triangle.cmp(&a.triangle)))?;
-        Some([highest.corners[0], highest.normal])
+        around.sort_by(|a, b| height(b).total_cmp(&height(a)).then(a.triangle.cmp(&b.triangle)));
+        around.into_iter().map(|face| [face.corners[0], face.normal]).collect()
     }
 
     /// Whether the straight way between two points leads through a face.

@@ -120,9 +120,20 @@ pub(super) struct StepGradient {
 /// An obstacle made ready for evaluation. `sign` is +1 where bodies are outside, -1 inside.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
-    Plane { point: Vector3<f64>, normal: Vector3<f64> },
-    Sphere { center: Vector3<f64>, radius: f64, sign: f64 },
-    Revolved { origin: Vector3<f64>, axis: Vector3<f64>, profile: Profile },
+    Plane {
+        point: Vector3<f64>,
+        normal: Vector3<f64>,
+    },
+    Sphere {
+        center: Vector3<f64>,
+        radius: f64,
+        sign: f64,
+    },
+    Revolved {
+        origin: Vector3<f64>,
+        axis: Vector3<f64>,
+        profile: Profile,
+    },
     Facets(Arc<Facets>),
     /// One side of it alone.
     Side(Arc<Facets>, usize),

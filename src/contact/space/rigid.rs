@@ -25,6 +25,9 @@ const SLOTS: usize = 3;
 /// How near a node must be to a sharp edge of an obstacle, in smallest facets, to keep to one face of it in a step.
 const AT_EDGE: f64 = 0.02;
 
+/// Cosine up to which the surface beside a node may go behind the face that the node keeps to.
+const RECEDES: f64 = 0.1;
+
 /// How near a node must be to a side of an obstacle, in smallest facets, to have a row for it besides that for the nearest one.
 const IN_POCKET: f64 = 1.0;
 
@@ -36,6 +39,8 @@ pub struct RigidInSpace {
     slots: usize,
     translations: [[f64; 3]; 3],
     start: Vec<Vector3<f64>>,
+    /// Nodes at the other ends of the edges of each node.
+    neighbors: Vec<Vec<usize>>,
     /// What each row feels in this step; `None`: it is not there.
     felt: Vec<Option<Shape>>,
 }
@@ -56,7 +61,14 @@ impl RigidInSpace {
             sides.patches.push(&[node], &rows);
         }
         let start = sides.secondary.nodes().iter().map(|&node| faces::at(node, reference)).collect();
-        let mut contact = RigidInSpace { sides, shape, slots, translations: [[0.0; 3]; 3], start, felt: Vec::new() };
+        let mut neighbors = vec![Vec::new(); sides.secondary.nodes().len()];
+        for [a, b] in sides.secondary.edges().iter().map(|edge| edge.nodes) {
+            if let (Some(a), Some(b)) = (sides.secondary.index(a), sides.secondary.index(b)) {
+                neighbors[a].push(b);
+                neighbors[b].push(a);
+            }
+        }
+        let mut contact = RigidInSpace { sides, shape, slots, translations: [[0.0; 3]; 3], start, neighbors, felt: Vec::new() };
         contact.feel();
         contact
     }
@@ -65,8 +77,8 @@ impl RigidInSpace {
     fn feel(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
         let mut felt = vec![None; self.sides.weights.len()];
-        for (of_node, x) in felt.chunks_exact_mut(self.slots).zip(&self.start) {
-            let x = x - shift;
+        for (index, of_node) in felt.chunks_exact_mut(self.slots).enumerate() {
+            let x = self.start[index] - shift;
             of_node[0] = Some(self.shape.clone());
             let Shape::Facets(facets) = &self.shape else { continue };
             let (nearest, rising) = if facets.has_pockets() { facets.around(x, IN_POCKET * size) } else { (0, Vec::new()) };
@@ -74,9 +86,16 @@ impl RigidInSpace {
                 let side = |side: usize| Some(Shape::Side(Arc::clone(facets), side));
                 of_node[0] = side(nearest);
                 of_node[1..].iter_mut().zip(rising).for_each(|(felt, other)| *felt = side(other));
-            } else if let Some([point, normal]) = facets.plane_at_edge(x, AT_EDGE * size) {
-                // A node that a face pushes past the edge, and that comes back without the push, would find no solution.
-                of_node[0] = Some(Shape::Plane { point, normal });
+                continue;
+            }
+            // A node that a face pushes past the edge, and that comes back without the push, would find no solution. Where its surface goes
+            // on behind all faces, the edge itself is in front of it.
+            let planes = facets.planes_at_edge(x, AT_EDGE * size);
+            if !planes.is_empty() {
+                let rises = |normal: Vector3<f64>, other: usize| normal.dot(&(self.start[other] - self.start[index]).normalize());
+                let is_front =
+                    |&[_, normal]: &[Vector3<f64>; 2]| self.neighbors[index].iter().all(|&other| rises(normal, other) >= -RECEDES);
+                of_node[0] = planes.into_iter().find(is_front).map(|[point, normal]| Shape::Plane { point, normal });
             }
         }
         self.felt = felt;
@@ -100,9 +119,7 @@ impl RigidInSpace {
             StepGradient { bar: normal, tangent: curvature * at.share() }
         };
         match derivative {
-            Derivative::DiscreteGradient => {
-                shape.step_gradient(self.begins(index), self.position(index, q_1, end), self.sides.facet_size)
-            }
+            Derivative::DiscreteGradient => shape.step_gradient(self.begins(index), self.position(index, q_1, end), self.sides.facet_size),
             Derivative::Gradient(at @ Configuration::Middle) => {
                 plain(0.5 * (self.start[index] + self.position(index, q_1, [0.0; 3])) - Vector3::from(middle), at)
             }

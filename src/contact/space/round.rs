@@ -22,7 +22,7 @@ use crate::contact::patches::Evaluation;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative};
-use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
+use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
 /// Depth in smallest facets beyond which an edge has no row: what overlaps as much at the start of a step, the nodes hold.
 const SUNK: f64 = 0.15;
@@ -35,9 +35,6 @@ const AT_END: f64 = 0.02;
 
 /// Steps of the search for the deepest point of an edge: each halves what is left.
 const HALVINGS: usize = 60;
-
-/// Bend of the distance along an edge, over that of a circle as large as the edge, below which its deepest point is anywhere on it.
-const STRAIGHT: f64 = 1e-6;
 
 type Six = SVector<f64, 6>;
 type SixBySix = SMatrix<f64, 6, 6>;
@@ -100,7 +97,7 @@ impl Deepest {
             let sign = if k == 0 { -1.0 } else { 1.0 };
             coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(at.normal * sign + bent * shares[k]));
         }
-        if 0.0 < share && share < 1.0 && bend > STRAIGHT * along.norm() {
+        if 0.0 < share && share < 1.0 && bend > LIES_ALONG * along.norm() {
             hessian -= coupling * coupling.transpose() / bend;
         }
         hessian
@@ -292,9 +289,8 @@ impl CandidateSearch for RoundInSpace {
             Travel::Guessed { displacements: [first, _], .. } => Some(outlook.q.iter().zip(first).map(|(q, u)| q + u).collect()),
             _ => None,
         };
-        let is_there = |row: usize| {
-            self.is_near(row, outlook.q, 0, outlook) || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, outlook))
-        };
+        let is_there =
+            |row: usize| self.is_near(row, outlook.q, 0, outlook) || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, outlook));
         self.is_there = (0..self.is_there.len()).map(is_there).collect();
         // The list of patches is known and lasts.
         false
@@ -335,5 +331,129 @@ impl RigidObstacle for RoundInSpace {
             }
         }
         work
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+    use crate::contact::fixtures::{difference, evaluated, product};
+
+    /// Obstacles under a facet that lies about the plane z = 0.5.
+    fn obstacles() -> Vec<ObstacleInSpace> {
+        let (axis, tilted, is_hollow) = ([0.0, 0.0, 1.0], [0.6, 1.0, 0.1], false);
+        vec![
+            ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, is_hollow },
+            ObstacleInSpace::Cylinder { point: [0.5, 0.5, 0.0], axis: tilted, radius: 0.4, is_hollow },
+            ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
+            ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
+        ]
+    }
+
+    fn step() -> impl Strategy<Value = (Vec<f64>, Vec<f64>, [[f64; 3]; 3])> {
+        let noise = || prop::collection::vec(-0.1..0.1f64, 12);
+        let translations = prop::array::uniform3(prop::array::uniform3(-0.05..0.05f64));
+        let size = prop::sample::select(vec![1e-8, 0.1, 1.0]);
+        (noise(), noise(), translations, size).prop_map(|(at, motion, translations, size)| {
+            let square = [0.0, 0.0, 0.5, 0.0, 1.0, 0.5, 1.0, 1.0, 0.5, 1.0, 0.0, 0.5];
+            let q_0: Vec<f64> = square.iter().zip(&at).map(|(x, noise)| x + noise).collect();
+            let q_1 = q_0.iter().zip(&motion).map(|(x, motion)| x + size * motion).collect();
+            (q_0, q_1, translations)
+        })
+    }
+
+    /// A facet with the rows of all its edges that the obstacle touches between their ends.
+    fn contact(obstacle: &ObstacleInSpace, q_0: &[f64], translations: &[[f64; 3]; 3]) -> RoundInSpace {
+        let surface = Surface::in_space([&[0, 1, 2, 3][..]]);
+        let mut kernel = RoundInSpace::new(&surface, obstacle, q_0, 1.0).expect("it is small");
+        kernel.move_obstacle(translations);
+        kernel.update_candidates(&Outlook::within(q_0, 1.0));
+        kernel.begin_step(q_0);
+        kernel
+    }
+
+    fn multipliers(kernel: &RoundInSpace) -> Vec<f64> {
+        (0..kernel.rows()).map(|row| 1.5 - 0.7 * row as f64).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 300, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn work_and_moments_are_those_of_the_gaps_and_the_symmetries((q_0, q_1, translations) in step()) {
+            for obstacle in obstacles() {
+                let kernel = contact(&obstacle, &q_0, &translations);
+                let lambda = multipliers(&kernel);
+                let (mut force, none) = (vec![0.0; 12], vec![0.0; lambda.len()]);
+                let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
+                let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &none, &lambda, &mut force);
+                let by_gaps = product(&lambda, &difference(&out.gap, &kernel.start_gap()));
+                let work = product(&force, &difference(&q_1, &q_0));
+                prop_assert!((work - by_gaps - by_motion).abs() < 1e-13, "{obstacle:?}: {work} {by_gaps} {by_motion}");
+                let Symmetries { center, rotations, translations: along } = kernel.shape.symmetries();
+                let (mut sum, mut moment) = (Vector3::zeros(), Vector3::zeros());
+                for node in 0..4 {
+                    let at = |q: &[f64], time: usize| faces::at(node, q) - Vector3::from(translations[time]);
+                    let (f, middle) = (faces::at(node, &force), 0.5 * (at(&q_0, 0) + at(&q_1, 2)));
+                    sum += f;
+                    moment += (middle - center).cross(&f);
+                }
+                for axis in rotations {
+                    prop_assert!(axis.dot(&moment).abs() < 1e-13, "{obstacle:?}: {moment}");
+                }
+                for axis in along {
+                    prop_assert!(axis.dot(&sum).abs() < 1e-13, "{obstacle:?}: {sum}");
+                }
+            }
+        }
+
+        #[test]
+        fn tangents_agree_with_differences((q_0, q_1, translations) in step()) {
+            let step = 1e-5;
+            for obstacle in obstacles() {
+                let kernel = contact(&obstacle, &q_0, &translations);
+                let lambda = multipliers(&kernel);
+                if difference(&q_1, &q_0).iter().any(|d| d.abs() > 0.2) || difference(&q_1, &q_0).iter().all(|d| d.abs() < 1e-3) {
+                    continue;
+                }
+                for derivative in Derivative::ALL {
+                    let out = evaluated(&kernel, derivative, &q_1, &lambda);
+                    for (row, (component, node)) in (0..kernel.rows()).flat_map(|row| (0..6).map(move |k| (row, (k % 3, k / 3)))) {
+                        let unknown = 3 * kernel.sides.patches.nodes(row)[node] as usize + component;
+                        let at = |shift: f64| -> Vec<f64> {
+                            let mut moved = q_1.clone();
+                            moved[unknown] += shift;
+                            let bar = evaluated(&kernel, derivative, &moved, &lambda).gradient_bar;
+                            bar[6 * row..6 * (row + 1)].iter().map(|g| lambda[row] * g).collect()
+                        };
+                        let [fine, coarse] = [step, 2.0 * step].map(|h| {
+                            difference(&at(h), &at(-h)).into_iter().map(|d| d / (2.0 * h)).collect::<Vec<f64>>()
+                        });
+                        for i in 0..6 {
+                            // Where the deepest point reaches an end, differences of different widths disagree.
+                            if (fine[i] - coarse[i]).abs() < 1e-7 {
+                                let ours = out.tangent[36 * row + 6 * i + 3 * node + component];
+                                prop_assert!((ours - fine[i]).abs() < 1e-6, "{obstacle:?} {derivative:?}: {ours} {}", fine[i]);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// A rod across an edge: the common perpendicular less its radius.
+    #[test]
+    fn a_rod_is_as_far_from_an_edge_as_the_common_perpendicular_says() {
+        let q = [0.0, 0.0, 0.5, 0.0, 1.0, 0.5, 1.0, 1.0, 0.5, 1.0, 0.0, 0.5];
+        let rod = ObstacleInSpace::Cylinder { point: [0.5, 0.3, 0.0], axis: [1.0, 0.0, 0.0], radius: 0.4, is_hollow: false };
+        let kernel = contact(&rod, &q, &[[0.0; 3]; 3]);
+        let rows: Vec<usize> = kernel.rows_there().collect();
+        // Along x the edges lie along the rod, and their nodes see all of it.
+        assert_eq!(rows.len(), 2);
+        assert!(rows.iter().all(|&row| (kernel.gap(&q)[row] - 0.1).abs() < 1e-12));
     }
 }

@@ -8,8 +8,8 @@ use super::error::ModelError;
 use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use super::part::PartDefinition;
 use super::prescription::Prescription;
-use crate::contact::Obstacle;
 use crate::bodies::{Formulation, Plane};
+use crate::contact::Obstacle;
 use crate::materials::Material;
 use crate::mesh::Mesh;
 

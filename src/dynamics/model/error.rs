@@ -205,7 +205,8 @@ impl ModelError {
             }
             ModelError::InvertedAtStart { .. } => "displace neighboring nodes by less than their distance".into(),
             ModelError::ObstacleDimension { of_bodies: 3, .. } => {
-                "give a plane a point and a normal of 3 numbers; bodies in space touch spheres, cylinders, cones, tori, boxes, surfaces".into()
+                "give a plane a point and a normal of 3 numbers; bodies in space touch spheres, cylinders, cones, tori, boxes, surfaces"
+                    .into()
             }
             ModelError::ObstacleDimension { .. } => {
                 "give a plane a point and a normal of 2 numbers; plane bodies touch disks, rings and polylines".into()

@@ -3,7 +3,8 @@
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
-    ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ProxyNodes, RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RowsOf, Surface, Tie,
+    ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners, RigidInSpace,
+    RoundInSpace, RowsOf, Surface, Tie,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
@@ -84,7 +85,12 @@ impl Pairing<'_> {
             let kernel = RigidInSpace::new(self.surface(std::slice::from_ref(secondary)), shape, self.reference);
             let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, Box::new(kernel));
             pair.motion = motion.clone();
-            return self.held(pair, interaction, false);
+            let mut pair = self.held(pair, interaction, false);
+            if matches!(shape, ObstacleInSpace::Facets(_)) && pair.is_unilateral() {
+                // Sides that meet at a flat angle ask nearly the same of a node.
+                pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
+            }
+            return pair;
         }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
             let kernel = kernel(self.surface(std::slice::from_ref(secondary)), self.surface(interaction.primary()), self.reference);

@@ -135,7 +135,8 @@ impl<'a> Layout<'a> {
         let fits = ((width / NARROWEST) as usize).max(1);
         let columns = if bounds.size[0] > WIDE * bounds.size[1] { 1 } else { count.min(2).min(fits) };
         let panel = (width / columns as f64).max(NARROWEST);
-        let mut layout = Layout { bodies, walls, surfaces, options, is_plane, bounds, axes: None, zoom: 1.0, size: [panel, 0.0], height: 0.0, arrow };
+        let mut layout =
+            Layout { bodies, walls, surfaces, options, is_plane, bounds, axes: None, zoom: 1.0, size: [panel, 0.0], height: 0.0, arrow };
         layout.zoom = layout.fitting(panel - 3.0 * MARGIN - bar, panel);
         if is_plane && options.measure == Measure::Axes {
             let axes = Axes::over(bounds.low, bounds.high(), layout.zoom, &options.length_unit);

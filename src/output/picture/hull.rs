@@ -8,8 +8,8 @@ use super::scale::{INK, Scale};
 use super::view::{Camera, View, dot};
 use crate::dynamics::BodyFields;
 use crate::output::contours::Patch;
-use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
+use crate::output::obstacle_surfaces::ObstacleSurface;
 
 /// Cosine of the angle between facets from which their common edge is drawn as an edge of the body.
 const SHARP: f64 = 0.8;

@@ -117,7 +117,9 @@ fn rigid_torus() -> Function {
             if tube >= radius {
                 let argument = options.argument("tube_radius");
                 let failure = argument.fail(format!("{} must be smaller than the radius of the ring", argument.title()));
-                return Err(failure.label(format!("the ring has the radius {radius}")).hint("else the torus has no hole, and crosses itself"));
+                return Err(failure
+                    .label(format!("the ring has the radius {radius}"))
+                    .hint("else the torus has no hole, and crosses itself"));
             }
             in_space(ObstacleInSpace::Torus { center, axis, radius, tube, is_hollow })
         },
@@ -165,8 +167,11 @@ fn rigid_surface() -> Function {
             Parameter::new("boundary", Kind::Text, "the boundary of the mesh").or(Absent::Means("all of its hull")),
             Parameter::number("scale", "1", Interval::Positive, "factor of all lengths, such as 1e-3 for a file in millimeters")
                 .or(Absent::Number(1.0)),
-            Parameter::new("offset", Kind::Vector, "where its origin is put, after it is scaled").of("length").or(Absent::Means("the origin")),
-            Parameter::new("inside", Kind::Flag, "whether bodies are on the other side, inside of a closed surface").or(Absent::Flag(false)),
+            Parameter::new("offset", Kind::Vector, "where its origin is put, after it is scaled")
+                .of("length")
+                .or(Absent::Means("the origin")),
+            Parameter::new("inside", Kind::Flag, "whether bodies are on the other side, inside of a closed surface")
+                .or(Absent::Flag(false)),
         ],
         Moves::InSpace,
         "let die = rigid_surface(#{ mesh: block(#{ size: [1.0, 1.0, 0.2], cells: [4, 4, 1] }), boundary: \"top\" });",
@@ -204,11 +209,7 @@ fn of_mesh(options: &Options, argument: &Argument) -> Result<Triangles, Failure>
         return Err(failure.label("this mesh is plane").hint("`extrude` makes a mesh in space of it"));
     }
     let name = options.argument("boundary");
-    let facets = if name.is_given() {
-        boundary_named(&name, &mesh)?.facets
-    } else {
-        mesh.hull()
-    };
+    let facets = if name.is_given() { boundary_named(&name, &mesh)?.facets } else { mesh.hull() };
     let fan = |nodes: Vec<u32>| -> Vec<[u32; 3]> { (2..nodes.len()).map(|k| [nodes[0], nodes[k - 1], nodes[k]]).collect() };
     let triangles = facets.iter().flat_map(|&facet| fan(mesh.facet_nodes(facet).collect())).collect();
     Ok((mesh.points.clone(), triangles))

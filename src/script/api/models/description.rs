@@ -80,7 +80,12 @@ pub fn describe_obstacle(obstacle: &Obstacle, motion: &[Option<Amplitude>; 3], t
 
 fn describe_in_space(shape: &ObstacleInSpace) -> String {
     let round = |what: &str, radius: &f64, is_hollow: &bool| {
-        format!("{}{what} of {}radius {}", if *is_hollow { "hollow " } else { "" }, if *is_hollow { "inner " } else { "" }, number_text(*radius))
+        format!(
+            "{}{what} of {}radius {}",
+            if *is_hollow { "hollow " } else { "" },
+            if *is_hollow { "inner " } else { "" },
+            number_text(*radius)
+        )
     };
     match shape {
         ObstacleInSpace::Plane { point, normal } => format!("plane through {} with normal {}", vector_text(point), vector_text(normal)),
