@@ -1,9 +1,10 @@
 //! Contact of the points of a rigid obstacle with the facets of a surface: what the distances of the surface's nodes do not see.
 //!
-//! In space these are its sharp vertices and edges (`space/corners.rs`). In the plane the corners of a polyline and the center of a disk are points of their own that the obstacle's motion moves. A corner's gap to the
-//! surface is that of node-to-segment contact with the sides exchanged, a disk's that of `round.rs`: continuous functions of all positions,
-//! the point's among them. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that an obstacle that
-//! moves does the work `-lambda Gbar_point.du` besides.
+//! In space these are its sharp vertices and edges (`space/corners.rs`), or the center of a small sphere. In the plane the corners of a
+//! polyline and the center of a disk are points of their own that the obstacle's motion moves. A corner's gap to the surface is that of
+//! node-to-segment contact with the sides exchanged, a disk's that of `round.rs`: continuous functions of all positions, the point's among
+//! them. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that an obstacle that moves does the work
+//! `-lambda Gbar_point.du` besides.
 
 use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};

@@ -14,7 +14,7 @@ use crate::dynamics::PlacedObstacle;
 type Vector = Vector3<f64>;
 
 /// How far obstacles are drawn over the radius of one that is drawn as a whole.
-const WHOLE: f64 = 0.3;
+const WHOLE: f64 = 0.2;
 
 /// Pieces of what is flat or straight.
 const PIECES: usize = 24;
@@ -35,7 +35,7 @@ pub struct ObstacleSurface {
 }
 
 impl ObstacleSurface {
-    /// An obstacle among bodies, none if it is of the plane; `reach`: how far beyond the middle of the bodies it is drawn, in their extents.
+    /// An obstacle among bodies, none if it is of the plane; `reach`: how far from the middle of the bodies it is drawn, in their extents.
     pub fn new(obstacle: &PlacedObstacle, around: &Surroundings, reach: f64) -> Option<Self> {
         let Obstacle::InSpace(shape) = &obstacle.shape else { return None };
         let by = Vector::from(obstacle.translation);

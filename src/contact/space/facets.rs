@@ -13,7 +13,6 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use thiserror::Error;
 
-use super::obstacle::Distance;
 use crate::math::tolerances::FACING;
 
 /// Cosine of the angle by which faces turn at an edge that parts two sides: 30 degrees.
@@ -21,6 +20,15 @@ const SAME_SIDE: f64 = 0.866_025_403_784_438_6;
 
 /// Cosine of the angle by which faces turn at an edge that is sharp: 10 degrees.
 const SMOOTH: f64 = super::features::SMOOTH;
+
+/// Distance, its gradient and second derivative with respect to the point, and whether the point has an opposite.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Distance {
+    pub gap: f64,
+    pub normal: Vector3<f64>,
+    pub curvature: Matrix3<f64>,
+    pub covered: bool,
+}
 
 /// Flat triangles that bound an obstacle.
 #[derive(Clone, Debug)]

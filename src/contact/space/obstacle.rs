@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::facets::Facets;
+use super::facets::{Distance, Facets};
 use crate::contact::surface::Surface;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
@@ -99,15 +99,6 @@ impl ObstacleInSpace {
         let longest = (0..surface.count()).map(|facet| surface.facet_size(facet, reference)).fold(0.0, f64::max);
         radius <= LARGE * longest * longest / facet_size
     }
-}
-
-/// Distance, its gradient and second derivative with respect to the point, and whether the point has an opposite.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Distance {
-    pub gap: f64,
-    pub normal: Vector3<f64>,
-    pub curvature: Matrix3<f64>,
-    pub covered: bool,
 }
 
 /// A discrete gradient and its derivative with respect to the end point.

@@ -1,17 +1,18 @@
 //! Contact of a surface in space with a rigid obstacle; the gap of a secondary node is its signed distance (`obstacle.rs`).
 //!
-//! `Phi_A = w_A g(x_A - u(t))` with the node's share `w_A` of the facets' areas and the obstacle's translation `u`. The contact forces do the
-//! work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves, `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger
+//! `Phi_A = w_A g(x_A - u(t))` with the node's share `w_A` of the facets' areas and the obstacle's translation `u`. The contact forces do
+//! the work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves, `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger
 //! books as work of a load. An obstacle does not turn.
 //!
-//! A node has one row, or three where the obstacle has pockets: one for the side that is nearest to it at the start of the step, and up to
-//! two for sides that rise from that one. Which shape a row feels is fixed for the step.
+//! A node has one row, or three where the obstacle has pockets: for the side that is nearest to it at the start of the step, and for up to
+//! two that rise from that one. Which shape a row feels is fixed for the step.
 
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::obstacle::{Distance, ObstacleInSpace, Shape, StepGradient};
+use super::facets::Distance;
+use super::obstacle::{ObstacleInSpace, Shape, StepGradient};
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
@@ -83,9 +84,10 @@ impl RigidInSpace {
             let Shape::Facets(facets) = &self.shape else { continue };
             let (nearest, rising) = if facets.has_pockets() { facets.around(x, IN_POCKET * size) } else { (0, Vec::new()) };
             if !rising.is_empty() {
-                let side = |side: usize| Some(Shape::Side(Arc::clone(facets), side));
-                of_node[0] = side(nearest);
-                of_node[1..].iter_mut().zip(rising).for_each(|(felt, other)| *felt = side(other));
+                // In an order that does not change with the distances: rows keep their sides, and with them their multipliers.
+                let mut sides: Vec<usize> = std::iter::once(nearest).chain(rising).take(SLOTS).collect();
+                sides.sort_unstable();
+                of_node.iter_mut().zip(sides).for_each(|(felt, side)| *felt = Some(Shape::Side(Arc::clone(facets), side)));
                 continue;
             }
             // A node that a face pushes past the edge, and that comes back without the push, would find no solution. Where its surface goes

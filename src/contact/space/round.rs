@@ -1,7 +1,7 @@
 //! Contact of a round obstacle in space with the edges of a surface: what the distances of the nodes do not see of a small one.
 //!
-//! Where a cylinder, a cone or a torus lies on facets, it lies across their edges, and so does a sphere on a sharp edge. Each edge has a row,
-//! the distance of its deepest point, with the shares `N_k` of the ends in that point `x`:
+//! Where a cylinder, a cone or a torus lies on facets, it lies across their edges, and so does a sphere on a sharp edge. Each edge has a
+//! row, the distance of its deepest point, with the shares `N_k` of the ends in that point `x`:
 //!
 //! ```text
 //! Phi = w min g(x - u),   x = sum N_k x_k,   dPhi/dx_k = w N_k n(x - u)
@@ -14,8 +14,9 @@
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
 
+use super::facets::Distance;
 use super::features::Features;
-use super::obstacle::{Distance, ObstacleInSpace, Shape, Symmetries};
+use super::obstacle::{ObstacleInSpace, Shape, Symmetries};
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;

@@ -1,7 +1,7 @@
 //! Surfaces of triangles from files: STL, as text or binary, and Wavefront OBJ.
 //!
-//! STL: each triangle has its three points, and a normal that is not read: the order of the points says where it looks. OBJ: lines `v x y z`
-//! and `f a b c …`, whose polygons are cut into fans; textures, normals, groups and all else are left out.
+//! STL: each triangle has its three points, and a normal that is not read: the order of the points says where it looks. OBJ: lines
+//! `v x y z` and `f a b c …`, whose polygons are cut into fans; textures, normals, groups and all else are left out.
 
 use std::path::Path;
 

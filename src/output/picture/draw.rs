@@ -24,6 +24,9 @@ const NEIGHBORHOOD: f64 = 1.5;
 
 /// How far an obstacle in space without ends is drawn from the middle of the bodies, in their extents.
 const REACH_IN_SPACE: f64 = 0.8;
+
+/// How much farther than those of the plane obstacles in space are shown, which are drawn as far as they are seen.
+const AS_A_WHOLE: f64 = 3.0;
 /// Heights of a color bar, in pixels.
 const BAR: [f64; 2] = [120.0, 360.0];
 
@@ -110,7 +113,8 @@ impl<'a> Layout<'a> {
             obstacles.iter().filter_map(|obstacle| ObstacleSurface::new(obstacle, &in_space, REACH_IN_SPACE)).collect();
         let reach = NEIGHBORHOOD * own.size[0].max(own.size[1]);
         let (low, high) = (own.low, own.high());
-        let is_near = |point: &Point| (0..2).all(|d| (low[d] - reach..=high[d] + reach).contains(&point[d]));
+        let is_within = |point: &Point, reach: f64| (0..2).all(|d| (low[d] - reach..=high[d] + reach).contains(&point[d]));
+        let is_near = |point: &Point| is_within(point, reach);
         // A corner of what is drawn lies beside a half plane, not at its far ends.
         let landmarks = |wall: &Wall| wall.landmarks(low, high).into_iter().filter(is_near).collect::<Vec<_>>();
         points.extend(walls.iter().filter(|wall| wall.border.len() > 2).flat_map(landmarks));
@@ -119,7 +123,7 @@ impl<'a> Layout<'a> {
             points.extend(ends);
         }
         let shown = surfaces.iter().flat_map(|surface| &surface.points).map(|&point| view.flat(point));
-        points.extend(shown.filter(is_near));
+        points.extend(shown.filter(|point| is_within(point, AS_A_WHOLE * reach)));
         let mut arrow = 0.0;
         if let Some((vectors, _)) = &options.vectors {
             arrow = factor(longest(bodies, *vectors), own.size[0].max(own.size[1]));

@@ -2,13 +2,12 @@
 
 use rhai::Dynamic;
 
-use super::obstacles_in_space::direction;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::Amplitude;
 use crate::math::catalogue::Interval;
 use crate::script::api::models::description::describe_obstacle;
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::digits::vector_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -28,8 +27,8 @@ pub struct ObstacleHandle {
 
 impl Handle for ObstacleHandle {
     const NAME: &'static str = "Obstacle";
-    const MAKER: &'static str = "make one with `rigid_plane`, in the plane `rigid_disk`, `rigid_ring`, `rigid_polyline`, in space `rigid_sphere`, `rigid_cylinder`, \
-                                 `rigid_cone`, `rigid_torus`, `rigid_box`, `rigid_surface`";
+    const MAKER: &'static str = "make one with `rigid_plane`, `rigid_disk`, `rigid_ring` or `rigid_polyline`, in space with `rigid_plane`, \
+                                 `rigid_sphere`, `rigid_cylinder`, `rigid_cone`, `rigid_torus`, `rigid_box` or `rigid_surface`";
 
     fn describe(&self) -> String {
         describe_obstacle(&self.obstacle, &self.motion, self.turn.as_ref())
@@ -118,6 +117,16 @@ pub fn point(name: &'static str, summary: &'static str) -> Parameter {
 /// The parameter that is a radius.
 pub fn radius(summary: &'static str) -> Parameter {
     Parameter::number("radius", "length", Interval::Positive, summary)
+}
+
+/// A vector in space that is not zero.
+pub fn direction(argument: &Argument) -> Result<[f64; 3], Failure> {
+    let vector = argument.vector(3)?;
+    if vector == [0.0; 3] {
+        let failure = argument.fail(format!("{} has no direction", argument.title()));
+        return Err(failure.label("this has length 0").hint("give a direction, such as `[0.0, 0.0, 1.0]`"));
+    }
+    Ok(vector)
 }
 
 fn rigid_plane() -> Function {

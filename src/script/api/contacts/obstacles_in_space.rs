@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-use super::obstacles::{Moves, point, radius, shape};
+use super::obstacles::{Moves, direction, point, radius, shape};
 use crate::contact::{Facets, FacetsError, Obstacle, ObstacleInSpace};
 use crate::math::catalogue::Interval;
 use crate::mesh::{MeshError, read_surface};
@@ -27,16 +27,6 @@ fn axis(summary: &'static str) -> Parameter {
 
 fn inside(summary: &'static str) -> Parameter {
     Parameter::new("inside", Kind::Flag, summary).or(Absent::Flag(false))
-}
-
-/// A vector in space that is not zero.
-pub fn direction(argument: &Argument) -> Result<[f64; 3], Failure> {
-    let vector = argument.vector(3)?;
-    if vector == [0.0; 3] {
-        let failure = argument.fail(format!("{} has no direction", argument.title()));
-        return Err(failure.label("this has length 0").hint("give a direction, such as `[0.0, 0.0, 1.0]`"));
-    }
-    Ok(vector)
 }
 
 fn in_space(obstacle: ObstacleInSpace) -> Result<Obstacle, Failure> {
@@ -68,7 +58,7 @@ fn rigid_cylinder() -> Function {
             inside("whether bodies are inside of it, as in a pipe"),
         ],
         Moves::InSpace,
-        "let roller = rigid_cylinder(#{ point: [0.0, 0.0, 1.5], axis: [0.0, 1.0, 0.0], radius: 0.5, motion: #{ z: ramp(0.0, 1.0, -0.1) } });",
+        "let roller = rigid_cylinder(#{ point: [0.0, 0.0, 1.5], axis: [0.0, 1.0, 0.0], radius: 0.5, motion: #{ z: 0.1 } });",
         |options| {
             let (point, radius) = (options.argument("point").vector(3)?, options.number("radius")?);
             let (axis, is_hollow) = (direction(&options.argument("axis"))?, options.flag("inside")?);
@@ -158,7 +148,7 @@ fn rigid_box() -> Function {
 fn rigid_surface() -> Function {
     shape(
         "rigid_surface",
-        "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file, or a boundary of a mesh; \
+        "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file or a mesh; \
          bodies are where its facets look",
         vec![
             Parameter::new("file", Kind::Text, "an `.stl` or `.obj` file, below the script's folder or a folder that `--allow-read` names")
