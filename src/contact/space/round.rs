@@ -26,7 +26,7 @@ use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
 /// Depth in smallest facets beyond which an edge has no row: what overlaps as much at the start of a step, the nodes hold.
-const SUNK: f64 = 0.15;
+const SUNK: f64 = 0.55;
 
 /// Opening in smallest facets, besides what the step may close, up to which an edge has one.
 const OPEN: f64 = 0.25;
