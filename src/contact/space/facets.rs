@@ -370,7 +370,7 @@ impl Facets {
     }
 
     /// Distance from one side.
-    pub(super) fn from_side(&self, side: usize, x: Vector3<f64>) -> Distance {
+    pub(super) fn side_distance(&self, side: usize, x: Vector3<f64>) -> Distance {
         from(&self.sides[side], x)
     }
 
@@ -383,7 +383,7 @@ impl Facets {
     pub(super) fn around(&self, x: Vector3<f64>, near: f64) -> (usize, Vec<usize>) {
         let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return (0, Vec::new()) };
         let side = self.side_of[nearest.triangle];
-        let seen = self.rising[side].iter().map(|&other| (self.from_side(other, x), other));
+        let seen = self.rising[side].iter().map(|&other| (self.side_distance(other, x), other));
         let mut close: Vec<(f64, usize)> =
             seen.filter(|(at, _)| at.covered && at.gap.abs() < near).map(|(at, other)| (at.gap, other)).collect();
         close.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -273,7 +273,7 @@ impl Shape {
                 Distance { gap: value, normal: out * slope[0] + axis * slope[1], curvature: sum, covered: true }
             }
             Shape::Facets(facets) => facets.distance(x),
-            Shape::Side(facets, side) => facets.from_side(*side, x),
+            Shape::Side(facets, side) => facets.side_distance(*side, x),
         }
     }
 
