@@ -51,6 +51,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/tumbling_block_3d", "brick.svg"),
     ("scenarios/bearing_3d", "energy.svg"),
     ("scenarios/thrown_bricks", "bricks.svg"),
+    ("scenarios/ball_in_bowl", "bowl.png"),
     ("tutorials/01_first_body", "plate.svg"),
     ("tutorials/02_first_contact", "buffer.svg"),
     ("tutorials/03_reading_the_ledger", "energies.svg"),

@@ -194,15 +194,15 @@ pub trait CandidateSearch: PatchFunctions {
 /// The rigid obstacle of a pair that has one; a pair of two surfaces has nothing to say.
 pub trait RigidObstacle {
     /// Where a rigid obstacle is in this step: its translations at the start, in the middle and at the end `[length]`.
-    fn move_obstacle(&mut self, _translations: &[[f64; 2]; 3]) {}
+    fn move_obstacle(&mut self, _translations: &[[f64; 3]; 3]) {}
 
     /// How a rigid obstacle carries along what sticks to it in this step: by a displacement, and, if it is round, by an angle about its
     /// center `[length]`, `[rad]`. At rest that is its motion since the equilibrium before, although it stands where it is.
     fn carry(&mut self, _shift: [f64; 2], _angle: f64) {}
 
     /// Where a rigid obstacle is at the end of this step, as its translation `[length]`.
-    fn obstacle_translation(&self) -> [f64; 2] {
-        [0.0; 2]
+    fn obstacle_translation(&self) -> [f64; 3] {
+        [0.0; 3]
     }
 
     /// How a node passes a rigid obstacle on its straight way through the step to `q_1`, the largest of all nodes: by how much its distance

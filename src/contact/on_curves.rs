@@ -339,7 +339,7 @@ impl CandidateSearch for OnCurves {
 }
 
 impl RigidObstacle for OnCurves {
-    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
+    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
         self.inner.move_obstacle(translations);
     }
 
@@ -347,7 +347,7 @@ impl RigidObstacle for OnCurves {
         self.inner.carry(shift, angle);
     }
 
-    fn obstacle_translation(&self) -> [f64; 2] {
+    fn obstacle_translation(&self) -> [f64; 3] {
         self.inner.obstacle_translation()
     }
 

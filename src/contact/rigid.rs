@@ -205,16 +205,17 @@ impl CandidateSearch for RigidContact {
 }
 
 impl RigidObstacle for RigidContact {
-    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
-        self.translations = *translations;
+    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
+        self.translations = translations.map(|[x, y, _]| [x, y]);
     }
 
     fn carry(&mut self, shift: [f64; 2], angle: f64) {
         self.carried = (shift, if matches!(self.shape, Shape::Circle { .. }) { angle } else { 0.0 });
     }
 
-    fn obstacle_translation(&self) -> [f64; 2] {
-        self.translations[2]
+    fn obstacle_translation(&self) -> [f64; 3] {
+        let [x, y] = self.translations[2];
+        [x, y, 0.0]
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
@@ -281,7 +282,7 @@ mod tests {
     /// One facet of nodes 0 and 1, so that weights are half its length, and a moving obstacle.
     fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
         let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
-        kernel.move_obstacle(translations);
+        kernel.move_obstacle(&translations.map(|[x, y]| [x, y, 0.0]));
         assert!(!kernel.update_candidates(&Outlook::within(q_0, 1.0)));
         kernel.begin_step(q_0);
         kernel

@@ -1,16 +1,18 @@
 //! Contact of the points of a rigid obstacle with the facets of a surface: what the distances of the surface's nodes do not see.
 //!
-//! The corners of a polyline and the center of a disk are points of their own that the obstacle's motion moves. A corner's gap to the
-//! surface is that of node-to-segment contact with the sides exchanged, a disk's that of `round.rs`: continuous functions of all positions,
-//! the point's among them. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that an obstacle that
-//! moves does the work `-lambda Gbar_point.du` besides.
+//! In space these are its sharp vertices and edges (`space/corners.rs`), or the center of a small sphere. In the plane the corners of a
+//! polyline and the center of a disk are points of their own that the obstacle's motion moves. A corner's gap to the surface is that of
+//! node-to-segment contact with the sides exchanged, a disk's that of `round.rs`: continuous functions of all positions, the point's among
+//! them. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that an obstacle that moves does the work
+//! `-lambda Gbar_point.du` besides.
 
 use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};
 use super::rigid_shape::Obstacle;
 use super::round::RoundContact;
 use super::slip::SlipStep;
-use super::surface::Sides;
+use super::space::{CornersInSpace, ObstacleInSpace};
+use super::surface::{Sides, Surface};
 use super::window::{Outlook, Travel};
 use super::{CandidateSearch, Candidates, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
@@ -29,12 +31,14 @@ pub struct RigidCorners {
     inner: Box<dyn ContactKernel>,
     /// The surface alone, with the patches that are left without the points.
     sides: Sides,
-    points: Vec<[f64; 2]>,
+    /// Coordinates of the points.
+    points: Vec<f64>,
+    dimension: usize,
     /// Components of the model's positions.
     components: usize,
-    translations: [[f64; 2]; 3],
+    translations: [[f64; 3]; 3],
     /// How far it carries along what sticks to it.
-    shift: [f64; 2],
+    shift: [f64; 3],
     /// All positions at the start of the step.
     start: Vec<f64>,
 }
@@ -63,11 +67,39 @@ impl RigidCorners {
                 }
                 (vec![*center], Box::new(RoundContact::new(first, *radius, surface, &with(&[*center]), facet_size)))
             }
-            Obstacle::HalfPlane { .. } | Obstacle::Ring { .. } => return None,
+            Obstacle::HalfPlane { .. } | Obstacle::Ring { .. } | Obstacle::InSpace(_) => return None,
         };
-        let (weights, start) = (inner.weights().to_vec(), with(&points));
-        let sides = Sides { weights, facet_size, ..sides };
-        Some(RigidCorners { inner, sides, points, components: reference.len(), translations: [[0.0; 2]; 3], shift: [0.0; 2], start })
+        Some(RigidCorners::of(inner, Sides { facet_size, ..sides }, points.into_flattened(), reference))
+    }
+
+    /// The same in space: the obstacle's sharp vertices and edges, where it has any.
+    pub fn in_space(surface: &Surface, obstacle: &ObstacleInSpace, reference: &[f64], facet_size: f64) -> Option<Self> {
+        let first = (reference.len() / 3) as u32;
+        let with = |points: &[[f64; 3]]| -> Vec<f64> { reference.iter().chain(points.as_flattened()).copied().collect() };
+        let is_small = obstacle.is_small(surface, reference, facet_size);
+        let ball = |center: [f64; 3], radius: f64| {
+            (center.to_vec(), CornersInSpace::of_ball(surface.clone(), first, radius, &with(&[center]), facet_size))
+        };
+        let (points, inner) = match obstacle {
+            ObstacleInSpace::Facets(facets) => {
+                let triangles: Vec<[u32; 3]> = facets.triangles().iter().map(|nodes| nodes.map(|node| first + node)).collect();
+                let of_obstacle = Surface::in_space(triangles.iter().map(|nodes| &nodes[..]));
+                let inner = CornersInSpace::of_obstacle(surface.clone(), of_obstacle, &with(facets.points()), facet_size)?;
+                (facets.points().as_flattened().to_vec(), inner)
+            }
+            ObstacleInSpace::Sphere { center, radius, .. } if is_small => ball(*center, *radius),
+            ObstacleInSpace::Cone { tip, .. } if is_small => ball(*tip, 0.0),
+            _ => return None,
+        };
+        let sides = Sides::of(surface.clone(), Surface::in_space([]), reference);
+        Some(RigidCorners::of(inner, Sides { facet_size, ..sides }, points, reference))
+    }
+
+    fn of(inner: Box<dyn ContactKernel>, sides: Sides, points: Vec<f64>, reference: &[f64]) -> Self {
+        let start = reference.iter().chain(&points).copied().collect();
+        let dimension = sides.patches.dimension();
+        let sides = Sides { weights: inner.weights().to_vec(), ..sides };
+        RigidCorners { inner, sides, points, dimension, components: reference.len(), translations: [[0.0; 3]; 3], shift: [0.0; 3], start }
     }
 
     /// Share of the overlap that constraints of corners leave alone which those of an obstacle's points do: where a disk is small, its
@@ -80,22 +112,29 @@ impl RigidCorners {
     }
 
     /// Positions or displacements with those of the points behind them.
-    fn extended(&self, q: &[f64], place: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
-        q.iter().copied().chain(self.points.iter().flat_map(|&point| place(point))).collect()
+    fn extended(&self, q: &[f64], place: impl Fn(f64, usize) -> f64) -> Vec<f64> {
+        let points = self.points.iter().enumerate().map(|(k, &x)| place(x, k % self.dimension));
+        q.iter().copied().chain(points).collect()
     }
 
     /// All positions at `q`, the obstacle where it is at the start, in the middle or at the end of the step.
     fn positions(&self, q: &[f64], time: usize) -> Vec<f64> {
         let by = self.translations[time];
-        self.extended(q, |point| [point[0] + by[0], point[1] + by[1]])
+        self.extended(q, |x, i| x + by[i])
     }
 
     /// The patches without the points.
     fn list_patches(&mut self) {
-        self.sides.patches = Patches::new(2);
-        for p in 0..self.inner.patches().len() {
-            self.sides.patches.push(&self.inner.patches().nodes(p)[1..], self.inner.patches().rows(p));
+        let inner = self.inner.patches();
+        self.sides.patches = Patches::new(self.dimension);
+        for p in 0..inner.len() {
+            let nodes: Vec<u32> = inner.nodes(p).iter().copied().filter(|&node| self.is_of_model(node)).collect();
+            self.sides.patches.push(&nodes, inner.rows(p));
         }
+    }
+
+    fn is_of_model(&self, node: u32) -> bool {
+        (node as usize) < self.components / self.dimension
     }
 
     /// What is left of an evaluation with the points.
@@ -110,15 +149,16 @@ impl RigidCorners {
                 continue;
             }
             out.live[p] = true;
-            // The point is the first node of a patch.
-            let width = inner.unknowns(p);
+            let (width, left, d) = (inner.unknowns(p), outer.unknowns(p), self.dimension);
+            let kept: Vec<usize> = (0..width).filter(|k| self.is_of_model(inner.nodes(p)[k / d])).collect();
+            let pick = |from: &[f64], to: &mut [f64]| to.iter_mut().zip(&kept).for_each(|(to, &k)| *to = from[k]);
             for (from, to) in [(&all.gradient_end, &mut out.gradient_end), (&all.gradient_bar, &mut out.gradient_bar)] {
-                let rows = to[outer.gradient_range(p)].chunks_exact_mut(width - 2).zip(from[inner.gradient_range(p)].chunks_exact(width));
-                rows.for_each(|(to, from)| to.copy_from_slice(&from[2..]));
+                let rows = to[outer.gradient_range(p)].chunks_exact_mut(left).zip(from[inner.gradient_range(p)].chunks_exact(width));
+                rows.for_each(|(to, from)| pick(from, to));
             }
-            let rows = out.tangent[outer.tangent_range(p)].chunks_exact_mut(width - 2);
-            let from = all.tangent[inner.tangent_range(p)].chunks_exact(width).skip(2);
-            rows.zip(from).for_each(|(to, from)| to.copy_from_slice(&from[2..]));
+            let rows = out.tangent[outer.tangent_range(p)].chunks_exact_mut(left);
+            let from = &all.tangent[inner.tangent_range(p)];
+            rows.zip(&kept).for_each(|(to, &k)| pick(&from[k * width..(k + 1) * width], to));
         }
     }
 }
@@ -155,7 +195,7 @@ impl PatchFunctions for RigidCorners {
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         let mut all = Evaluation::default();
         let (q_0, q_1) = (self.positions(step.q_0, 0), self.positions(step.q_1, 2));
-        let moved = self.extended(step.moved, |_| self.shift);
+        let moved = self.extended(step.moved, |_, i| self.shift[i]);
         self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, ..step }, lambda, &mut all);
         self.without_points(&all, out);
     }
@@ -175,12 +215,13 @@ impl CandidateSearch for RigidCorners {
         let changed = match outlook.travel {
             Travel::UpTo(_) => self.inner.update_candidates(&Outlook { q: &q, ..*outlook }),
             Travel::Each { sizes, besides } => {
-                let sizes: Vec<f64> = sizes.iter().copied().chain(self.points.iter().map(|_| 0.0)).collect();
+                let points = self.points.len() / self.dimension;
+                let sizes: Vec<f64> = sizes.iter().copied().chain(std::iter::repeat_n(0.0, points)).collect();
                 self.inner.update_candidates(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
             }
             Travel::Guessed { displacements, factor } => {
                 let [from, _, to] = self.translations;
-                let [a, b] = displacements.map(|u| self.extended(u, |_| [to[0] - from[0], to[1] - from[1]]));
+                let [a, b] = displacements.map(|u| self.extended(u, |_, i| to[i] - from[i]));
                 let travel = Travel::Guessed { displacements: [&a, &b], factor };
                 self.inner.update_candidates(&Outlook { q: &q, travel, ..*outlook })
             }
@@ -207,12 +248,12 @@ impl CandidateSearch for RigidCorners {
 }
 
 impl RigidObstacle for RigidCorners {
-    fn move_obstacle(&mut self, translations: &[[f64; 2]; 3]) {
+    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
         self.translations = *translations;
     }
 
     fn carry(&mut self, shift: [f64; 2], angle: f64) {
-        self.shift = shift;
+        self.shift = [shift[0], shift[1], 0.0];
         self.inner.carry(shift, angle);
     }
 
@@ -229,7 +270,8 @@ impl RigidObstacle for RigidCorners {
                 let gradients = all.gradient_bar[patches.gradient_range(p)].chunks_exact(patches.unknowns(p));
                 for (&row, gradient) in patches.rows(p).iter().zip(gradients) {
                     for (u, &node) in patches.nodes(p).iter().enumerate() {
-                        (0..2).for_each(|i| sum[2 * node as usize + i] += lambda[row as usize] * gradient[2 * u + i]);
+                        let (at, first) = (self.dimension * node as usize, self.dimension * u);
+                        (0..self.dimension).for_each(|i| sum[at + i] += lambda[row as usize] * gradient[first + i]);
                     }
                 }
             }
@@ -239,6 +281,7 @@ impl RigidObstacle for RigidCorners {
         let (nodes, corners) = sum.split_at(self.components);
         force.iter_mut().zip(nodes).for_each(|(force, f)| *force += f);
         let [from, _, to] = self.translations;
-        -corners.chunks_exact(2).map(|f| f[0] * (to[0] - from[0]) + f[1] * (to[1] - from[1])).sum::<f64>()
+        let of_point = |f: &[f64]| f.iter().zip(from.iter().zip(&to)).map(|(f, (from, to))| f * (to - from)).sum::<f64>();
+        -corners.chunks_exact(self.dimension).map(of_point).sum::<f64>()
     }
 }

@@ -4,6 +4,7 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::chain::Chain;
+use super::space::ObstacleInSpace;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
 /// At how many places on a node's way its distance is looked at, at most.
@@ -38,6 +39,8 @@ pub enum Obstacle {
         /// Points in the order of traversal `[length]`, two at least.
         points: Vec<[f64; 2]>,
     },
+    /// One in space, for bodies in space.
+    InSpace(ObstacleInSpace),
 }
 
 /// Distance, its gradient with respect to the point, and whether the point has an opposite.
@@ -84,6 +87,8 @@ impl Shape {
             }
             Obstacle::Disk { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: 1.0 },
             Obstacle::Ring { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: -1.0 },
+            // Nothing of it is in the plane; a model is refused before.
+            Obstacle::InSpace(_) => Shape::Polyline { tree: RTree::new(), corners: Vec::new() },
             Obstacle::Polyline { points } => {
                 let count = points.len().saturating_sub(1);
                 let closed = count > 2 && points[0] == points[count];

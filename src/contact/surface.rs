@@ -260,6 +260,17 @@ impl Surface {
         }
     }
 
+    /// A vector along the outward normal of a facet, as long as a facet in the plane is.
+    pub fn outward(&self, facet: usize, q: &[f64]) -> Vec<f64> {
+        match *self.facet(facet) {
+            [a, b] if self.dimension == 2 => {
+                let [a, b] = [a, b].map(|node| 2 * node as usize);
+                vec![q[b + 1] - q[a + 1], q[a] - q[b]]
+            }
+            ref nodes => faces::area_vector(nodes, q).as_slice().to_vec(),
+        }
+    }
+
     /// What the nodes of a facet have of it, by their shape functions, at the positions `q` `[length^(D-1)]`.
     fn shares(&self, facet: usize, q: &[f64]) -> Vec<f64> {
         if self.dimension == 2 { vec![0.5 * self.facet_measure(facet, q); 2] } else { faces::shares(self.facet(facet), q) }

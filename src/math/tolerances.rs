@@ -81,6 +81,10 @@ pub const POSITION: f64 = 4e-16;
 /// remainder would be, too, only a larger one is divided by it: that of a kink.
 pub const REMAINDER: f64 = 4e-15;
 
+/// Bend of an obstacle's distance along an edge, over the edge's length, below which its deepest point is anywhere on the edge: the edge
+/// lies along a cylinder or cone, and its ends see all of it.
+pub const LIES_ALONG: f64 = 1e-6;
+
 /// Distance of a primary from a secondary node, in secondary facets, within which they count as aligned: a thousand times what round-off
 /// and elastic waves before an impact leave of bodies with the same mesh.
 pub const ALIGNED: f64 = 1e-4;

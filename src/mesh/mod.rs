@@ -37,7 +37,7 @@ pub use curved::Round;
 pub use curves::{Curve, Side};
 pub use error::MeshError;
 pub use file_error::{FileError, FileProblem, Place};
-pub use files::{read_mesh, read_mesh_bytes};
+pub use files::{Triangles, read_mesh, read_mesh_bytes, read_surface, read_surface_bytes};
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub use layers::Layers;
 pub(crate) use plane::{cross, is_inside};

@@ -21,6 +21,7 @@ pub mod journal;
 mod markup;
 mod movie;
 mod node_table;
+mod obstacle_surfaces;
 mod obstacles;
 mod parquet;
 mod picture;

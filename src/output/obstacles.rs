@@ -1,4 +1,4 @@
-//! Rigid obstacles as something to look at: a border and a band behind it.
+//! Rigid obstacles of the plane as something to look at: a border and a band behind it. Those in space are in `obstacle_surfaces.rs`.
 //!
 //! A half plane has no ends and a circle no corners, so how long and how fine they are drawn depends on the bodies beside them.
 
@@ -16,28 +16,32 @@ const CORNERS: [f64; 2] = [120.0, 4096.0];
 /// The undeformed bodies' box: middle and largest extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
-    middle: [f64; 2],
-    extent: f64,
+    /// Middle `[length]`.
+    pub middle: [f64; 3],
+    /// Largest extent `[length]`.
+    pub extent: f64,
 }
 
 impl Surroundings {
     /// Those of points; the unit square where there are none.
-    pub fn of(points: impl Iterator<Item = [f64; 2]>) -> Self {
+    pub fn of(points: impl Iterator<Item = [f64; 3]>) -> Self {
         let finite = points.filter(|point| point.iter().all(|x| x.is_finite()));
-        let start = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let (low, high) = finite.fold(start, |(low, high), [x, y]| ([low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]));
-        let extent = (high[0] - low[0]).max(high[1] - low[1]);
+        let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let wider =
+            |(low, high): ([f64; 3], [f64; 3]), x: [f64; 3]| ([0, 1, 2].map(|d| low[d].min(x[d])), [0, 1, 2].map(|d| high[d].max(x[d])));
+        let (low, high) = finite.fold(start, wider);
+        let extent = (0..3).map(|d| high[d] - low[d]).fold(f64::NEG_INFINITY, f64::max);
         if extent > 0.0 && extent.is_finite() {
-            Surroundings { middle: [0, 1].map(|d| 0.5 * (low[d] + high[d])), extent }
+            Surroundings { middle: [0, 1, 2].map(|d| 0.5 * (low[d] + high[d])), extent }
         } else {
-            Surroundings { middle: [0.0; 2], extent: 1.0 }
+            Surroundings { middle: [0.0; 3], extent: 1.0 }
         }
     }
 
     /// Those of bodies where they are.
     pub fn of_bodies(bodies: &[BodyFields]) -> Self {
         let points = |body: &'_ BodyFields| (0..body.mesh.points.len()).map(|node| body.position(node)).collect::<Vec<_>>();
-        Surroundings::of(bodies.iter().flat_map(points).map(|[x, y, _]| [x, y]))
+        Surroundings::of(bodies.iter().flat_map(points))
     }
 }
 
@@ -55,12 +59,13 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// An obstacle among bodies; `reach`: how far a half plane is drawn, in extents of the bodies to either side.
-    pub fn new(obstacle: &PlacedObstacle, around: &Surroundings, reach: f64) -> Self {
+    /// An obstacle among bodies, none if it is in space; `reach`: how far a half plane is drawn, in extents of the bodies to either side.
+    pub fn new(obstacle: &PlacedObstacle, around: &Surroundings, reach: f64) -> Option<Self> {
         let Surroundings { middle, extent } = *around;
         let shifted = |point: [f64; 2]| [point[0] + obstacle.translation[0], point[1] + obstacle.translation[1]];
         let thickness = THICKNESS * extent;
         let (border, is_closed, thickness) = match &obstacle.shape {
+            Obstacle::InSpace(_) => return None,
             Obstacle::HalfPlane { point, normal } => {
                 let (point, length) = (shifted(*point), normal[0].hypot(normal[1]));
                 let along = [-normal[1] / length, normal[0] / length];
@@ -77,7 +82,7 @@ impl Wall {
             }
         };
         let back = behind(&border, is_closed, thickness);
-        Wall { name: obstacle.name.clone(), border, back, is_closed }
+        Some(Wall { name: obstacle.name.clone(), border, back, is_closed })
     }
 
     /// Pieces of the band, each between two neighboring points of the border: along the border, back behind it.
@@ -148,8 +153,8 @@ mod tests {
     use super::*;
 
     fn wall(shape: Obstacle) -> Wall {
-        let around = Surroundings { middle: [3.0, 5.0], extent: 2.0 };
-        Wall::new(&PlacedObstacle { name: "ground".into(), shape, translation: [1.0, 0.5] }, &around, 2.0)
+        let around = Surroundings { middle: [3.0, 5.0, 0.0], extent: 2.0 };
+        Wall::new(&PlacedObstacle { name: "ground".into(), shape, translation: [1.0, 0.5, 0.0] }, &around, 2.0).expect("it is of the plane")
     }
 
     fn close(a: [f64; 2], b: [f64; 2]) -> bool {

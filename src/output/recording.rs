@@ -93,7 +93,7 @@ pub struct Still {
     /// Longest vector of contact pressure `[stress]`.
     pub pressing: f64,
     /// Rigid obstacles: number of the shape among [`shapes`], translation.
-    pub obstacles: Vec<(usize, [f64; 2])>,
+    pub obstacles: Vec<(usize, [f64; 3])>,
     bytes: Bytes,
 }
 
@@ -233,7 +233,7 @@ impl Recording {
         Still { row, steps: self.steps, time: simulation.time(), ..self.packed(&simulation.fields(), shapes) }
     }
 
-    fn packed(&self, bodies: &[BodyFields], obstacles: Vec<(usize, [f64; 2])>) -> Still {
+    fn packed(&self, bodies: &[BodyFields], obstacles: Vec<(usize, [f64; 3])>) -> Still {
         let mut bytes = Vec::new();
         let mut extremes = vec![[f64::INFINITY, f64::NEG_INFINITY]; Field::ALL.len()];
         let mut pressing: f64 = 0.0;
@@ -249,7 +249,7 @@ impl Recording {
 }
 
 /// Obstacles as numbers of their shapes, in the order in which the shapes come first.
-fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 2])> {
+fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 3])> {
     let mut shapes: Vec<&Obstacle> = Vec::new();
     let mut number = |shape| match shapes.iter().position(|known| *known == shape) {
         Some(number) => number,
@@ -398,7 +398,7 @@ impl Still {
 
     /// The rigid obstacles as they were; `shapes` are those of the model.
     pub fn placed(&self, shapes: &[Obstacle]) -> Vec<PlacedObstacle> {
-        let of = |&(number, translation): &(usize, [f64; 2])| {
+        let of = |&(number, translation): &(usize, [f64; 3])| {
             shapes.get(number).map(|shape| PlacedObstacle { name: String::new(), shape: shape.clone(), translation })
         };
         self.obstacles.iter().filter_map(of).collect()

@@ -38,7 +38,7 @@ fn collide(
         &SaintVenantKirchhoff { youngs_modulus: 1.0, poisson_ratio: 0.0, density: 1.0 }.material().expect("in range"),
     );
     let left = builder.boundary(bar, "left");
-    let mut motion: [Option<Amplitude>; 2] = [None, None];
+    let mut motion: [Option<Amplitude>; 3] = [None, None, None];
     if moving_wall {
         motion[0] = Some(Arc::new(Ramp { start: 0.0, end: 10.0, value: 10.0 * SPEED }));
     } else {

@@ -25,7 +25,7 @@ fn the_inner_wall_touches_itself_and_the_ledger_closes() {
             let outer = builder.boundary(hose, "outer");
             let plane = Obstacle::HalfPlane { point: [0.0, 1.001 * side], normal: [0.0, -side] };
             let press = Ramp { start: 0.0, end: 1.0, value: -0.81 * side };
-            let partner = Partner::Obstacle { shape: plane, motion: [None, Some(Arc::new(press))], turn: None };
+            let partner = Partner::Obstacle { shape: plane, motion: [None, Some(Arc::new(press)), None], turn: None };
             builder.model.add_interaction(Interaction::new(name, outer, partner));
         }
         let surface = builder.boundary(hose, "inner");

@@ -9,7 +9,7 @@
 //!
 //! Rows stand in a few slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
-use super::features::{self, Features};
+use super::features::{self, Features, Vertex};
 use super::gaps::{Measure, NODES};
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::{self, Vec3};
@@ -72,6 +72,10 @@ pub struct CornersInSpace {
     /// For each patch its row, of those of its feature, and what measures it in this step.
     rows: Vec<Option<(usize, Measure)>>,
     start: Vec<Vec<f64>>,
+    /// Whether vertices of the secondary side have rows of their own elsewhere.
+    has_nodal_rows: bool,
+    /// Radius of a ball whose center is the only point of the primary side.
+    radius: f64,
 }
 
 /// A row that may be there at a configuration.
@@ -95,8 +99,31 @@ impl CornersInSpace {
         if features.iter().all(|features| features.vertices.is_empty()) {
             return None;
         }
+        let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
+        Some(Box::new(CornersInSpace::new(secondary, primary, features, reference, facet_size)))
+    }
+
+    /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
+    /// The surface's vertices have rows elsewhere. `facet_size` is that of the whole contact.
+    pub fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
+        let features = [Features::with_smooth_edges(&surface, positions), Features::new(&obstacle, positions)];
+        if features[1].vertices.is_empty() {
+            return None;
+        }
+        let made = CornersInSpace::new(surface, obstacle, features, positions, facet_size);
+        Some(Box::new(CornersInSpace { has_nodal_rows: true, ..made }))
+    }
+
+    /// The rows of a rigid ball against the facets of a surface, or of the tip of a cone as one of no radius.
+    pub fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
+        let alone = Features { vertices: vec![Vertex { node: center, spokes: Vec::new() }], edges: Vec::new(), laps: vec![Vec::new()] };
+        let features = [Features::new(&surface, positions), alone];
+        let made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);
+        Box::new(CornersInSpace { has_nodal_rows: true, radius, ..made })
+    }
+
+    fn new(secondary: Surface, primary: Surface, features: [Features; 2], reference: &[f64], facet_size: f64) -> Self {
         let mut sides = Sides::of(secondary, primary, reference);
-        let facet_size = sides.facet_size.min(sides.primary.shortest_facet(reference));
         let points = features.iter().flat_map(|features| &features.vertices).map(|vertex| std::slice::from_ref(&vertex.node));
         let owners = Surface::in_space(points.chain(features[0].edges.iter().map(|edge| &edge.nodes[..])));
         let facets =
@@ -107,7 +134,7 @@ impl CornersInSpace {
         sides.weights = vec![facet_size * facet_size; SLOTS * owners.count()];
         let candidates = Candidates::new(SPARE * facet_size);
         let (kinds, rows, start) = (Vec::new(), Vec::new(), Vec::new());
-        Some(Box::new(CornersInSpace { sides, features, owners, partners, candidates, row_nodes, kinds, rows, start }))
+        CornersInSpace { sides, features, owners, partners, candidates, row_nodes, kinds, rows, start, has_nodal_rows: false, radius: 0.0 }
     }
 
     fn surface(&self, side: usize) -> &Surface {
@@ -121,7 +148,9 @@ impl CornersInSpace {
         let (side, vertex) = if owner < vertices[0] { (0, owner) } else { (1, owner - vertices[0]) };
         if vertex < vertices[side] {
             let facet = if side == 0 { Some(partner) } else { partner.checked_sub(facets[0]) };
-            return facet.filter(|&facet| facet < facets[side]).map(|facet| Kind::Vertex { side, vertex, facet });
+            // A ball has no facets.
+            let is_facet = |facet: usize| facet < facets[side] && self.surface(1 - side).facet(facet).len() > 2;
+            return facet.filter(|&facet| is_facet(facet)).map(|facet| Kind::Vertex { side, vertex, facet });
         }
         let other = partner.checked_sub(facets[0] + facets[1])?;
         Some(Kind::Edges([owner - vertices[0] - vertices[1], other]))
@@ -147,7 +176,8 @@ impl CornersInSpace {
         for q in configurations {
             let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, outlook)).collect();
             let found = self.nearest_facets(found);
-            for row in found.iter().filter(|row| !self.is_dominated(row, &found)) {
+            let is_elsewhere = |row: &Found| self.has_nodal_rows && matches!(self.kinds[row.patch], Kind::Vertex { side: 0, .. });
+            for row in found.iter().filter(|row| !is_elsewhere(row) && !self.is_dominated(row, &found)) {
                 let known = &mut chosen[row.patch];
                 if known.is_none_or(|known| row.gap < known.gap) {
                     *known = Some(*row);
@@ -215,13 +245,14 @@ impl CornersInSpace {
             Kind::Vertex { side, vertex, facet } => {
                 let on = self.surface(1 - side).facet(facet);
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
-                let gap = normal.dot(&(v - faces::middle(on, q)));
+                let height = normal.dot(&(v - faces::middle(on, q)));
+                let gap = height - self.radius;
                 if !is_near(gap) || !is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
                     return None;
                 }
                 let rise = |&end: &u32| (faces::at(end, q) - v).try_normalize(0.0).map_or(0.0, |along| normal.dot(&along));
                 let least = self.features[side].vertices[vertex].spokes.iter().map(rise).fold(1.0, f64::min);
-                let foot = v - normal * gap;
+                let foot = v - normal * height;
                 let (normal, at) = if side == 0 { (normal, [v, foot]) } else { (-normal, [foot, v]) };
                 let is_strict = least >= -STRICT;
                 (least >= -CONE).then_some(Found { patch, measure: Measure::Facet(on.len()), gap, normal, at, is_strict })
@@ -317,7 +348,7 @@ impl PatchFunctions for CornersInSpace {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for (patch, z) in self.start.iter().enumerate() {
             if let Some((row, measure)) = self.row(patch) {
-                gaps[row] = self.sides.weights[row] * measure.gap(z.as_chunks().0);
+                gaps[row] = self.sides.weights[row] * (measure.gap(z.as_chunks().0) - self.radius);
             }
         }
         gaps
@@ -332,7 +363,7 @@ impl PatchFunctions for CornersInSpace {
             let Some((row, measure)) = self.row(patch) else { continue };
             self.sides.patches.gather_into(patch, q_1, &mut end);
             let weight = self.sides.weights[row];
-            let end_gap = measure.gap(end.as_chunks().0);
+            let end_gap = measure.gap(end.as_chunks().0) - self.radius;
             out.live[patch] = true;
             (out.gap[row], out.coverage[row]) = (weight * end_gap, 1.0);
             let (width, slot) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot));
@@ -346,7 +377,7 @@ impl PatchFunctions for CornersInSpace {
                 projection.set(start, &end);
                 let mut of_middle = vec![0.0; width];
                 gradient_into(measure, &middle, weight, &mut of_middle);
-                let change = weight * (end_gap - measure.gap(start.as_chunks().0));
+                let change = weight * (end_gap - (measure.gap(start.as_chunks().0) - self.radius));
                 projection.gradient_into(&of_middle, change, &mut out.gradient_bar[place.clone()]);
                 if pressure != 0.0 {
                     let mut hessian = vec![0.0; width * width];
@@ -408,7 +439,7 @@ fn hessian_into(measure: Measure, z: &[f64], share: f64, out: &mut [f64]) {
 
 impl CandidateSearch for CornersInSpace {
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = self.candidates.update(&self.owners, &self.partners, outlook.q, outlook.search_margin(&self.sides));
+        let changed = self.candidates.update(&self.owners, &self.partners, outlook.q, outlook.search_margin(&self.sides) + self.radius);
         if changed {
             self.list_patches();
         }

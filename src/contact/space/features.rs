@@ -20,7 +20,7 @@ pub struct Vertex {
     pub spokes: Vec<u32>,
 }
 
-/// A convex sharp edge.
+/// A sharp edge that is not re-entrant, or a smooth one.
 #[derive(Clone, Debug)]
 pub struct SharpEdge {
     pub nodes: [u32; 2],
@@ -51,6 +51,15 @@ enum Bend {
 impl Features {
     /// The features of a surface. Where it ends, its body is taken to have a sharp edge.
     pub fn new(surface: &Surface, q: &[f64]) -> Features {
+        Features::with_edges(surface, q, |bend| bend == Bend::Sharp)
+    }
+
+    /// The same with its smooth edges among the sharp ones: for what lies across flat ground on a line.
+    pub fn with_smooth_edges(surface: &Surface, q: &[f64]) -> Features {
+        Features::with_edges(surface, q, |bend| bend != Bend::Concave)
+    }
+
+    fn with_edges(surface: &Surface, q: &[f64], is_kept: impl Fn(Bend) -> bool) -> Features {
         let edges = surface.edges();
         let bends: Vec<Bend> = edges.iter().map(|edge| bend(surface, edge.facets, edge.nodes, q)).collect();
         let along = |nodes: [u32; 2]| (faces::at(nodes[1], q) - faces::at(nodes[0], q)).try_normalize(0.0).unwrap_or_default();
@@ -62,7 +71,7 @@ impl Features {
         let lap = |own: usize, node: u32| {
             let others = || around(node).iter().filter(|&&other| other != own);
             let goes_on =
-                |&&other: &&usize| bends[other] == Bend::Sharp && along(edges[other].nodes).dot(&along(edges[own].nodes)).abs() > SMOOTH;
+                |&&other: &&usize| bends[other] == bends[own] && along(edges[other].nodes).dot(&along(edges[own].nodes)).abs() > SMOOTH;
             if others().any(|&other| bends[other] == Bend::Concave) {
                 LAP_CONCAVE
             } else if others().any(|other| goes_on(&other)) {
@@ -98,7 +107,7 @@ impl Features {
         };
         Features {
             vertices: nodes.into_iter().map(vertex).collect(),
-            edges: sharp().map(sharp_edge).collect(),
+            edges: (0..edges.len()).filter(|&index| is_kept(bends[index])).map(sharp_edge).collect(),
             laps: (0..surface.count()).map(laps_of).collect(),
         }
     }

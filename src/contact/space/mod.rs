@@ -1,12 +1,20 @@
-//! Contact in space: facets of three and four nodes.
+//! Contact in space: facets of three and four nodes, and rigid obstacles.
 
 mod corners;
+mod facets;
 mod features;
 mod gaps;
 mod mortar;
+mod obstacle;
 mod pair;
+mod rigid;
+mod round;
 mod slip;
 mod vectors;
 
 pub use corners::CornersInSpace;
+pub use facets::{Facets, FacetsError};
 pub use mortar::MortarInSpace;
+pub use obstacle::ObstacleInSpace;
+pub use rigid::RigidInSpace;
+pub use round::RoundInSpace;

@@ -9,6 +9,7 @@ use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use super::part::PartDefinition;
 use super::prescription::Prescription;
 use crate::bodies::{Formulation, Plane};
+use crate::contact::Obstacle;
 use crate::materials::Material;
 use crate::mesh::Mesh;
 
@@ -109,7 +110,7 @@ pub struct Model {
 fn check_in_space(interaction: &Interaction) -> Result<(), ModelError> {
     let lacking = match &interaction.partner {
         Partner::Tied { .. } => Some("a tie".to_string()),
-        Partner::Obstacle { .. } => Some("a rigid obstacle".to_string()),
+        Partner::Obstacle { .. } => interaction.friction.as_ref().map(|_| "friction".to_string()),
         _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
         _ => None,
     };
@@ -303,6 +304,13 @@ impl Model {
         }
         if self.dimension() == 3 {
             self.interactions.iter().try_for_each(check_in_space)?;
+        }
+        for Interaction { name, partner, .. } in &self.interactions {
+            let Partner::Obstacle { shape, .. } = partner else { continue };
+            let of_shape = if matches!(shape, Obstacle::InSpace(_)) { 3 } else { 2 };
+            if of_shape != self.dimension() {
+                return Err(ModelError::ObstacleDimension { contact: name.clone(), of_shape, of_bodies: self.dimension() });
+            }
         }
         for Interaction { name, secondary, partner, .. } in &self.interactions {
             let Partner::Surfaces(primary) = partner else { continue };

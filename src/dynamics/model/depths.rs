@@ -36,7 +36,7 @@ struct Side {
 enum Other {
     Side(Side),
     Itself,
-    Corners { points: Vec<[f64; 2]>, motion: [Option<Amplitude>; 2] },
+    Corners { points: Vec<[f64; 2]>, motion: [Option<Amplitude>; 3] },
 }
 
 /// The deepest place of a contact.

@@ -88,6 +88,16 @@ pub enum ModelError {
         /// What it has.
         what: String,
     },
+    /// An obstacle of the plane for bodies in space, or the reverse.
+    #[error("contact \"{contact}\" has an obstacle of {of_shape} dimensions, and its body has {of_bodies}")]
+    ObstacleDimension {
+        /// Name of the contact.
+        contact: String,
+        /// Dimension of the obstacle.
+        of_shape: usize,
+        /// Dimension of the bodies.
+        of_bodies: usize,
+    },
     /// A pressure on a body in space.
     #[error("the pressure on \"{boundary}\" acts on a body in space")]
     PressureDimension {
@@ -194,6 +204,13 @@ impl ModelError {
                 "points can be held, moved and loaded with a force; other loads and contacts need facets".into()
             }
             ModelError::InvertedAtStart { .. } => "displace neighboring nodes by less than their distance".into(),
+            ModelError::ObstacleDimension { of_bodies: 3, .. } => {
+                "give a plane a point and a normal of 3 numbers; bodies in space touch spheres, cylinders, cones, tori, boxes, surfaces"
+                    .into()
+            }
+            ModelError::ObstacleDimension { .. } => {
+                "give a plane a point and a normal of 2 numbers; plane bodies touch disks, rings and polylines".into()
+            }
             ModelError::NotInSpace { .. } => {
                 "bodies in space touch each other by the method \"mortar\"; leave this out, or use plane meshes".into()
             }

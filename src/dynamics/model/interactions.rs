@@ -102,8 +102,8 @@ pub enum Partner {
     Obstacle {
         /// Its shape and place.
         shape: Obstacle,
-        /// Translation in x and y over time `[length]`; `None`: at rest.
-        motion: [Option<Amplitude>; 2],
+        /// Translation in x, y and z over time `[length]`; `None`: at rest.
+        motion: [Option<Amplitude>; 3],
         /// Angle by which a disk or a ring has turned about its center `[rad]`, counter-clockwise; only friction feels it. `None`: at rest.
         turn: Option<Amplitude>,
     },
@@ -130,7 +130,7 @@ impl Interaction {
 
     /// Contact with a rigid obstacle at rest.
     pub fn obstacle(name: &str, secondary: BodyBoundary, shape: Obstacle) -> Self {
-        Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None], turn: None })
+        Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None, None], turn: None })
     }
 
     /// A tie.

@@ -8,8 +8,9 @@ use super::boundaries::boundary_facets;
 use super::definitions::{BodyDefinition, Model};
 use super::hulls::{ALLOWED, BodyHull, Hull, Inside};
 use super::interactions::{Interaction, Partner};
-use crate::contact::{CandidateSearch, Evaluation, Obstacle, Outlook, PatchFunctions, RigidContact, RigidObstacle};
+use crate::contact::{ContactKernel, Evaluation, Obstacle, Outlook, RigidContact, RigidInSpace, Surface};
 use crate::integrators::Derivative;
+use crate::mesh::Facet;
 
 /// An overlap in the undeformed bodies.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,9 +85,7 @@ impl Model {
                 found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at });
             }
         }
-        if dimension == 2 {
-            found.extend(self.obstacle_overlaps());
-        }
+        found.extend(self.interactions.iter().filter_map(|interaction| self.obstacle_overlap(interaction)));
         found
     }
 
@@ -105,60 +104,80 @@ impl Model {
         joins(first, second).or_else(|| joins(second, first))
     }
 
-    /// Boundaries that are inside their rigid obstacles at the start.
-    fn obstacle_overlaps(&self) -> Vec<Overlap> {
-        let overlap = |interaction: &Interaction| {
-            let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
-            let reference: Vec<f64> = self.start(interaction.secondary.body).iter().flat_map(|point| [point[0], point[1]]).collect();
-            let facets = boundary_facets(self, &interaction.secondary, 0);
-            let mut kernel = RigidContact::new(&facets, shape, &reference);
-            // A time function that fails does so again, with its error, in the first step.
-            let translation = motion.clone().map(|function| function.and_then(|function| function.value(0.0).ok()).unwrap_or(0.0));
-            kernel.move_obstacle(&[translation; 3]);
-            kernel.update_candidates(&Outlook::within(&reference, 0.0));
-            kernel.begin_step(&reference);
-            let (gaps, coverage, weights) = (kernel.gap(&reference), kernel.coverage(&reference), kernel.weights());
-            let size = kernel.facet_size();
-            let covered = || (0..gaps.len()).filter(|&row| coverage[row] > 0.0).map(|row| (gaps[row] / weights[row], row));
-            let (least, row) = covered().min_by(|a, b| a.0.total_cmp(&b.0))?;
-            let node = 2 * kernel.secondary().nodes()[row] as usize;
-            let whole = self.is_behind(interaction.secondary.body, shape, translation, size) && looks_away(&kernel, &reference, -least);
-            let kind = OverlapKind::Obstacle { boundary: self.boundary_name(&interaction.secondary), whole };
-            let (contact, at) = (Some(interaction.name.clone()), vec![reference[node], reference[node + 1]]);
-            (-least > ALLOWED * size).then(|| Overlap { kind, contact, depth: -least, facets: -least / size, at })
+    /// How far a boundary is inside its rigid obstacle at the start.
+    fn obstacle_overlap(&self, interaction: &Interaction) -> Option<Overlap> {
+        let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
+        let (body, dimension) = (interaction.secondary.body, self.dimension());
+        let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
+        // A time function that fails does so again, with its error, in the first step.
+        let translation = motion.clone().map(|function| function.and_then(|function| function.value(0.0).ok()).unwrap_or(0.0));
+        let mut kernel: Box<dyn ContactKernel> = match shape {
+            Obstacle::InSpace(shape) => {
+                Box::new(RigidInSpace::new(self.faces_of(&interaction.secondary.boundary.facets, body), shape, &reference))
+            }
+            _ => Box::new(RigidContact::new(&boundary_facets(self, &interaction.secondary, 0), shape, &reference)),
         };
-        self.interactions.iter().filter_map(overlap).collect()
+        kernel.move_obstacle(&[translation; 3]);
+        kernel.update_candidates(&Outlook::within(&reference, 0.0));
+        kernel.begin_step(&reference);
+        let size = kernel.facet_size();
+        let (least, index) = covered_gaps(&*kernel, &reference).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let node = kernel.secondary().nodes()[index] as usize;
+        let whole = || self.is_behind(body, shape, translation, size) && looks_away(&*kernel, &reference, -least);
+        let at = reference[dimension * node..dimension * (node + 1)].to_vec();
+        (-least > ALLOWED * size).then(|| {
+            let kind = OverlapKind::Obstacle { boundary: self.boundary_name(&interaction.secondary), whole: whole() };
+            Overlap { kind, contact: Some(interaction.name.clone()), depth: -least, facets: -least / size, at }
+        })
+    }
+
+    /// Facets of a body in space as a surface, in the numbers of its own nodes.
+    fn faces_of(&self, facets: &[Facet], body: usize) -> Surface {
+        let faces: Vec<Vec<u32>> = facets.iter().map(|&facet| self.bodies[body].mesh.facet_nodes(facet).collect()).collect();
+        Surface::in_space(faces.iter().map(|face| &face[..]))
     }
 
     /// Whether no node of a body's hull is in front of an obstacle, some are behind it, by more than a part of a facet of that size.
-    fn is_behind(&self, body: usize, shape: &Obstacle, translation: [f64; 2], size: f64) -> bool {
-        let reference: Vec<f64> = self.start(body).iter().flat_map(|point| [point[0], point[1]]).collect();
-        let mut hull = RigidContact::new(&self.bodies[body].mesh.outline(), shape, &reference);
+    fn is_behind(&self, body: usize, shape: &Obstacle, translation: [f64; 3], size: f64) -> bool {
+        let (mesh, dimension) = (&self.bodies[body].mesh, self.dimension());
+        let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
+        let mut hull: Box<dyn ContactKernel> = match shape {
+            Obstacle::InSpace(shape) => Box::new(RigidInSpace::new(self.faces_of(&mesh.hull(), body), shape, &reference)),
+            _ => Box::new(RigidContact::new(&mesh.outline(), shape, &reference)),
+        };
         hull.move_obstacle(&[translation; 3]);
-        let (gaps, coverage) = (hull.gap(&reference), hull.coverage(&reference));
-        let mut covered = (0..gaps.len()).filter(|&row| coverage[row] > 0.0).map(|row| gaps[row] / hull.weights()[row]).peekable();
-        covered.peek().is_some() && covered.all(|gap| gap < -ALLOWED * size)
+        let mut covered = covered_gaps(&*hull, &reference).peekable();
+        covered.peek().is_some() && covered.all(|(gap, _)| gap < -ALLOWED * size)
     }
 }
 
 /// Whether a surface behind an obstacle has its body between itself and where the obstacle ends, as one pushed in too far has not. The skin
 /// of a whole body looks both ways: there it is so from a depth of a facet on.
-fn looks_away(kernel: &RigidContact, q: &[f64], depth: f64) -> bool {
-    if kernel.secondary().is_closed() {
+fn looks_away(kernel: &dyn ContactKernel, q: &[f64], depth: f64) -> bool {
+    let surface = kernel.secondary();
+    if surface.is_closed() {
         return depth > kernel.facet_size();
     }
     let mut at = Evaluation::default();
     kernel.evaluate(Derivative::AT_END, q, &vec![0.0; kernel.rows()], &mut at);
-    let along_obstacle = |&[a, b]: &[u32; 2]| {
-        let (from, to) = (2 * a as usize, 2 * b as usize);
-        let outward = [q[to + 1] - q[from + 1], q[from] - q[to]];
-        let of_end = |node: u32| {
-            let Some(row) = kernel.secondary().index(node) else { return 0.0 };
-            (outward[0] * at.gradient_end[2 * row] + outward[1] * at.gradient_end[2 * row + 1]) / kernel.weights()[row]
+    let (d, stride) = (surface.dimension(), kernel.rows_per_node());
+    let along_obstacle = |facet: usize| {
+        let outward = surface.outward(facet, q);
+        let of_node = |&index: &u32| {
+            let row = stride * index as usize;
+            let gradient = &at.gradient_end[d * row..d * (row + 1)];
+            outward.iter().zip(gradient).map(|(n, g)| n * g).sum::<f64>() / kernel.weights()[row]
         };
-        of_end(a) + of_end(b)
+        surface.local_facet(facet).iter().map(of_node).sum::<f64>()
     };
-    kernel.secondary().facets().iter().map(along_obstacle).sum::<f64>() > 0.0
+    (0..surface.count()).map(along_obstacle).sum::<f64>() > 0.0
+}
+
+/// Distances of the nodes that are opposite an obstacle, each with the node's index.
+fn covered_gaps(kernel: &dyn ContactKernel, q: &[f64]) -> impl Iterator<Item = (f64, usize)> {
+    let (gaps, coverage, stride) = (kernel.gap(q), kernel.coverage(q), kernel.rows_per_node());
+    let rows = (0..gaps.len()).step_by(stride).filter(move |&row| coverage[row] > 0.0);
+    rows.map(move |row| (gaps[row] / kernel.weights()[row], row / stride))
 }
 
 #[cfg(test)]

@@ -46,11 +46,11 @@ pub struct ContactPair {
     /// The contact whose corners it holds, if it does.
     pub corners: Option<CornersOf>,
     /// Translation of the obstacle over time.
-    pub motion: [Option<Amplitude>; 2],
+    pub motion: [Option<Amplitude>; 3],
     /// Angle by which it has turned over time.
     pub turn: Option<Amplitude>,
     /// Mean velocity of the obstacle in this step.
-    pub obstacle_velocity: [f64; 2],
+    pub obstacle_velocity: [f64; 3],
     /// Its constraint functions.
     pub kernel: Box<dyn ContactKernel>,
     /// The law of its rows.
@@ -129,9 +129,9 @@ impl ContactPair {
             name: name.into(),
             kind,
             corners: None,
-            motion: [None, None],
+            motion: [None, None, None],
             turn: None,
-            obstacle_velocity: [0.0; 2],
+            obstacle_velocity: [0.0; 3],
             law: if kind == PairKind::Tie { &Bilateral } else { &Unilateral },
             update: &GAP,
             augmentation: None,
@@ -177,9 +177,9 @@ impl ContactPair {
         self.penalties.get(row - self.rows.start).copied()
     }
 
-    /// A component of the mean velocity of the obstacle in this step; obstacles move in the plane.
+    /// A component of the mean velocity of the obstacle in this step.
     pub fn obstacle_velocity_along(&self, component: usize) -> f64 {
-        self.obstacle_velocity.get(component).copied().unwrap_or(0.0)
+        self.obstacle_velocity[component]
     }
 
     /// Whether multipliers hold it.
@@ -210,7 +210,7 @@ impl ContactPair {
         if self.kind != PairKind::Obstacle {
             return Ok(());
         }
-        let at = |time: f64| Ok([self.at(&self.motion[0], time)?, self.at(&self.motion[1], time)?]);
+        let at = |time: f64| Ok([self.at(&self.motion[0], time)?, self.at(&self.motion[1], time)?, self.at(&self.motion[2], time)?]);
         let translations = [at(time)?, at(time + 0.5 * dt)?, at(time + dt)?];
         let [start, _, end] = translations;
         self.obstacle_velocity = std::array::from_fn(|i| if dt > 0.0 { (end[i] - start[i]) / dt } else { 0.0 });

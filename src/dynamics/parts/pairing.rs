@@ -2,7 +2,10 @@
 
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
-use crate::contact::{ContactKernel, CornersInSpace, NodeToSegment, ProxyNodes, RigidContact, RigidCorners, RowsOf, Surface, Tie};
+use crate::contact::{
+    ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners, RigidInSpace,
+    RoundInSpace, RowsOf, Surface, Tie,
+};
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
@@ -78,6 +81,17 @@ impl Pairing<'_> {
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
+        if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, .. } = partner {
+            let kernel = RigidInSpace::new(self.surface(std::slice::from_ref(secondary)), shape, self.reference);
+            let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, Box::new(kernel));
+            pair.motion = motion.clone();
+            let mut pair = self.held(pair, interaction, false);
+            if matches!(shape, ObstacleInSpace::Facets(_)) && pair.is_unilateral() {
+                // Sides that meet at a flat angle ask nearly the same of a node.
+                pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
+            }
+            return pair;
+        }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
             let kernel = kernel(self.surface(std::slice::from_ref(secondary)), self.surface(interaction.primary()), self.reference);
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
@@ -150,6 +164,16 @@ impl Pairing<'_> {
             corners.push(pair);
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
+            if let Partner::Obstacle { shape: Obstacle::InSpace(shape), .. } = &interaction.partner {
+                let surface = self.surface(std::slice::from_ref(&interaction.secondary));
+                if let Some(kernel) = RigidCorners::in_space(&surface, shape, self.reference, size(of)) {
+                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, Box::new(kernel));
+                }
+                if let Some(kernel) = RoundInSpace::new(&surface, shape, self.reference, size(of)) {
+                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, Box::new(kernel));
+                }
+                continue;
+            }
             if self.model.dimension() == 3 {
                 let sides = (self.surface(std::slice::from_ref(&interaction.secondary)), self.surface(interaction.primary()));
                 if let (Partner::Surfaces(_), Some(kernel)) =

@@ -178,6 +178,8 @@ impl Balance {
             if pair.kind == PairKind::Obstacle {
                 // Weighted by the area of the nodes.
                 let distances = pair.kernel.gap(q).into_iter().zip(pair.kernel.weights()).map(|(gap, weight)| gap / weight);
+                // The first row of a node is that for the whole obstacle.
+                let distances = distances.step_by(pair.kernel.rows_per_node());
                 for (distance, &node) in distances.zip(pair.kernel.secondary().nodes()) {
                     let clearance = &mut clearances[piece_of[node as usize]];
                     *clearance = clearance.min(0.5 * distance.max(0.0));

@@ -115,7 +115,7 @@ pub struct PlacedObstacle {
     /// Its shape at its undisplaced place.
     pub shape: Obstacle,
     /// Its translation `[length]`.
-    pub translation: [f64; 2],
+    pub translation: [f64; 3],
 }
 
 /// Constraints of a tie that follow from others and from supports, and are left out.

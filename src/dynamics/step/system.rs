@@ -384,12 +384,12 @@ impl<const D: usize> System<D> {
     /// # Errors
     /// A time function failed.
     pub fn obstacle_motion(&mut self, from: f64, to: f64) -> Result<f64, StepError> {
-        let mut at = |time: f64| -> Result<Vec<[f64; 2]>, StepError> {
+        let mut at = |time: f64| -> Result<Vec<[f64; 3]>, StepError> {
             self.move_obstacles(time, 0.0)?;
             Ok(self.pairs.iter().map(|pair| pair.kernel.obstacle_translation()).collect())
         };
         let (begins, ends) = (at(from)?, at(to)?);
-        let moved = begins.iter().zip(&ends).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]));
+        let moved = begins.iter().zip(&ends).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]).hypot(b[2] - a[2]));
         Ok(moved.zip(&self.pairs).map(|(moved, pair)| moved / pair.kernel.facet_size()).fold(0.0, f64::max))
     }
 

@@ -12,6 +12,7 @@ mod gmsh;
 mod numbering;
 mod read;
 mod sets;
+mod surfaces;
 mod tables;
 mod text;
 mod write;
@@ -22,3 +23,4 @@ mod format_tests;
 mod gmsh_tests;
 
 pub use read::{read_mesh, read_mesh_bytes};
+pub use surfaces::{Triangles, read_surface, read_surface_bytes};

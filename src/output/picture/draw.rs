@@ -8,6 +8,7 @@ use super::view::{Bounds, Camera, View};
 use super::{hull, plane};
 use crate::dynamics::{BodyFields, PlacedObstacle};
 use crate::output::drawing::{Anchor, Drawing, Point, elided};
+use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
 
 /// Free space around everything, in pixels.
@@ -20,6 +21,12 @@ const NARROWEST: f64 = 240.0;
 const WIDE: f64 = 1.6;
 /// How far from the bodies an obstacle is still shown, in their extents.
 const NEIGHBORHOOD: f64 = 1.5;
+
+/// How far an obstacle in space without ends is drawn from the middle of the bodies, in their extents.
+const REACH_IN_SPACE: f64 = 0.8;
+
+/// How much farther than those of the plane obstacles in space are shown, which are drawn as far as they are seen.
+const AS_A_WHOLE: f64 = 3.0;
 /// Heights of a color bar, in pixels.
 const BAR: [f64; 2] = [120.0, 360.0];
 
@@ -27,6 +34,7 @@ const BAR: [f64; 2] = [120.0, 360.0];
 struct Layout<'a> {
     bodies: &'a [BodyFields],
     walls: Vec<Wall>,
+    surfaces: Vec<ObstacleSurface>,
     options: &'a PictureOptions,
     is_plane: bool,
     bounds: Bounds,
@@ -96,13 +104,17 @@ impl<'a> Layout<'a> {
         }
         let own = Bounds::of(points.iter());
         let around = match &options.sight {
-            Some(sight) => Surroundings::of([sight.bounds.low, sight.bounds.high()].into_iter()),
-            None => Surroundings::of(points.iter().copied()),
+            Some(sight) => Surroundings::of([sight.bounds.low, sight.bounds.high()].into_iter().map(|[x, y]| [x, y, 0.0])),
+            None => Surroundings::of(points.iter().map(|&[x, y]| [x, y, 0.0])),
         };
-        let walls: Vec<Wall> = obstacles.iter().map(|obstacle| Wall::new(obstacle, &around, 2.0 * NEIGHBORHOOD)).collect();
+        let walls: Vec<Wall> = obstacles.iter().filter_map(|obstacle| Wall::new(obstacle, &around, 2.0 * NEIGHBORHOOD)).collect();
+        let in_space = Surroundings::of_bodies(bodies);
+        let surfaces: Vec<ObstacleSurface> =
+            obstacles.iter().filter_map(|obstacle| ObstacleSurface::new(obstacle, &in_space, REACH_IN_SPACE)).collect();
         let reach = NEIGHBORHOOD * own.size[0].max(own.size[1]);
         let (low, high) = (own.low, own.high());
-        let is_near = |point: &Point| (0..2).all(|d| (low[d] - reach..=high[d] + reach).contains(&point[d]));
+        let is_within = |point: &Point, reach: f64| (0..2).all(|d| (low[d] - reach..=high[d] + reach).contains(&point[d]));
+        let is_near = |point: &Point| is_within(point, reach);
         // A corner of what is drawn lies beside a half plane, not at its far ends.
         let landmarks = |wall: &Wall| wall.landmarks(low, high).into_iter().filter(is_near).collect::<Vec<_>>();
         points.extend(walls.iter().filter(|wall| wall.border.len() > 2).flat_map(landmarks));
@@ -110,6 +122,8 @@ impl<'a> Layout<'a> {
             let ends = wall.landmarks(low, high).into_iter().filter(|point| !wall.border.contains(point) && is_near(point));
             points.extend(ends);
         }
+        let shown = surfaces.iter().flat_map(|surface| &surface.points).map(|&point| view.flat(point));
+        points.extend(shown.filter(|point| is_within(point, AS_A_WHOLE * reach)));
         let mut arrow = 0.0;
         if let Some((vectors, _)) = &options.vectors {
             arrow = factor(longest(bodies, *vectors), own.size[0].max(own.size[1]));
@@ -125,7 +139,8 @@ impl<'a> Layout<'a> {
         let fits = ((width / NARROWEST) as usize).max(1);
         let columns = if bounds.size[0] > WIDE * bounds.size[1] { 1 } else { count.min(2).min(fits) };
         let panel = (width / columns as f64).max(NARROWEST);
-        let mut layout = Layout { bodies, walls, options, is_plane, bounds, axes: None, zoom: 1.0, size: [panel, 0.0], height: 0.0, arrow };
+        let mut layout =
+            Layout { bodies, walls, surfaces, options, is_plane, bounds, axes: None, zoom: 1.0, size: [panel, 0.0], height: 0.0, arrow };
         layout.zoom = layout.fitting(panel - 3.0 * MARGIN - bar, panel);
         if is_plane && options.measure == Measure::Axes {
             let axes = Axes::over(bounds.low, bounds.high(), layout.zoom, &options.length_unit);
@@ -179,7 +194,7 @@ impl<'a> Layout<'a> {
                 out.end();
             }
         } else {
-            hull::bodies_into(out, self.bodies, values, &camera, scale, options.is_meshed);
+            hull::bodies_into(out, (self.bodies, &self.surfaces), values, &camera, scale, options.is_meshed);
         }
         if options.is_undeformed_shown && self.is_plane {
             self.bodies.iter().for_each(|body| plane::undeformed_into(out, body, &camera));

@@ -3,12 +3,13 @@
 
 use std::collections::HashMap;
 
-use super::plane::{contours_into, has_room_for_edges, undeformed_stroke};
+use super::plane::{WALL, contours_into, has_room_for_edges, undeformed_stroke};
 use super::scale::{INK, Scale};
-use super::view::{Camera, dot};
+use super::view::{Camera, View, dot};
 use crate::dynamics::BodyFields;
 use crate::output::contours::Patch;
 use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
+use crate::output::obstacle_surfaces::ObstacleSurface;
 
 /// Cosine of the angle between facets from which their common edge is drawn as an edge of the body.
 const SHARP: f64 = 0.8;
@@ -66,19 +67,58 @@ fn sharp_edges(side: &Side, normals_at: &EdgeNormals, toward: [f64; 3]) -> Vec<[
     side.edges().filter(is_sharp).collect()
 }
 
-/// Bodies with a value at each node.
-pub(super) fn bodies_into(out: &mut Drawing, bodies: &[BodyFields], values: &[Vec<f64>], camera: &Camera, scale: &Scale, is_meshed: bool) {
-    let (sides, normals_at) = sides(bodies, BodyFields::position, camera);
+/// Facets of obstacles that face the viewer, as of bodies behind so many. They come before what may touch them: that is on the side from
+/// which they are seen.
+fn wall_sides(surfaces: &[ObstacleSurface], bodies: usize, camera: &Camera) -> Vec<Side> {
+    let toward = camera.view.toward;
+    let side = |index: usize, surface: &ObstacleSurface, facet: &Vec<u32>| {
+        let corners: Vec<[f64; 3]> = facet.iter().map(|&node| surface.points[node as usize]).collect();
+        let normal = normal(&corners);
+        let least = corners.iter().map(|&corner| dot(corner, toward)).fold(f64::INFINITY, f64::min);
+        (dot(normal, toward) > 0.0).then(|| Side { body: bodies + index, nodes: facet.clone(), normal, depth: least })
+    };
+    let of = |(index, surface)| {
+        let surface: &ObstacleSurface = surface;
+        surface.facets.iter().filter_map(move |facet| side(index, surface, facet))
+    };
+    surfaces.iter().enumerate().flat_map(of).collect()
+}
+
+/// How bright a side is.
+fn light(side: &Side, view: &View) -> f64 {
+    let lit = LAMP[0] * dot(side.normal, view.right) + LAMP[1] * dot(side.normal, view.up) + LAMP[2] * dot(side.normal, view.toward);
+    AMBIENT + (1.0 - AMBIENT) * lit.clamp(0.0, 1.0)
+}
+
+/// Bodies with a value at each node, and rigid obstacles between them.
+pub(super) fn bodies_into(
+    out: &mut Drawing,
+    (bodies, surfaces): (&[BodyFields], &[ObstacleSurface]),
+    values: &[Vec<f64>],
+    camera: &Camera,
+    scale: &Scale,
+    is_meshed: bool,
+) {
+    let (mut sides, normals_at) = sides(bodies, BodyFields::position, camera);
     let place = |side: &Side, node: u32| camera.place(bodies[side.body].position(node as usize));
     let edges = sides.iter().flat_map(|side| side.edges().map(|edge| edge.map(|node| place(side, node))).collect::<Vec<_>>());
     let is_coarse = has_room_for_edges(edges);
     let view = camera.view;
+    sides.extend(wall_sides(surfaces, bodies.len(), camera));
+    sides.sort_by(|a, b| a.depth.total_cmp(&b.depth));
     for side in &sides {
+        let light = light(side, &view);
+        if let Some(surface) = side.body.checked_sub(bodies.len()).map(|index| &surfaces[index]) {
+            let corners: Vec<Point> = side.nodes.iter().map(|&node| camera.place(surface.points[node as usize])).collect();
+            let outline = vec![Line::closed(corners)];
+            let color = WALL.map(|part| (f64::from(part) * light).round() as u8);
+            out.paint(outline.clone(), Ink::Stroke(Stroke::new(color, 0.5)));
+            out.paint(outline, Ink::Fill(color));
+            continue;
+        }
         let points: Vec<Point> = side.nodes.iter().map(|&node| place(side, node)).collect();
         let local: Vec<f64> = side.nodes.iter().map(|&node| values[side.body][node as usize]).collect();
         let outline = vec![Line::closed(points.clone())];
-        let lit = LAMP[0] * dot(side.normal, view.right) + LAMP[1] * dot(side.normal, view.up) + LAMP[2] * dot(side.normal, view.toward);
-        let light = AMBIENT + (1.0 - AMBIENT) * lit.clamp(0.0, 1.0);
         let color = scale.color(scale.band(local.iter().sum::<f64>() / local.len() as f64), light);
         // The stroke closes the hairlines between neighbors.
         out.paint(outline.clone(), Ink::Stroke(Stroke::new(color, 0.5)));

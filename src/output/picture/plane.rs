@@ -16,7 +16,7 @@ const ROOM_FOR_EDGES: f64 = 5.0;
 /// Width of lines that tell kinds, in pixels.
 const KIND: f64 = 4.5;
 /// What rigid obstacles are made of.
-const WALL: [u8; 3] = [176, 180, 186];
+pub(super) const WALL: [u8; 3] = [176, 180, 186];
 
 /// One plane body with a value at each node.
 pub(super) fn body_into(out: &mut Drawing, body: &BodyFields, values: &[f64], camera: &Camera, scale: &Scale, is_meshed: bool) {

@@ -149,7 +149,7 @@ fn a_block_in_space_shows_three_sides() {
 
 #[test]
 fn obstacles_are_seen_with_their_names() {
-    let obstacle = |name: &str, shape| PlacedObstacle { name: name.into(), shape, translation: [0.0, -0.1] };
+    let obstacle = |name: &str, shape| PlacedObstacle { name: name.into(), shape, translation: [0.0, -0.1, 0.0] };
     let ground = obstacle("ground", Obstacle::HalfPlane { point: [0.0, -1.6], normal: [0.0, 1.0] });
     let seal = obstacle("groove <seal>", Obstacle::Polyline { points: vec![[-3.0, 0.0], [-2.0, 0.0], [-2.0, 1.0]] });
     let bodies = [ring("ring", [1.0, 1.5], [3, 20])];
@@ -157,12 +157,12 @@ fn obstacles_are_seen_with_their_names() {
     well_formed(&text);
     assert!(text.contains("<title>ground</title>") && text.contains("<title>groove &lt;seal&gt;</title>"));
     // One that moves is drawn elsewhere.
-    let moved = PlacedObstacle { translation: [0.0, -0.4], ..ground.clone() };
+    let moved = PlacedObstacle { translation: [0.0, -0.4, 0.0], ..ground.clone() };
     let wall = |obstacle: PlacedObstacle| svg(&picture(&bodies, &[obstacle], &options("von_mises"))).len();
     assert!(wall(ground.clone()) > drawn(&bodies, &options("von_mises")).len());
     assert_ne!(picture(&bodies, &[moved], &options("von_mises")), picture(&bodies, std::slice::from_ref(&ground), &options("von_mises")));
     // Far below it is not what the picture is about: the bodies stay as large as they were.
-    let far = PlacedObstacle { translation: [0.0, -1e6], ..ground };
+    let far = PlacedObstacle { translation: [0.0, -1e6, 0.0], ..ground };
     let size = |text: &str| text.lines().next().unwrap().to_string();
     let text = svg(&picture(&bodies, &[far], &options("von_mises")));
     assert_eq!(size(&text), size(&drawn(&bodies, &options("von_mises"))));

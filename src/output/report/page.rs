@@ -11,6 +11,7 @@ use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, PlacedObstacle};
 use crate::output::colormap::viridis;
 use crate::output::markup::escaped;
+use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
 use crate::output::picture::Field;
 use crate::output::recording::{Skin, Still};
@@ -19,6 +20,9 @@ use crate::output::recording::{Skin, Still};
 const CHUNK: usize = 2 << 20;
 /// How far a half plane is drawn, in extents of the bodies.
 const REACH: f64 = 50.0;
+
+/// The same in space, from the middle of the bodies.
+const REACH_IN_SPACE: f64 = 1.0;
 
 /// Everything that a report tells.
 pub struct Report<'a> {
@@ -110,11 +114,17 @@ fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
 
 fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
     let dimension = report.skins.first().map_or(2, |skin| skin.dimension);
-    let points = report.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
+    let points = report.bodies.iter().flat_map(|body| body.mesh.points.iter().copied());
     let around = Surroundings::of(points);
     let wall = |obstacle: &PlacedObstacle| {
-        let wall = Wall::new(obstacle, &around, REACH);
-        json!({ "name": wall.name, "border": wall.border, "back": wall.back, "closed": wall.is_closed })
+        if let Some(wall) = Wall::new(obstacle, &around, REACH) {
+            return json!({ "name": wall.name, "border": wall.border, "back": wall.back, "closed": wall.is_closed });
+        }
+        let Some(surface) = ObstacleSurface::new(obstacle, &around, REACH_IN_SPACE) else { return Value::Null };
+        let corners = |facet: &Vec<u32>| (2..facet.len()).map(|k| [facet[0], facet[k - 1], facet[k]]).collect::<Vec<_>>();
+        let triangles: Vec<[u32; 3]> = surface.facets.iter().flat_map(corners).collect();
+        let points: Vec<[f32; 3]> = surface.points.iter().map(|point| point.map(|x| x as f32)).collect();
+        json!({ "name": surface.name, "points": points, "triangles": triangles })
     };
     let stills = report.stills.iter().map(|still| {
         let row = report.rows.binary_search(&still.row).unwrap_or_else(|place| place.min(report.rows.len().saturating_sub(1)));

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use super::units::{Dimension, Units};
-use crate::contact::Obstacle;
+use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
     Amplitude, Change, Coefficient, Friction, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, TimeFunction,
     TimeFunctionError, Turn,
@@ -229,12 +229,38 @@ impl Motion {
             Obstacle::Disk { center, radius } => Obstacle::Disk { center: point(*center), radius: length * radius },
             Obstacle::Ring { center, radius } => Obstacle::Ring { center: point(*center), radius: length * radius },
             Obstacle::Polyline { points } => Obstacle::Polyline { points: points.iter().map(|&at| point(at)).collect() },
+            Obstacle::InSpace(shape) => Obstacle::InSpace(self.obstacle_in_space(shape)),
         }
     }
 
-    /// Displacements over time along both directions of the plane.
-    fn along(&self, displacement: [&Option<Amplitude>; 2]) -> [Option<Amplitude>; 2] {
-        let turned = |factors: [f64; 2]| -> Option<Amplitude> {
+    fn obstacle_in_space(&self, obstacle: &ObstacleInSpace) -> ObstacleInSpace {
+        let (length, at, along) = (self.units.length, |point: &[f64; 3]| self.point(*point), |vector: &[f64; 3]| self.vector(*vector, 1.0));
+        match obstacle {
+            ObstacleInSpace::Plane { point, normal } => ObstacleInSpace::Plane { point: at(point), normal: along(normal) },
+            ObstacleInSpace::Sphere { center, radius, is_hollow } => {
+                ObstacleInSpace::Sphere { center: at(center), radius: length * radius, is_hollow: *is_hollow }
+            }
+            ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
+                ObstacleInSpace::Cylinder { point: at(point), axis: along(axis), radius: length * radius, is_hollow: *is_hollow }
+            }
+            ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
+                ObstacleInSpace::Cone { tip: at(tip), axis: along(axis), angle: *angle, is_hollow: *is_hollow }
+            }
+            ObstacleInSpace::Torus { center, axis, radius, tube, is_hollow } => {
+                let (radius, tube) = (length * radius, length * tube);
+                ObstacleInSpace::Torus { center: at(center), axis: along(axis), radius, tube, is_hollow: *is_hollow }
+            }
+            ObstacleInSpace::Facets(facets) => {
+                // A rigid motion makes nothing of it wrong.
+                let moved = facets.mapped(|point| self.point(point));
+                ObstacleInSpace::Facets(moved.map_or_else(|_| facets.clone(), Arc::new))
+            }
+        }
+    }
+
+    /// Displacements over time along the axes.
+    fn along(&self, displacement: [&Option<Amplitude>; 3]) -> [Option<Amplitude>; 3] {
+        let turned = |factors: [f64; 3]| -> Option<Amplitude> {
             let terms = factors.into_iter().zip(displacement).filter(|(factor, _)| *factor != 0.0);
             let terms: Vec<_> = terms.filter_map(|(factor, inner)| Some((self.units.length * factor, inner.clone()?))).collect();
             match &terms[..] {
@@ -243,7 +269,7 @@ impl Motion {
                 _ => Some(Arc::new(Combined { terms, time: self.units.time })),
             }
         };
-        [turned([self.cosine, -self.sine]), turned([self.sine, self.cosine])]
+        [turned([self.cosine, -self.sine, 0.0]), turned([self.sine, self.cosine, 0.0]), turned([0.0, 0.0, 1.0])]
     }
 
     fn amplitude(&self, inner: &Amplitude, value: f64) -> Amplitude {
@@ -259,8 +285,7 @@ impl Motion {
         if given.turn.is_none() && x.is_some() != y.is_some() && self.quarters.is_none() {
             return Err(oblique(&format!("the prescribed displacement of \"{}\"", model.boundary_name(&given.on))));
         }
-        let [x, y] = self.along([x, y]);
-        let z = z.as_ref().map(|z| self.amplitude(z, self.units.length));
+        let [x, y, z] = self.along([x, y, z]);
         let turn = given.turn.as_ref().map(|Turn { center, axis, angle }| Turn {
             center: self.point(*center),
             axis: self.vector(*axis, 1.0),

@@ -125,7 +125,8 @@ impl Case {
         let pair = Interaction::obstacle("obstacle", BodyBoundary { body: 0, boundary }, self.form.obstacle(self.place));
         let Partner::Obstacle { shape, .. } = pair.partner else { return Err("no obstacle".into()) };
         let end = 2.0 * self.dt * self.steps as f64;
-        let motion = self.velocity.map(|v| (v != 0.0).then(|| Arc::new(Ramp { start: 0.0, end, value: v * end }) as Amplitude));
+        let [vx, vy] = self.velocity;
+        let motion = [vx, vy, 0.0].map(|v| (v != 0.0).then(|| Arc::new(Ramp { start: 0.0, end, value: v * end }) as Amplitude));
         let partner = Partner::Obstacle { shape, motion, turn: None };
         model.add_interaction(Interaction { update: Some(self.rule), partner, ..pair });
         Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, self.dt)).map_err(|error| error.to_string())

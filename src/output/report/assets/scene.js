@@ -143,6 +143,31 @@ class Scene {
     }
   }
 
+  // Surfaces of rigid obstacles in space, where they face the viewer.
+  spaceWalls(look) {
+    const [right, up, toward] = this.axes(), { width, height } = this.canvas, { zoom, center } = this;
+    const x0 = width / 2 + this.shift[0] * zoom, y0 = height / 2 + this.shift[1] * zoom;
+    const wall = parseInt(look.theme.wall.slice(1), 16);
+    const colors = new Uint32Array(256), dot = (a, p) => a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
+    for (const [number, by] of look.obstacles) {
+      const { points, triangles } = this.data.walls[number];
+      const places = points.map((point) => {
+        const p = [0, 1, 2].map((d) => point[d] + by[d] - center[d]);
+        return [x0 + zoom * dot(right, p), y0 - zoom * dot(up, p), zoom * dot(toward, p)];
+      });
+      for (const corners of triangles) {
+        const [a, b, c] = corners.map((k) => places[k]);
+        const u = [0, 1, 2].map((d) => b[d] - a[d]), w = [0, 1, 2].map((d) => c[d] - a[d]);
+        const n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
+        if (n[2] >= 0) continue;
+        const lit = (-0.21 * -n[0] + 0.4 * n[1] + 0.89 * -n[2]) / Math.hypot(...n);
+        const light = 0.72 + 0.28 * clamp(lit, 0, 1), part = (shift) => Math.round(light * ((wall >> shift) & 255));
+        colors.fill(((255 << 24) | (part(0) << 16) | (part(8) << 8) | part(16)) >>> 0);
+        this.triangle(a[0], a[1], a[2], 0, b[0], b[1], b[2], 0, c[0], c[1], c[2], 0, colors);
+      }
+    }
+  }
+
   // A line in space, hidden where a body is before it.
   hiddenLine(p, i, j, color) {
     const { width, height } = this.canvas;
@@ -171,10 +196,13 @@ class Scene {
     this.pixels.fill(look.theme.back);
     if (this.depths) this.depths.fill(-Infinity);
     this.bodies.forEach((_, k) => this.paintBody(k, look.hasKinds ? new Uint32Array(256).fill(look.theme.plain) : null));
+    if (this.isSpace) this.spaceWalls(look);
     if (this.isSpace) this.spaceLines(look);
     context.putImageData(this.image, 0, 0);
-    this.walls(look);
-    if (!this.isSpace) this.planeLines(look);
+    if (!this.isSpace) {
+      this.walls(look);
+      this.planeLines(look);
+    }
     if (look.isUndeformed) this.undeformed(look);
     if (look.hasArrows) this.arrows(look);
   }
@@ -258,7 +286,7 @@ class Scene {
     context.setLineDash([]);
   }
 
-  // Rigid obstacles where they are at this moment.
+  // Rigid obstacles of the plane where they are at this moment.
   walls(look) {
     const { context, fineness, data } = this;
     for (const [number, [dx, dy]] of look.obstacles) {

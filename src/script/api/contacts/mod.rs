@@ -5,6 +5,7 @@ use crate::script::language::function::Function;
 pub mod friction;
 pub mod methods;
 pub mod obstacles;
+pub mod obstacles_in_space;
 pub mod pairs;
 
 /// The functions of this topic.
@@ -12,6 +13,7 @@ pub fn functions() -> Vec<Function> {
     let mut all = methods::functions();
     all.extend(friction::functions());
     all.extend(obstacles::functions());
+    all.extend(obstacles_in_space::functions());
     all.extend(pairs::functions());
     all
 }

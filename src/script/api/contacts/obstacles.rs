@@ -2,12 +2,12 @@
 
 use rhai::Dynamic;
 
-use crate::contact::Obstacle;
+use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::Amplitude;
 use crate::math::catalogue::Interval;
 use crate::script::api::models::description::describe_obstacle;
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::digits::vector_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -20,23 +20,37 @@ pub struct ObstacleHandle {
     /// Shape and place.
     pub obstacle: Obstacle,
     /// Its displacement in each direction over time.
-    pub motion: [Option<Amplitude>; 2],
+    pub motion: [Option<Amplitude>; 3],
     /// The angle by which it has turned about its center over time.
     pub turn: Option<Amplitude>,
 }
 
 impl Handle for ObstacleHandle {
     const NAME: &'static str = "Obstacle";
-    const MAKER: &'static str = "make one with `rigid_plane`, `rigid_disk`, `rigid_ring` or `rigid_polyline`";
+    const MAKER: &'static str = "make one with `rigid_plane`, `rigid_disk`, `rigid_ring` or `rigid_polyline`, in space with `rigid_plane`, \
+                                 `rigid_sphere`, `rigid_cylinder`, `rigid_cone`, `rigid_torus`, `rigid_box` or `rigid_surface`";
 
     fn describe(&self) -> String {
         describe_obstacle(&self.obstacle, &self.motion, self.turn.as_ref())
     }
 }
 
-fn motion_parameter(is_round: bool) -> Parameter {
+/// How an obstacle may move.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Moves {
+    /// Along x and y.
+    InPlane,
+    /// So, and turning about its center.
+    Round,
+    /// Along x, y and z.
+    InSpace,
+}
+
+fn motion_parameter(moves: Moves) -> Parameter {
     let component = |name| Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time").of("length");
-    let mut components: Vec<Parameter> = ["x", "y"].map(|name| component(name).or(Absent::Means("none"))).into();
+    let axes = if moves == Moves::InSpace { &["x", "y", "z"][..] } else { &["x", "y"] };
+    let mut components: Vec<Parameter> = axes.iter().map(|&name| component(name).or(Absent::Means("none"))).collect();
+    let is_round = moves == Moves::Round;
     if is_round {
         let angle = "the angle by which it has turned about its center, counter-clockwise, over time: friction feels it";
         components.push(Parameter::new("angle", Kind::Amplitude, angle).of("rad").or(Absent::Means("none")));
@@ -45,21 +59,26 @@ fn motion_parameter(is_round: bool) -> Parameter {
     Parameter::new("motion", Kind::Options(components), summary).or(Absent::Means("at rest"))
 }
 
+/// What else there is in the plane and in space.
+const IN_PLANE: &[&str] = &["add_contact", "rigid_plane", "rigid_disk", "rigid_ring", "rigid_polyline"];
+const IN_SPACE: &[&str] =
+    &["add_contact", "rigid_plane", "rigid_sphere", "rigid_cylinder", "rigid_cone", "rigid_torus", "rigid_box", "rigid_surface"];
+
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
     vec![rigid_plane(), rigid_disk(), rigid_ring(), rigid_polyline()]
 }
 
 /// A function that makes an obstacle of a shape; every one may be displaced.
-fn shape(
+pub fn shape(
     name: &'static str,
     summary: &'static str,
     mut keys: Vec<Parameter>,
+    moves: Moves,
     example: &'static str,
     make: fn(&Options) -> Result<Obstacle, Failure>,
 ) -> Function {
-    let is_round = matches!(name, "rigid_disk" | "rigid_ring");
-    keys.push(motion_parameter(is_round));
+    keys.push(motion_parameter(moves));
     Function {
         name,
         form: Form::Function,
@@ -68,7 +87,7 @@ fn shape(
         parameters: vec![Parameter::new("options", Kind::Options(keys), "shape, place and motion")],
         returns: ObstacleHandle::NAME,
         example: example.into(),
-        see_also: &["add_contact", "rigid_plane", "rigid_disk", "rigid_ring", "rigid_polyline"],
+        see_also: if moves == Moves::InSpace { IN_SPACE } else { IN_PLANE },
         body: body(move |call| {
             let options = call.options("options")?;
             let obstacle = make(&options)?;
@@ -77,33 +96,56 @@ fn shape(
                 let argument = nested.argument(name);
                 if argument.is_given() { amplitude_of(&argument).map(Some) } else { Ok(None) }
             };
-            let motion = [over_time("x")?, over_time("y")?];
-            let turn = if is_round { over_time("angle")? } else { None };
+            let along_z = if moves == Moves::InSpace { over_time("z")? } else { None };
+            let motion = [over_time("x")?, over_time("y")?, along_z];
+            let turn = if moves == Moves::Round { over_time("angle")? } else { None };
+            if motion[2].is_some() && !matches!(obstacle, Obstacle::InSpace(_)) {
+                let argument = nested.argument("z");
+                let failure = argument.fail("an obstacle of the plane does not move along z");
+                return Err(failure.hint("leave it out, or give a point and a normal of 3 numbers").into());
+            }
             Ok(Dynamic::from(ObstacleHandle { obstacle, motion, turn }))
         }),
     }
 }
 
-fn point(name: &'static str, summary: &'static str) -> Parameter {
+/// A parameter that is a point.
+pub fn point(name: &'static str, summary: &'static str) -> Parameter {
     Parameter::new(name, Kind::Vector, summary).of("length")
 }
 
-fn radius(summary: &'static str) -> Parameter {
+/// The parameter that is a radius.
+pub fn radius(summary: &'static str) -> Parameter {
     Parameter::number("radius", "length", Interval::Positive, summary)
+}
+
+/// A vector in space that is not zero.
+pub fn direction(argument: &Argument) -> Result<[f64; 3], Failure> {
+    let vector = argument.vector(3)?;
+    if vector == [0.0; 3] {
+        let failure = argument.fail(format!("{} has no direction", argument.title()));
+        return Err(failure.label("this has length 0").hint("give a direction, such as `[0.0, 0.0, 1.0]`"));
+    }
+    Ok(vector)
 }
 
 fn rigid_plane() -> Function {
     shape(
         "rigid_plane",
-        "a rigid half plane as the other side of a contact",
+        "a rigid plane as the other side of a contact: all behind it is rigid; in the plane a half plane",
         vec![
-            point("point", "a point of its border"),
+            point("point", "a point of its border, of 2 or, in space, of 3 numbers"),
             Parameter::new("normal", Kind::Vector, "the outward normal of its border, of any length: bodies are on that side").of("1"),
         ],
+        Moves::InSpace,
         "let ground = rigid_plane(#{ point: [0.0, 0.0], normal: [0.0, 1.0] });",
         |options| {
-            let (point, argument) = (options.argument("point").vector(2)?, options.argument("normal"));
-            let normal = argument.vector(2)?;
+            let (argument, point) = (options.argument("normal"), options.argument("point"));
+            if point.numbers()?.len() == 3 {
+                let (point, normal) = (point.vector(3)?, direction(&argument)?);
+                return Ok(Obstacle::InSpace(ObstacleInSpace::Plane { point, normal }));
+            }
+            let (point, normal) = (point.vector(2)?, argument.vector(2)?);
             if normal == [0.0; 3] {
                 let failure = argument.fail(format!("{} has no direction", argument.title()));
                 return Err(failure.label("this has length 0").hint("give the direction away from the plane, such as `[0.0, 1.0]`"));
@@ -118,6 +160,7 @@ fn rigid_disk() -> Function {
         "rigid_disk",
         "a rigid disk as the other side of a contact; bodies are outside of it",
         vec![point("center", "its center"), radius("its radius")],
+        Moves::Round,
         "let roller = rigid_disk(#{ center: [0.0, 2.0], radius: 0.5, motion: #{ y: ramp(0.0, 1.0, -0.7) } });",
         |options| {
             let center = options.argument("center").vector(2)?;
@@ -131,6 +174,7 @@ fn rigid_ring() -> Function {
         "rigid_ring",
         "a rigid ring as the other side of a contact; bodies are inside of it",
         vec![point("center", "its center"), radius("its inner radius")],
+        Moves::Round,
         "let drum = rigid_ring(#{ center: [0.0, 0.0], radius: 2.0 });",
         |options| {
             let center = options.argument("center").vector(2)?;
@@ -144,6 +188,7 @@ fn rigid_polyline() -> Function {
         "rigid_polyline",
         "straight rigid facets as the other side of a contact: the obstacle is on the left of the way through the points",
         vec![Parameter::new("points", Kind::Array, "an array of points `[x, y]`; closed when the last is the first").of("length")],
+        Moves::InPlane,
         "let stairs = rigid_polyline(#{ points: [[4.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]] });",
         |options| {
             let argument = options.argument("points");

@@ -2,15 +2,15 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rhai::Dynamic;
 
 use super::handle::MeshHandle;
-use crate::mesh::{self, Place};
+use crate::mesh::{self, MeshError, Place};
 use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::Arguments;
+use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::failure::{Details, Failure};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -35,29 +35,37 @@ fn reader() -> Function {
         body: body(|call| {
             let argument = call.argument("path");
             let path = argument.text()?;
-            let refused = |failure: Failure| {
-                let Details { title, causes, hints, .. } = &*failure;
-                let failure = causes.iter().fold(argument.fail(title.clone()), |failure, cause| failure.cause(cause.clone()));
-                hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
-            };
-            let file = call.host.sandbox.readable(&path).map_err(refused)?;
-            match mesh::read_mesh(&file) {
-                Ok(mesh) => Ok(Dynamic::from(MeshHandle::new(mesh))),
-                Err(error) => {
-                    let failure = argument.fail(error.to_string()).label(format!("in the file \"{path}\""));
-                    let failure = match error.place() {
-                        None => failure,
-                        Some(Place::Byte(byte)) => failure.cause(format!("it shows at byte {byte} of the file")),
-                        Some(Place::Line(number)) => match file_line(&file, number) {
-                            Some(text) => failure.cause(format!("line {number} of the file reads `{text}`")),
-                            None => failure.cause(format!("it shows in line {number} of the file")),
-                        },
-                    };
-                    Err(failure.hint(error.remedy()).into())
-                }
-            }
+            let file = readable(&argument, &path)?;
+            let mesh = mesh::read_mesh(&file).map_err(|error| read_failure(&argument, &path, &file, &error))?;
+            Ok(Dynamic::from(MeshHandle::new(mesh)))
         }),
     }
+}
+
+/// The file that an argument names by a path, if the script may read it.
+///
+/// # Errors
+/// It may not, or there is none.
+pub fn readable(argument: &Argument, path: &str) -> Result<PathBuf, Failure> {
+    argument.call().host.sandbox.readable(path).map_err(|failure: Failure| {
+        let Details { title, causes, hints, .. } = &*failure;
+        let failure = causes.iter().fold(argument.fail(title.clone()), |failure, cause| failure.cause(cause.clone()));
+        hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
+    })
+}
+
+/// What is wrong with a file, with its place.
+pub fn read_failure(argument: &Argument, path: &str, file: &Path, error: &MeshError) -> Failure {
+    let failure = argument.fail(error.to_string()).label(format!("in the file \"{path}\""));
+    let failure = match error.place() {
+        None => failure,
+        Some(Place::Byte(byte)) => failure.cause(format!("it shows at byte {byte} of the file")),
+        Some(Place::Line(number)) => match file_line(file, number) {
+            Some(text) => failure.cause(format!("line {number} of the file reads `{text}`")),
+            None => failure.cause(format!("it shows in line {number} of the file")),
+        },
+    };
+    failure.hint(error.remedy())
 }
 
 fn writer() -> Function {

@@ -1,7 +1,7 @@
 //! A model in words, as `print` shows it.
 
 use super::data::ModelData;
-use crate::contact::Obstacle;
+use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{Amplitude, BodyBoundary, Interaction, Model, Partner, Prescription, Turn};
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
@@ -64,15 +64,45 @@ fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
 }
 
 /// Shape, place and motion of a rigid obstacle.
-pub fn describe_obstacle(obstacle: &Obstacle, motion: &[Option<Amplitude>; 2], turn: Option<&Amplitude>) -> String {
+pub fn describe_obstacle(obstacle: &Obstacle, motion: &[Option<Amplitude>; 3], turn: Option<&Amplitude>) -> String {
     let shape = match obstacle {
         Obstacle::HalfPlane { point, normal } => format!("plane through {} with normal {}", vector_text(point), vector_text(normal)),
         Obstacle::Disk { center, radius } => format!("disk of radius {} around {}", number_text(*radius), vector_text(center)),
         Obstacle::Ring { center, radius } => format!("ring of inner radius {} around {}", number_text(*radius), vector_text(center)),
         Obstacle::Polyline { points } => format!("polyline through {} points", points.len()),
+        Obstacle::InSpace(shape) => describe_in_space(shape),
     };
     let motions = motion.iter().map(Option::as_ref).chain([turn]);
-    let moved = ["x", "y", "angle"].iter().zip(motions).filter_map(|(name, motion)| Some((name, motion?)));
+    let moved = ["x", "y", "z", "angle"].iter().zip(motions).filter_map(|(name, motion)| Some((name, motion?)));
     let moved: Vec<String> = moved.map(|(name, motion)| format!("{name}: {}", motion.describe())).collect();
     if moved.is_empty() { format!("rigid {shape}") } else { format!("rigid {shape}, moving by {}", moved.join(", ")) }
+}
+
+fn describe_in_space(shape: &ObstacleInSpace) -> String {
+    let round = |what: &str, radius: &f64, is_hollow: &bool| {
+        format!(
+            "{}{what} of {}radius {}",
+            if *is_hollow { "hollow " } else { "" },
+            if *is_hollow { "inner " } else { "" },
+            number_text(*radius)
+        )
+    };
+    match shape {
+        ObstacleInSpace::Plane { point, normal } => format!("plane through {} with normal {}", vector_text(point), vector_text(normal)),
+        ObstacleInSpace::Sphere { center, radius, is_hollow } => {
+            format!("{} around {}", round("sphere", radius, is_hollow), vector_text(center))
+        }
+        ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
+            format!("{} around {} along {}", round("cylinder", radius, is_hollow), vector_text(point), vector_text(axis))
+        }
+        ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
+            let kind = if *is_hollow { "hollow cone" } else { "cone" };
+            format!("{kind} from {} along {} with the half angle {}", vector_text(tip), vector_text(axis), number_text(*angle))
+        }
+        ObstacleInSpace::Torus { center, axis, radius, tube, is_hollow } => {
+            let (tube, center) = (round("tube", tube, is_hollow), vector_text(center));
+            format!("torus of radius {} and a {tube} around {center} along {}", number_text(*radius), vector_text(axis))
+        }
+        ObstacleInSpace::Facets(facets) => format!("surface of {} triangles", facets.triangles().len()),
+    }
 }

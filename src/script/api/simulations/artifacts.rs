@@ -365,7 +365,7 @@ fn obstacle_series(files: &RunFiles, model: &Model, open: Open) -> Result<Option
     if !has_any {
         return Ok(None);
     }
-    let points = model.bodies.iter().flat_map(|body| body.mesh.points.iter().map(|&[x, y, _]| [x, y]));
+    let points = model.bodies.iter().flat_map(|body| body.mesh.points.iter().copied());
     Ok(Some((open(files, "obstacles.pvd")?, Surroundings::of(points))))
 }
 

@@ -145,7 +145,7 @@ pub fn placed(model: &Model) -> Vec<PlacedObstacle> {
         let touching =
             model.interactions.iter().filter(|one| matches!(&one.partner, Partner::Obstacle { shape: other, .. } if *other == shape));
         let name = touching.map(|one| one.name.as_str()).collect::<Vec<_>>().join(", ");
-        PlacedObstacle { name, shape, translation: [0.0; 2] }
+        PlacedObstacle { name, shape, translation: [0.0; 3] }
     };
     shapes(model).into_iter().map(named).collect()
 }

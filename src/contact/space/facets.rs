@@ -1,0 +1,433 @@
+//! A rigid surface of flat triangles: signed distances from the nearest face, edge or vertex.
+//!
+//! The sign is that of the normal at the nearest place: of a face; of an edge the sum of those of its faces; of a vertex the sum weighted
+//! with the angles of its faces (Baerentzen and Aanaes, IEEE TVCG 11, 2005): outside of a closed surface it is positive everywhere.
+//!
+//! In a re-entrant edge a point touches two sides at once, and the distance from the nearest one has a kink there. So a surface with such
+//! edges is cut along edges that bend by more than 30 degrees into *sides*, and a point has a distance from each side that rises from its
+//! nearest one.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use thiserror::Error;
+
+use crate::math::tolerances::FACING;
+
+/// Cosine of the angle by which faces turn at an edge that parts two sides: 30 degrees.
+const SAME_SIDE: f64 = 0.866_025_403_784_438_6;
+
+/// Cosine of the angle by which faces turn at an edge that is sharp: 10 degrees.
+const SMOOTH: f64 = super::features::SMOOTH;
+
+/// Distance, its gradient and second derivative with respect to the point, and whether the point has an opposite.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Distance {
+    pub gap: f64,
+    pub normal: Vector3<f64>,
+    pub curvature: Matrix3<f64>,
+    pub covered: bool,
+}
+
+/// Flat triangles that bound an obstacle.
+#[derive(Clone, Debug)]
+pub struct Facets {
+    points: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    whole: RTree<Face>,
+    /// The sides; none where no edge is re-entrant.
+    sides: Vec<RTree<Face>>,
+    side_of: Vec<usize>,
+    /// For each side those that rise from it.
+    rising: Vec<Vec<usize>>,
+}
+
+/// Why triangles bound no obstacle.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FacetsError {
+    /// There is no triangle with an area.
+    #[error("there is no triangle with an area")]
+    Empty,
+    /// A coordinate is not finite.
+    #[error("point {0} has a coordinate that is not finite")]
+    NotFinite(usize),
+    /// More than two triangles at an edge, or two that look to opposite sides.
+    #[error("the triangles at the edge from ({:?}) to ({:?}) do not look to the same side", .0[0], .0[1])]
+    Turned([[f64; 3]; 2]),
+}
+
+impl PartialEq for Facets {
+    fn eq(&self, other: &Self) -> bool {
+        self.points == other.points && self.triangles == other.triangles
+    }
+}
+
+/// Where on a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    Face,
+    /// Between that corner and the next one.
+    Edge(usize),
+    Vertex(usize),
+}
+
+/// A triangle with all that the distance from it needs.
+#[derive(Clone, Debug)]
+struct Face {
+    triangle: usize,
+    corners: [Vector3<f64>; 3],
+    normal: Vector3<f64>,
+    of_edges: [Vector3<f64>; 3],
+    of_vertices: [Vector3<f64>; 3],
+    /// Whether the surface ends at an edge, or at a vertex.
+    ends: [[bool; 3]; 2],
+    /// Whether another side rises there: beyond, this one goes on as a plane.
+    goes_on: [[bool; 3]; 2],
+    /// Whether an edge is sharp and not re-entrant.
+    is_sharp: [bool; 3],
+}
+
+impl RTreeObject for Face {
+    type Envelope = AABB<[f64; 3]>;
+
+    fn envelope(&self) -> Self::Envelope {
+        AABB::from_points(&self.corners.map(<[f64; 3]>::from))
+    }
+}
+
+impl PointDistance for Face {
+    fn distance_2(&self, point: &[f64; 3]) -> f64 {
+        let x = Vector3::from(*point);
+        (x - self.nearest(x).0).norm_squared()
+    }
+}
+
+impl Face {
+    /// The nearest point of the triangle, and where it is (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+    fn nearest(&self, x: Vector3<f64>) -> (Vector3<f64>, Place) {
+        let [a, b, c] = self.corners;
+        let (ab, ac) = (b - a, c - a);
+        let dots = |from: Vector3<f64>| (ab.dot(&(x - from)), ac.dot(&(x - from)));
+        let ((d1, d2), (d3, d4), (d5, d6)) = (dots(a), dots(b), dots(c));
+        let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+        if d1 <= 0.0 && d2 <= 0.0 {
+            (a, Place::Vertex(0))
+        } else if d3 >= 0.0 && d4 <= d3 {
+            (b, Place::Vertex(1))
+        } else if d6 >= 0.0 && d5 <= d6 {
+            (c, Place::Vertex(2))
+        } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+            (a + ab * (d1 / (d1 - d3)), Place::Edge(0))
+        } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+            (a + ac * (d2 / (d2 - d6)), Place::Edge(2))
+        } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+            (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), Place::Edge(1))
+        } else {
+            let inverse = 1.0 / (va + vb + vc);
+            (a + ab * (vb * inverse) + ac * (vc * inverse), Place::Face)
+        }
+    }
+
+    fn distance(&self, x: Vector3<f64>) -> Distance {
+        let (at, place) = self.nearest(x);
+        let (pseudo, covered, is_plane) = match place {
+            Place::Face => (self.normal, true, true),
+            Place::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
+            Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
+        };
+        if is_plane {
+            let gap = self.normal.dot(&(x - self.corners[0]));
+            return Distance { gap, normal: self.normal, curvature: Matrix3::zeros(), covered };
+        }
+        let (r, sign) = (x - at, if pseudo.dot(&(x - at)) < 0.0 { -1.0 } else { 1.0 });
+        let length = r.norm();
+        if length == 0.0 {
+            return Distance { gap: 0.0, normal: pseudo, curvature: Matrix3::zeros(), covered };
+        }
+        let normal = r * (sign / length);
+        let mut across = Matrix3::identity() - normal * normal.transpose();
+        if let Place::Edge(k) = place {
+            let along = (self.corners[(k + 1) % 3] - self.corners[k]).normalize();
+            across -= along * along.transpose();
+        }
+        Distance { gap: sign * length, normal, curvature: across * (sign / length), covered }
+    }
+}
+
+/// What an edge joins.
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    faces: [usize; 2],
+    /// Cosine of the angle by which the faces turn.
+    cosine: f64,
+    is_reentrant: bool,
+}
+
+/// The faces of a surface before they are put into trees.
+struct Net<'a> {
+    points: &'a [[f64; 3]],
+    triangles: &'a [[u32; 3]],
+    normals: Vec<Vector3<f64>>,
+    /// Both faces of each edge that two have, by its nodes in ascending order.
+    edges: BTreeMap<[u32; 2], Edge>,
+}
+
+impl<'a> Net<'a> {
+    fn new(points: &'a [[f64; 3]], triangles: &'a [[u32; 3]]) -> Result<Self, FacetsError> {
+        let at = |node: u32| Vector3::from(points[node as usize]);
+        let normal = |&[a, b, c]: &[u32; 3]| (at(b) - at(a)).cross(&(at(c) - at(a))).normalize();
+        let normals: Vec<Vector3<f64>> = triangles.iter().map(normal).collect();
+        let mut found: BTreeMap<[u32; 2], Vec<(usize, bool)>> = BTreeMap::new();
+        for (face, nodes) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (nodes[k], nodes[(k + 1) % 3]);
+                found.entry([a.min(b), a.max(b)]).or_default().push((face, a < b));
+            }
+        }
+        let mut edges = BTreeMap::new();
+        for (nodes, sides) in found {
+            match sides[..] {
+                [_] => {}
+                [(one, up), (other, down)] if up != down => {
+                    let middle = triangles[other].iter().map(|&node| at(node)).sum::<Vector3<f64>>() / 3.0;
+                    let is_reentrant = normals[one].dot(&(middle - at(nodes[0]))) > 0.0;
+                    edges.insert(nodes, Edge { faces: [one, other], cosine: normals[one].dot(&normals[other]), is_reentrant });
+                }
+                _ => return Err(FacetsError::Turned(nodes.map(|node| points[node as usize]))),
+            }
+        }
+        Ok(Net { points, triangles, normals, edges })
+    }
+
+    /// Numbers of the sides of all triangles, and how many there are.
+    fn sides(&self) -> (Vec<usize>, usize) {
+        let mut next: Vec<Vec<usize>> = vec![Vec::new(); self.triangles.len()];
+        for edge in self.edges.values().filter(|edge| edge.cosine >= SAME_SIDE) {
+            let [one, other] = edge.faces;
+            next[one].push(other);
+            next[other].push(one);
+        }
+        let (mut sides, mut count) = (vec![usize::MAX; self.triangles.len()], 0);
+        for start in 0..sides.len() {
+            if sides[start] != usize::MAX {
+                continue;
+            }
+            let mut open = vec![start];
+            while let Some(face) = open.pop() {
+                if sides[face] == usize::MAX {
+                    sides[face] = count;
+                    open.extend(&next[face]);
+                }
+            }
+            count += 1;
+        }
+        (sides, count)
+    }
+
+    /// The faces of a side, or of all; `of`: whether a triangle belongs to it.
+    fn tree(&self, of: impl Fn(usize) -> bool) -> RTree<Face> {
+        let faces: Vec<usize> = (0..self.triangles.len()).filter(|&face| of(face)).collect();
+        let at = |node: u32| Vector3::from(self.points[node as usize]);
+        let mut of_vertices: BTreeMap<u32, Vector3<f64>> = BTreeMap::new();
+        let [mut ends, mut rises]: [BTreeSet<u32>; 2] = Default::default();
+        let edge_of = |face: usize, k: usize| {
+            let nodes = self.triangles[face];
+            let (a, b) = (nodes[k], nodes[(k + 1) % 3]);
+            self.edges.get(&[a.min(b), a.max(b)])
+        };
+        let other = |face: usize, edge: &Edge| if edge.faces[0] == face { edge.faces[1] } else { edge.faces[0] };
+        let is_border = |face: usize, k: usize| edge_of(face, k).is_none_or(|edge| !of(other(face, edge)));
+        let rises_at = |face: usize, k: usize| is_border(face, k) && edge_of(face, k).is_some_and(|edge| edge.is_reentrant);
+        let is_end = |face: usize, k: usize| is_border(face, k) && !rises_at(face, k);
+        for &face in &faces {
+            let nodes = self.triangles[face];
+            for k in 0..3 {
+                let [to, from] = [1, 2].map(|step| (at(nodes[(k + step) % 3]) - at(nodes[k])).normalize());
+                let angle = to.cross(&from).norm().atan2(to.dot(&from));
+                *of_vertices.entry(nodes[k]).or_default() += self.normals[face] * angle;
+                if is_end(face, k) {
+                    ends.extend([nodes[k], nodes[(k + 1) % 3]]);
+                }
+                if rises_at(face, k) {
+                    rises.extend([nodes[k], nodes[(k + 1) % 3]]);
+                }
+            }
+        }
+        let made = faces.iter().map(|&face| {
+            let nodes = self.triangles[face];
+            let both = |k: usize| edge_of(face, k).map(|edge| other(face, edge)).filter(|&other| of(other));
+            let sharp = |k: usize| edge_of(face, k).is_some_and(|edge| edge.cosine < SMOOTH && !edge.is_reentrant);
+            Face {
+                triangle: face,
+                corners: nodes.map(at),
+                normal: self.normals[face],
+                of_edges: [0, 1, 2]
+                    .map(|k| (self.normals[face] + both(k).map_or(Vector3::zeros(), |other| self.normals[other])).normalize()),
+                of_vertices: nodes.map(|node| of_vertices[&node].normalize()),
+                ends: [[0, 1, 2].map(|k| is_end(face, k)), nodes.map(|node| ends.contains(&node))],
+                goes_on: [[0, 1, 2].map(|k| rises_at(face, k)), nodes.map(|node| rises.contains(&node))],
+                is_sharp: [0, 1, 2].map(sharp),
+            }
+        });
+        RTree::bulk_load(made.collect())
+    }
+}
+
+impl Facets {
+    /// The surface of triangles, counter-clockwise as seen from where bodies are. Equal points become one, and triangles without an area
+    /// are left out.
+    ///
+    /// # Errors
+    /// Nothing is left; a coordinate is not finite; more than two triangles have an edge, or two that look to opposite sides.
+    pub fn new(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self, FacetsError> {
+        if let Some(point) = points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
+            return Err(FacetsError::NotFinite(point));
+        }
+        let mut kept: Vec<[f64; 3]> = Vec::new();
+        let mut known: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+        let mut number = |node: u32| {
+            // Without the sign of a zero.
+            let point = points[node as usize].map(|x| x + 0.0);
+            *known.entry(point.map(f64::to_bits)).or_insert_with(|| {
+                kept.push(point);
+                kept.len() as u32 - 1
+            })
+        };
+        let joined: Vec<[u32; 3]> = triangles.iter().map(|nodes| nodes.map(&mut number)).collect();
+        let at = |node: u32| Vector3::from(kept[node as usize]);
+        let has_area = |[a, b, c]: &[u32; 3]| {
+            let (u, v) = (at(*b) - at(*a), at(*c) - at(*a));
+            u.cross(&v).norm() > FACING * FACING * u.norm().max(v.norm()).powi(2)
+        };
+        let triangles: Vec<[u32; 3]> = joined.into_iter().filter(has_area).collect();
+        if triangles.is_empty() {
+            return Err(FacetsError::Empty);
+        }
+        let net = Net::new(&kept, &triangles)?;
+        let whole = net.tree(|_| true);
+        let (side_of, count) = net.sides();
+        let reentrant: Vec<[usize; 2]> =
+            net.edges.values().filter(|edge| edge.is_reentrant).map(|edge| edge.faces.map(|face| side_of[face])).collect();
+        let mut rising = vec![BTreeSet::new(); count];
+        for &[one, other] in reentrant.iter().filter(|[one, other]| one != other) {
+            rising[one].insert(other);
+            rising[other].insert(one);
+        }
+        let has_any = rising.iter().any(|rising| !rising.is_empty());
+        let sides = if has_any { (0..count).map(|side| net.tree(|face| side_of[face] == side)).collect() } else { Vec::new() };
+        let rising = rising.into_iter().map(|rising| rising.into_iter().collect()).collect();
+        Ok(Facets { points: kept, triangles, whole, sides, side_of, rising })
+    }
+
+    /// A box with edges along the axes, from its lowest to its highest corner.
+    ///
+    /// # Errors
+    /// It has no volume.
+    pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Result<Self, FacetsError> {
+        let corner = |k: usize| std::array::from_fn(|i| if k >> i & 1 == 1 { high[i] } else { low[i] });
+        let points: Vec<[f64; 3]> = (0..8).map(corner).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let made = Facets::new(&points, &triangles)?;
+        if made.triangles.len() == 12 { Ok(made) } else { Err(FacetsError::Empty) }
+    }
+
+    /// The same surface with other points; `map` keeps what is outside outside.
+    ///
+    /// # Errors
+    /// As in [`Facets::new`].
+    pub fn mapped(&self, map: impl FnMut([f64; 3]) -> [f64; 3]) -> Result<Self, FacetsError> {
+        let points: Vec<[f64; 3]> = self.points.iter().copied().map(map).collect();
+        Facets::new(&points, &self.triangles)
+    }
+
+    /// The same surface, turned by an angle `[rad]` about an axis through a point.
+    ///
+    /// # Errors
+    /// As in [`Facets::new`].
+    pub fn turned(&self, point: [f64; 3], axis: [f64; 3], angle: f64) -> Result<Self, FacetsError> {
+        if angle == 0.0 {
+            return Ok(self.clone());
+        }
+        let (point, turn) = (Vector3::from(point), Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::from(axis)), angle));
+        self.mapped(|x| (point + turn * (Vector3::from(x) - point)).into())
+    }
+
+    /// Its points `[length]`.
+    pub fn points(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
+    /// Its triangles, counter-clockwise as seen from where bodies are.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Distance from the whole surface.
+    pub(super) fn distance(&self, x: Vector3<f64>) -> Distance {
+        from(&self.whole, x)
+    }
+
+    /// Distance from one side.
+    pub(super) fn side_distance(&self, side: usize, x: Vector3<f64>) -> Distance {
+        from(&self.sides[side], x)
+    }
+
+    /// Whether a point may touch several sides at once.
+    pub(super) fn has_pockets(&self) -> bool {
+        !self.sides.is_empty()
+    }
+
+    /// The side that is nearest to a point, and those that rise from it near the point and are opposite it, the nearest first.
+    pub(super) fn around(&self, x: Vector3<f64>, near: f64) -> (usize, Vec<usize>) {
+        let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return (0, Vec::new()) };
+        let side = self.side_of[nearest.triangle];
+        let seen = self.rising[side].iter().map(|&other| (self.side_distance(other, x), other));
+        let mut close: Vec<(f64, usize)> =
+            seen.filter(|(at, _)| at.covered && at.gap.abs() < near).map(|(at, other)| (at.gap, other)).collect();
+        close.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        (side, close.into_iter().map(|(_, other)| other).collect())
+    }
+
+    /// The planes of the faces at the sharp edge or vertex at which a point is, each by a point and the normal: first that which the point
+    /// is in front of, or least behind; none away from edges.
+    pub(super) fn planes_at_edge(&self, x: Vector3<f64>, near: f64) -> Vec<[Vector3<f64>; 2]> {
+        let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return Vec::new() };
+        let at = nearest.nearest(x).0;
+        if (x - at).norm() > near || !nearest.distance(x).covered {
+            return Vec::new();
+        }
+        let is_at = |face: &Face| {
+            (0..3).any(|k| {
+                let (a, b) = (face.corners[k], face.corners[(k + 1) % 3]);
+                let share = ((at - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+                face.is_sharp[k] && (at - a - (b - a) * share).norm() <= near
+            })
+        };
+        let mut around: Vec<&Face> = self.whole.locate_within_distance(x.into(), 4.0 * near * near).filter(|face| is_at(face)).collect();
+        let height = |face: &Face| face.normal.dot(&(x - face.corners[0]));
+        around.sort_by(|a, b| height(b).total_cmp(&height(a)).then(a.triangle.cmp(&b.triangle)));
+        around.into_iter().map(|face| [face.corners[0], face.normal]).collect()
+    }
+
+    /// Whether the straight way between two points leads through a face.
+    pub(super) fn is_crossed(&self, x_0: Vector3<f64>, x_1: Vector3<f64>) -> bool {
+        let way = x_1 - x_0;
+        let area = AABB::from_points(&[x_0, x_1].map(<[f64; 3]>::from));
+        self.whole.locate_in_envelope_intersecting(area).any(|face| {
+            let [a, b, c] = face.corners;
+            let volume = |u: Vector3<f64>, v: Vector3<f64>| way.dot(&(u - x_0).cross(&(v - x_0)));
+            let turns = [volume(a, b), volume(b, c), volume(c, a)];
+            let heights = [x_0, x_1].map(|x| face.normal.dot(&(x - a)));
+            let passes = turns.iter().all(|&turn| turn > 0.0) || turns.iter().all(|&turn| turn < 0.0);
+            passes && heights[0] * heights[1] < 0.0
+        })
+    }
+}
+
+/// Distance from the faces of a tree, which has some.
+fn from(tree: &RTree<Face>, x: Vector3<f64>) -> Distance {
+    let none = Distance { gap: f64::INFINITY, normal: Vector3::zeros(), curvature: Matrix3::zeros(), covered: false };
+    tree.nearest_neighbor(x.into()).map_or(none, |face| face.distance(x))
+}

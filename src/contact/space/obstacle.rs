@@ -1,0 +1,370 @@
+//! Rigid obstacles in space: their shapes, and distance, normal, curvature and discrete gradient at points in the obstacle's frame.
+//!
+//! Distances are exact, and not those of facets, wherever there is a formula. With `r` the place of a point, the discrete gradient of its
+//! distance satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
+//!
+//! ```text
+//! plane        n                                      momentum along it is kept
+//! sphere       +-(r_0 + r_1)/(|r_0| + |r_1|)          the moment about the center is zero
+//! revolved     G_rho (p_0 + p_1)/(rho_0 + rho_1) + G_z a
+//! facets       n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
+//! ```
+//!
+//! (Gonzalez, CMAME 190, 2000.) A cylinder, a cone and a torus are revolved about an axis `a`: their distance is a function of the distance
+//! `rho = |p|` from the axis and of the height `z` along it. `(G_rho, G_z)` is that function's discrete gradient, by the formula of
+//! facets, so that the force on a node has no moment about the axis. For a cylinder `G = (+-1, 0)`.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::facets::{Distance, Facets};
+use crate::contact::surface::Surface;
+use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
+
+/// Round obstacles so much larger than the longest facet need no rows but those of nodes: between two nodes on one a facet, even stretched
+/// to half more, is less than a tenth of it deep in it.
+const LARGE: f64 = 3.0;
+
+/// At how many places on a node's way its distance is looked at, at most.
+const LOOKS: f64 = 64.0;
+
+/// Shape of a rigid obstacle in space at its undisplaced place. Directions may have any length but zero.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ObstacleInSpace {
+    /// All points `x` with `normal.(x - point) <= 0`.
+    Plane {
+        /// A point of the border `[length]`.
+        point: [f64; 3],
+        /// Outward normal.
+        normal: [f64; 3],
+    },
+    /// A ball, or everything outside of one.
+    Sphere {
+        /// Center `[length]`.
+        center: [f64; 3],
+        /// Radius `[length]`.
+        radius: f64,
+        /// Whether bodies are inside.
+        is_hollow: bool,
+    },
+    /// A cylinder without ends, or everything outside of one.
+    Cylinder {
+        /// A point of the axis `[length]`.
+        point: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius `[length]`.
+        radius: f64,
+        /// Whether bodies are inside.
+        is_hollow: bool,
+    },
+    /// A cone without an end, or everything outside of one: a funnel.
+    Cone {
+        /// Tip `[length]`.
+        tip: [f64; 3],
+        /// Direction of the axis, from the tip into the cone.
+        axis: [f64; 3],
+        /// Angle between axis and side, between 0 and a quarter turn `[rad]`.
+        angle: f64,
+        /// Whether bodies are inside.
+        is_hollow: bool,
+    },
+    /// A torus, or everything outside of one: a ring of a tube.
+    Torus {
+        /// Center `[length]`.
+        center: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius of the circle on which the tube's centers lie `[length]`.
+        radius: f64,
+        /// Radius of the tube, smaller than that `[length]`.
+        tube: f64,
+        /// Whether bodies are inside the tube.
+        is_hollow: bool,
+    },
+    /// Flat facets with outward normals; bodies are where these point.
+    Facets(Arc<Facets>),
+}
+
+impl ObstacleInSpace {
+    /// Whether bodies are outside of something round that is so small that facets between nodes may enter it.
+    pub fn is_small(&self, surface: &Surface, reference: &[f64], facet_size: f64) -> bool {
+        let radius = match *self {
+            ObstacleInSpace::Sphere { radius, is_hollow: false, .. } | ObstacleInSpace::Cylinder { radius, is_hollow: false, .. } => radius,
+            ObstacleInSpace::Torus { tube, is_hollow: false, .. } => tube,
+            ObstacleInSpace::Cone { is_hollow: false, .. } => 0.0,
+            _ => return false,
+        };
+        let longest = (0..surface.count()).map(|facet| surface.facet_size(facet, reference)).fold(0.0, f64::max);
+        radius <= LARGE * longest * longest / facet_size
+    }
+}
+
+/// A discrete gradient and its derivative with respect to the end point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepGradient {
+    pub bar: Vector3<f64>,
+    pub tangent: Matrix3<f64>,
+}
+
+/// An obstacle made ready for evaluation. `sign` is +1 where bodies are outside, -1 inside.
+#[derive(Clone, Debug)]
+pub(super) enum Shape {
+    Plane {
+        point: Vector3<f64>,
+        normal: Vector3<f64>,
+    },
+    Sphere {
+        center: Vector3<f64>,
+        radius: f64,
+        sign: f64,
+    },
+    Revolved {
+        origin: Vector3<f64>,
+        axis: Vector3<f64>,
+        profile: Profile,
+    },
+    Facets(Arc<Facets>),
+    /// One side of it alone.
+    Side(Arc<Facets>, usize),
+}
+
+/// Rigid motions that leave an obstacle as it is: rotations about axes through a center, translations.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Symmetries {
+    pub center: Vector3<f64>,
+    pub rotations: Vec<Vector3<f64>>,
+    pub translations: Vec<Vector3<f64>>,
+}
+
+/// What is revolved, as a function of the distance from the axis and the height along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Profile {
+    Cylinder { radius: f64, sign: f64 },
+    Cone { sine: f64, cosine: f64, sign: f64 },
+    Torus { radius: f64, tube: f64, sign: f64 },
+}
+
+/// Value, gradient and second derivative of a function of `N` variables.
+#[derive(Clone, Copy, Debug)]
+struct Local<const N: usize> {
+    value: f64,
+    slope: [f64; N],
+    curvature: [[f64; N]; N],
+}
+
+/// Discrete gradient of a function between two points that are `d` apart, and its derivative with respect to the end point; increments
+/// below `PROJECTED_INCREMENT * size` have no correction.
+fn corrected<const N: usize>(start: f64, middle: &Local<N>, end: &Local<N>, d: [f64; N], size: f64) -> ([f64; N], [[f64; N]; N]) {
+    let dot = |a: &[f64; N]| a.iter().zip(&d).map(|(a, b)| a * b).sum::<f64>();
+    let square = dot(&d);
+    let (mut bar, mut tangent) = (middle.slope, middle.curvature.map(|row| row.map(|h| 0.5 * h)));
+    let remainder = end.value - start - dot(&middle.slope);
+    // In a small step only a corner has a remainder that is more than round-off.
+    let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
+    if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
+        let e = remainder / square;
+        let turned = middle.curvature.each_ref().map(|row| 0.5 * dot(row));
+        for i in 0..N {
+            bar[i] += e * d[i];
+            for k in 0..N {
+                tangent[i][k] += d[i] * (end.slope[k] - middle.slope[k] - turned[k] - 2.0 * e * d[k]) / square;
+            }
+            tangent[i][i] += e;
+        }
+    }
+    (bar, tangent)
+}
+
+impl Profile {
+    fn at(&self, [rho, z]: [f64; 2]) -> Local<2> {
+        let none = [[0.0; 2]; 2];
+        match *self {
+            Profile::Cylinder { radius, sign } => Local { value: sign * (rho - radius), slope: [sign, 0.0], curvature: none },
+            Profile::Cone { sine, cosine, sign } => {
+                if rho * sine + z * cosine >= 0.0 {
+                    return Local { value: sign * (rho * cosine - z * sine), slope: [sign * cosine, -sign * sine], curvature: none };
+                }
+                around([rho, z], 0.0, sign)
+            }
+            Profile::Torus { radius, tube, sign } => around([rho - radius, z], tube, sign),
+        }
+    }
+}
+
+/// Signed distance from a circle about the origin of the plane.
+fn around([x, y]: [f64; 2], radius: f64, sign: f64) -> Local<2> {
+    let length = x.hypot(y);
+    let [a, b] = if length > 0.0 { [x / length, y / length] } else { [0.0; 2] };
+    let bend = if length > 0.0 { sign / length } else { 0.0 };
+    let curvature = [[b * b * bend, -a * b * bend], [-a * b * bend, a * a * bend]];
+    Local { value: sign * (length - radius), slope: [sign * a, sign * b], curvature }
+}
+
+impl Shape {
+    pub fn new(obstacle: &ObstacleInSpace) -> Self {
+        let unit = |vector: &[f64; 3]| Vector3::from(*vector).normalize();
+        let sign = |is_hollow: bool| if is_hollow { -1.0 } else { 1.0 };
+        match obstacle {
+            ObstacleInSpace::Plane { point, normal } => Shape::Plane { point: Vector3::from(*point), normal: unit(normal) },
+            ObstacleInSpace::Sphere { center, radius, is_hollow } => {
+                Shape::Sphere { center: Vector3::from(*center), radius: *radius, sign: sign(*is_hollow) }
+            }
+            ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
+                let profile = Profile::Cylinder { radius: *radius, sign: sign(*is_hollow) };
+                Shape::Revolved { origin: Vector3::from(*point), axis: unit(axis), profile }
+            }
+            ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
+                let (sine, cosine) = angle.sin_cos();
+                Shape::Revolved {
+                    origin: Vector3::from(*tip),
+                    axis: unit(axis),
+                    profile: Profile::Cone { sine, cosine, sign: sign(*is_hollow) },
+                }
+            }
+            ObstacleInSpace::Torus { center, axis, radius, tube, is_hollow } => {
+                let profile = Profile::Torus { radius: *radius, tube: *tube, sign: sign(*is_hollow) };
+                Shape::Revolved { origin: Vector3::from(*center), axis: unit(axis), profile }
+            }
+            ObstacleInSpace::Facets(facets) => Shape::Facets(facets.clone()),
+        }
+    }
+
+    /// The motions that leave something round as it is.
+    pub fn symmetries(&self) -> Symmetries {
+        match self {
+            Shape::Sphere { center, .. } => {
+                Symmetries { center: *center, rotations: vec![Vector3::x(), Vector3::y(), Vector3::z()], translations: Vec::new() }
+            }
+            Shape::Revolved { origin, axis, profile } => {
+                let translations = if matches!(profile, Profile::Cylinder { .. }) { vec![*axis] } else { Vec::new() };
+                Symmetries { center: *origin, rotations: vec![*axis], translations }
+            }
+            _ => Symmetries::default(),
+        }
+    }
+
+    /// Distance of a point in the obstacle's frame.
+    pub fn distance(&self, x: Vector3<f64>) -> Distance {
+        match self {
+            Shape::Plane { point, normal } => {
+                Distance { gap: normal.dot(&(x - point)), normal: *normal, curvature: Matrix3::zeros(), covered: true }
+            }
+            Shape::Sphere { center, radius, sign } => {
+                let r = x - center;
+                let length = r.norm();
+                let n = r.try_normalize(0.0).unwrap_or_default();
+                let curvature = if length > 0.0 { (Matrix3::identity() - n * n.transpose()) * (sign / length) } else { Matrix3::zeros() };
+                Distance { gap: sign * (length - radius), normal: n * *sign, curvature, covered: true }
+            }
+            Shape::Revolved { origin, axis, profile } => {
+                let ([rho, z], out) = polar(x - origin, *axis);
+                let Local { value, slope, curvature } = profile.at([rho, z]);
+                let mut sum = Matrix3::zeros();
+                for (i, a) in [out, *axis].iter().enumerate() {
+                    for (k, b) in [out, *axis].iter().enumerate() {
+                        sum += a * b.transpose() * curvature[i][k];
+                    }
+                }
+                if rho > 0.0 {
+                    sum += (Matrix3::identity() - axis * axis.transpose() - out * out.transpose()) * (slope[0] / rho);
+                }
+                Distance { gap: value, normal: out * slope[0] + axis * slope[1], curvature: sum, covered: true }
+            }
+            Shape::Facets(facets) => facets.distance(x),
+            Shape::Side(facets, side) => facets.side_distance(*side, x),
+        }
+    }
+
+    /// Discrete gradient between two points in the obstacle's frame; `size` is that of the facets beside them.
+    pub fn step_gradient(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, size: f64) -> StepGradient {
+        match self {
+            Shape::Plane { normal, .. } => StepGradient { bar: *normal, tangent: Matrix3::zeros() },
+            Shape::Sphere { center, sign, .. } => mean_direction(x_0 - center, x_1 - center, *sign),
+            Shape::Revolved { origin, axis, profile } => {
+                let [r_0, r_1] = [x_0 - origin, x_1 - origin];
+                let ((from, _), (to, out)) = (polar(r_0, *axis), polar(r_1, *axis));
+                let middle = profile.at([0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])]);
+                let d = [to[0] - from[0], to[1] - from[1]];
+                let (flat, slopes) = corrected(profile.at(from).value, &middle, &profile.at(to), d, size);
+                let across = |r: Vector3<f64>| r - axis * axis.dot(&r);
+                let around = mean_direction(across(r_0), across(r_1), 1.0);
+                let mut tangent = flat[0] * (around.tangent - around.tangent * axis * axis.transpose());
+                for (i, to) in [around.bar, *axis].iter().enumerate() {
+                    tangent += to * (out * slopes[i][0] + axis * slopes[i][1]).transpose();
+                }
+                StepGradient { bar: around.bar * flat[0] + axis * flat[1], tangent }
+            }
+            Shape::Facets(_) | Shape::Side(..) => {
+                let at = |x: Vector3<f64>| {
+                    let Distance { gap, normal, curvature, .. } = self.distance(x);
+                    Local { value: gap, slope: normal.into(), curvature: curvature.into() }
+                };
+                let (start, middle, end) = (at(x_0).value, at(0.5 * (x_0 + x_1)), at(x_1));
+                let (bar, tangent) = corrected(start, &middle, &end, (x_1 - x_0).into(), size);
+                StepGradient { bar: bar.into(), tangent: Matrix3::from_fn(|i, k| tangent[i][k]) }
+            }
+        }
+    }
+
+    /// By how much the distance changes on the straight way between two points, what is farther away than `near` taken as so far.
+    pub fn swing(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> f64 {
+        // A distance changes by no more than the way.
+        if self.is_one_sided() || (x_1 - x_0).norm() <= near * PASSING {
+            return 0.0;
+        }
+        let gaps = self.looks(x_0, x_1, near).map(|gap| gap.min(near));
+        let [low, high] = gaps.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], gap| [low.min(gap), high.max(gap)]);
+        (high - low).max(0.0)
+    }
+
+    /// Whether the straight way from one point outside to another one leads through to the other side.
+    pub fn is_crossed(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> bool {
+        if self.is_one_sided() {
+            return false;
+        }
+        let [start, end] = [x_0, x_1].map(|x| self.distance(x));
+        if start.normal.dot(&end.normal) >= 0.0 || start.gap < 0.0 || end.gap < 0.0 {
+            return false;
+        }
+        match self {
+            Shape::Facets(facets) => facets.is_crossed(x_0, x_1),
+            _ => self.looks(x_0, x_1, near).any(|gap| gap < 0.0),
+        }
+    }
+
+    /// Distances along the straight way between two points.
+    fn looks(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> impl Iterator<Item = f64> {
+        let count = (4.0 * (x_1 - x_0).norm() / near).ceil().clamp(8.0, LOOKS);
+        (0..=count as usize).map(move |k| self.distance(x_0.lerp(&x_1, k as f64 / count)).gap)
+    }
+
+    /// Whether there is no other side to come out at.
+    fn is_one_sided(&self) -> bool {
+        match self {
+            Shape::Plane { .. } => true,
+            Shape::Sphere { sign, .. } => *sign < 0.0,
+            Shape::Revolved { profile: Profile::Cylinder { sign, .. } | Profile::Cone { sign, .. }, .. } => *sign < 0.0,
+            _ => false,
+        }
+    }
+}
+
+/// Distance from an axis and height along it, and the unit vector away from the axis.
+fn polar(r: Vector3<f64>, axis: Vector3<f64>) -> ([f64; 2], Vector3<f64>) {
+    let z = axis.dot(&r);
+    let across = r - axis * z;
+    ([across.norm(), z], across.try_normalize(0.0).unwrap_or_default())
+}
+
+/// `sign` times the discrete gradient of the length of a vector, parallel to the vector in mid-step.
+fn mean_direction(r_0: Vector3<f64>, r_1: Vector3<f64>, sign: f64) -> StepGradient {
+    let lengths = r_0.norm() + r_1.norm();
+    if lengths == 0.0 {
+        return StepGradient { bar: Vector3::zeros(), tangent: Matrix3::zeros() };
+    }
+    let bar = (r_0 + r_1) * (sign / lengths);
+    let toward = r_1.try_normalize(0.0).unwrap_or_default();
+    StepGradient { bar, tangent: (Matrix3::identity() * sign - bar * toward.transpose()) / lengths }
+}

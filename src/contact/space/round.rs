@@ -1,0 +1,460 @@
+//! Contact of a round obstacle in space with the edges of a surface: what the distances of the nodes do not see of a small one.
+//!
+//! Where a cylinder, a cone or a torus lies on facets, it lies across their edges, and so does a sphere on a sharp edge. Each edge has a
+//! row, the distance of its deepest point, with the shares `N_k` of the ends in that point `x`:
+//!
+//! ```text
+//! Phi = w min g(x - u),   x = sum N_k x_k,   dPhi/dx_k = w N_k n(x - u)
+//! ```
+//!
+//! as the minimum does not change with the shares to first order. The discrete gradient is `G_mid + (dPhi - G_mid.d)/p.p p` with the
+//! increment `d` of the ends as seen from the obstacle and its part `p` beside the obstacle's symmetries in mid-step, rotations and
+//! translations, so that the moment about a center or an axis is kept (Gonzalez, J. Nonlinear Sci. 6, 1996). A row is there in a step if
+//! its deepest point is no node, which has a row of its own.
+
+use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
+
+use super::facets::Distance;
+use super::features::Features;
+use super::obstacle::{ObstacleInSpace, Shape, Symmetries};
+use crate::contact::faces;
+use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use crate::contact::patches::Evaluation;
+use crate::contact::surface::{Sides, Surface};
+use crate::contact::window::{Outlook, Travel};
+use crate::integrators::{Configuration, Derivative};
+use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
+
+/// Depth in smallest facets beyond which an edge has no row: what overlaps as much at the start of a step, the nodes hold.
+const SUNK: f64 = 0.55;
+
+/// Opening in smallest facets, besides what the step may close, up to which an edge has one.
+const OPEN: f64 = 0.25;
+
+/// Share of an edge at its ends where the node alone has a row.
+const AT_END: f64 = 0.02;
+
+/// Steps of the search for the deepest point of an edge: each halves what is left.
+const HALVINGS: usize = 60;
+
+type Six = SVector<f64, 6>;
+type SixBySix = SMatrix<f64, 6, 6>;
+type Ends = [Vector3<f64>; 2];
+
+/// Contact of a round obstacle with the edges of a surface.
+#[derive(Clone, Debug)]
+pub struct RoundInSpace {
+    sides: Sides,
+    shape: Shape,
+    translations: [[f64; 3]; 3],
+    /// Which edges have a row in this step.
+    is_there: Vec<bool>,
+    /// Their ends at the start of the step as seen from the obstacle.
+    start: Vec<Ends>,
+}
+
+/// The function of an edge at a configuration.
+struct Deepest {
+    at: Distance,
+    share: f64,
+    gradient: Six,
+}
+
+impl Deepest {
+    fn new(shape: &Shape, [a, b]: Ends) -> Self {
+        let along = b - a;
+        let slope = |share: f64| shape.distance(a + along * share).normal.dot(&along);
+        let share = if slope(0.0) >= 0.0 {
+            0.0
+        } else if slope(1.0) <= 0.0 {
+            1.0
+        } else {
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                if slope(middle) < 0.0 { low = middle } else { high = middle }
+            }
+            0.5 * (low + high)
+        };
+        let at = shape.distance(a + along * share);
+        let mut gradient = Six::zeros();
+        gradient.fixed_rows_mut::<3>(0).copy_from(&(at.normal * (1.0 - share)));
+        gradient.fixed_rows_mut::<3>(3).copy_from(&(at.normal * share));
+        Deepest { at, share, gradient }
+    }
+
+    /// Second derivative: that of the point that stays where it is on the edge, less what it gains by moving.
+    fn hessian(&self, [a, b]: Ends) -> SixBySix {
+        let Deepest { at, share, .. } = *self;
+        let (along, shares) = (b - a, [1.0 - share, share]);
+        let bent = at.curvature * along;
+        let bend = along.dot(&bent);
+        let mut hessian = SixBySix::zeros();
+        let mut coupling = Six::zeros();
+        for k in 0..2 {
+            for l in 0..2 {
+                hessian.fixed_view_mut::<3, 3>(3 * k, 3 * l).copy_from(&(at.curvature * (shares[k] * shares[l])));
+            }
+            let sign = if k == 0 { -1.0 } else { 1.0 };
+            coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(at.normal * sign + bent * shares[k]));
+        }
+        if 0.0 < share && share < 1.0 && bend > LIES_ALONG * along.norm() {
+            hessian -= coupling * coupling.transpose() / bend;
+        }
+        hessian
+    }
+}
+
+impl RoundInSpace {
+    /// The rows of an obstacle, if it has any that matter; `facet_size` is that of the whole contact.
+    pub fn new(surface: &Surface, obstacle: &ObstacleInSpace, reference: &[f64], facet_size: f64) -> Option<Self> {
+        let shape = Shape::new(obstacle);
+        if !obstacle.is_small(surface, reference, facet_size) {
+            return None;
+        }
+        let edges: Vec<[u32; 2]> = match shape {
+            // On flat ground a sphere touches the facets.
+            Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
+            _ => surface.edges().iter().map(|edge| edge.nodes).collect(),
+        };
+        let mut sides = Sides { facet_size, ..Sides::of(surface.clone(), Surface::in_space([]), reference) };
+        sides.weights = vec![facet_size * facet_size; edges.len()];
+        edges.iter().zip(0..).for_each(|(nodes, row)| sides.patches.push(nodes, &[row]));
+        let (is_there, start) = (vec![false; edges.len()], vec![Default::default(); edges.len()]);
+        (!edges.is_empty()).then_some(RoundInSpace { sides, shape, translations: [[0.0; 3]; 3], is_there, start })
+    }
+
+    /// Ends of an edge as seen from the obstacle where it is at the start, in the middle or at the end of the step.
+    fn ends(&self, row: usize, q: &[f64], time: usize) -> Ends {
+        let nodes = self.sides.patches.nodes(row);
+        [nodes[0], nodes[1]].map(|node| faces::at(node, q) - Vector3::from(self.translations[time]))
+    }
+
+    fn rows_there(&self) -> impl Iterator<Item = usize> {
+        (0..self.is_there.len()).filter(|&row| self.is_there[row])
+    }
+
+    fn is_near(&self, row: usize, q: &[f64], time: usize, outlook: &Outlook) -> bool {
+        let (ends, size) = (self.ends(row, q, time), self.sides.facet_size);
+        let length = (ends[1] - ends[0]).norm();
+        let travel = outlook.travel::<3>(self.sides.patches.nodes(row), &[]) + self.moved();
+        let reach = OPEN * size + travel;
+        if ends.iter().all(|&end| self.shape.distance(end).gap > reach + length) {
+            return false;
+        }
+        let Deepest { at, share, .. } = Deepest::new(&self.shape, ends);
+        (AT_END..=1.0 - AT_END).contains(&share) && at.gap < reach && at.gap > -SUNK * size
+    }
+
+    /// How far the obstacle goes in the step.
+    fn moved(&self) -> f64 {
+        let [from, _, to] = self.translations.map(Vector3::from);
+        (to - from).norm()
+    }
+
+    /// Force gradient of a step and its tangent, without its weight.
+    fn step_gradient(&self, derivative: Derivative, row: usize, q_1: &[f64], end: &Deepest) -> (Six, SixBySix) {
+        let (start, ends) = (self.start[row], self.ends(row, q_1, 2));
+        let plain = |ends: Ends, at: Configuration| {
+            let found = Deepest::new(&self.shape, ends);
+            (found.gradient, found.hessian(ends) * at.share())
+        };
+        match derivative {
+            Derivative::DiscreteGradient => {}
+            Derivative::Gradient(at @ Configuration::End) => return plain(ends, at),
+            Derivative::Gradient(at @ Configuration::Middle) => {
+                let [from, middle, to] = self.translations.map(Vector3::from);
+                return plain([0, 1].map(|k| 0.5 * (start[k] + from + ends[k] + to) - middle), at);
+            }
+        }
+        let middle = [0, 1].map(|k| 0.5 * (start[k] + ends[k]));
+        let [a, b] = [0, 1].map(|k| ends[k] - start[k]);
+        let d = Six::from_iterator(a.iter().chain(b.iter()).copied());
+        let found = Deepest::new(&self.shape, middle);
+        let hessian = found.hessian(middle);
+        let (mut bar, mut tangent) = (found.gradient, hessian * 0.5);
+        let (p, of_p) = beside(&self.shape.symmetries(), middle, d);
+        let square = p.norm_squared();
+        let remainder = end.at.gap - Deepest::new(&self.shape, start).at.gap - found.gradient.dot(&d);
+        let size = self.sides.facet_size;
+        if square > 0.0 && (square > (PROJECTED_INCREMENT * size).powi(2) || remainder.abs() > REMAINDER * size) {
+            let e = remainder / square;
+            let of_e = (end.gradient - found.gradient - hessian * d * 0.5).transpose() - p.transpose() * of_p * (2.0 * e);
+            bar += p * e;
+            tangent += p * of_e / square + of_p * e;
+        }
+        (bar, tangent)
+    }
+}
+
+/// The part of an increment beside the symmetries of an obstacle at the ends in mid-step, and its derivative with respect to the ends at
+/// the end of the step.
+fn beside(symmetries: &Symmetries, middle: Ends, d: Six) -> (Six, SixBySix) {
+    let stacked = |vectors: Ends| Six::from_iterator(vectors[0].iter().chain(vectors[1].iter()).copied());
+    // Motions r_j of the ends, and their derivatives.
+    let mut motions: Vec<(Six, SixBySix)> = Vec::new();
+    for axis in &symmetries.rotations {
+        let half = axis.cross_matrix() * 0.5;
+        let mut of_motion = SixBySix::zeros();
+        (0..2).for_each(|k| of_motion.fixed_view_mut::<3, 3>(3 * k, 3 * k).copy_from(&half));
+        motions.push((stacked(middle.map(|x| axis.cross(&(x - symmetries.center)))), of_motion));
+    }
+    motions.extend(symmetries.translations.iter().map(|&along| (stacked([along; 2]), SixBySix::zeros())));
+    let mut products = Matrix3::identity();
+    for (j, (one, _)) in motions.iter().enumerate() {
+        for (l, (other, _)) in motions.iter().enumerate() {
+            products[(j, l)] = one.dot(other);
+        }
+    }
+    let Some(inverse) = products.try_inverse() else { return (d, SixBySix::identity()) };
+    let mut right = Vector3::zeros();
+    motions.iter().enumerate().for_each(|(j, (motion, _))| right[j] = motion.dot(&d));
+    let shares = inverse * right;
+    let mut rows = SMatrix::<f64, 3, 6>::zeros();
+    for (j, (one, of_one)) in motions.iter().enumerate() {
+        let mut row: RowSVector<f64, 6> = d.transpose() * of_one + one.transpose();
+        for (l, (other, of_other)) in motions.iter().enumerate() {
+            row -= (other.transpose() * of_one + one.transpose() * of_other) * shares[l];
+        }
+        rows.set_row(j, &row);
+    }
+    let of_shares = inverse * rows;
+    let (mut p, mut of_p) = (d, SixBySix::identity());
+    for (j, (motion, of_motion)) in motions.iter().enumerate() {
+        p -= motion * shares[j];
+        of_p -= of_motion * shares[j] + motion * of_shares.row(j);
+    }
+    (p, of_p)
+}
+
+impl PatchFunctions for RoundInSpace {
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn is_nodal(&self) -> bool {
+        true
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        // Its rows are those of edges.
+        &[]
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        self.start = (0..self.start.len()).map(|row| self.ends(row, q_0, 0)).collect();
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        self.rows_there().for_each(|row| gaps[row] = self.sides.weights[row] * Deepest::new(&self.shape, self.start[row]).at.gap);
+        gaps
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        out.prepare(&self.sides.patches, self.sides.weights.len());
+        for row in 0..self.is_there.len() {
+            out.clear_patch(&self.sides.patches, row);
+            if !self.is_there[row] {
+                continue;
+            }
+            let weight = self.sides.weights[row];
+            let end = Deepest::new(&self.shape, self.ends(row, q_1, 2));
+            let (bar, tangent) = self.step_gradient(derivative, row, q_1, &end);
+            out.live[row] = true;
+            (out.gap[row], out.coverage[row]) = (weight * end.at.gap, 1.0);
+            out.gradient_end[6 * row..6 * (row + 1)].copy_from_slice((end.gradient * weight).as_slice());
+            out.gradient_bar[6 * row..6 * (row + 1)].copy_from_slice((bar * weight).as_slice());
+            // Row by row: the transposed matrix's columns.
+            let block = tangent.transpose() * (weight * lambda[row]);
+            out.tangent[36 * row..36 * (row + 1)].copy_from_slice(block.as_slice());
+        }
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        for row in self.rows_there() {
+            gaps[row] = self.sides.weights[row] * Deepest::new(&self.shape, self.ends(row, q, 2)).at.gap;
+        }
+        gaps
+    }
+
+    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
+        self.is_there.iter().map(|&is_there| f64::from(u8::from(is_there))).collect()
+    }
+}
+
+impl CandidateSearch for RoundInSpace {
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let predicted: Option<Vec<f64>> = match outlook.travel {
+            Travel::Guessed { displacements: [first, _], .. } => Some(outlook.q.iter().zip(first).map(|(q, u)| q + u).collect()),
+            _ => None,
+        };
+        let is_there =
+            |row: usize| self.is_near(row, outlook.q, 0, outlook) || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, outlook));
+        self.is_there = (0..self.is_there.len()).map(is_there).collect();
+        // The list of patches is known and lasts.
+        false
+    }
+
+    fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
+        if self.is_there[p] {
+            self.sides.patches.nodes(p).iter().copied().for_each(visit);
+        }
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.gap(q).iter().zip(&self.sides.weights).map(|(gap, weight)| -gap / weight).fold(0.0, f64::max)
+    }
+}
+
+impl RigidObstacle for RoundInSpace {
+    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
+        self.translations = *translations;
+    }
+
+    fn obstacle_translation(&self) -> [f64; 3] {
+        self.translations[2]
+    }
+
+    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+        let [start, _, end] = self.translations.map(Vector3::from);
+        let mut work = 0.0;
+        for row in self.rows_there().filter(|&row| before[row] != 0.0 || lambda[row] != 0.0) {
+            let at_end = Deepest::new(&self.shape, self.ends(row, q_1, 2));
+            let of_step = self.step_gradient(derivative, row, q_1, &at_end).0 * lambda[row];
+            let of_start = Deepest::new(&self.shape, self.start[row]).gradient * before[row];
+            let f = (of_step + of_start) * self.sides.weights[row];
+            for (k, &node) in self.sides.patches.nodes(row).iter().enumerate() {
+                let on_node = f.fixed_rows::<3>(3 * k);
+                (0..3).for_each(|i| force[3 * node as usize + i] += on_node[i]);
+                work += on_node.dot(&(end - start));
+            }
+        }
+        work
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+    use crate::contact::fixtures::{difference, evaluated, product};
+
+    /// Obstacles under a facet that lies about the plane z = 0.5.
+    fn obstacles() -> Vec<ObstacleInSpace> {
+        let (axis, tilted, is_hollow) = ([0.0, 0.0, 1.0], [0.6, 1.0, 0.1], false);
+        vec![
+            ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, is_hollow },
+            ObstacleInSpace::Cylinder { point: [0.5, 0.5, 0.0], axis: tilted, radius: 0.4, is_hollow },
+            ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
+            ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
+        ]
+    }
+
+    fn step() -> impl Strategy<Value = (Vec<f64>, Vec<f64>, [[f64; 3]; 3])> {
+        let noise = || prop::collection::vec(-0.1..0.1f64, 12);
+        let translations = prop::array::uniform3(prop::array::uniform3(-0.05..0.05f64));
+        let size = prop::sample::select(vec![1e-8, 0.1, 1.0]);
+        (noise(), noise(), translations, size).prop_map(|(at, motion, translations, size)| {
+            let square = [0.0, 0.0, 0.5, 0.0, 1.0, 0.5, 1.0, 1.0, 0.5, 1.0, 0.0, 0.5];
+            let q_0: Vec<f64> = square.iter().zip(&at).map(|(x, noise)| x + noise).collect();
+            let q_1 = q_0.iter().zip(&motion).map(|(x, motion)| x + size * motion).collect();
+            (q_0, q_1, translations)
+        })
+    }
+
+    /// A facet with the rows of all its edges that the obstacle touches between their ends.
+    fn contact(obstacle: &ObstacleInSpace, q_0: &[f64], translations: &[[f64; 3]; 3]) -> RoundInSpace {
+        let surface = Surface::in_space([&[0, 1, 2, 3][..]]);
+        let mut kernel = RoundInSpace::new(&surface, obstacle, q_0, 1.0).expect("it is small");
+        kernel.move_obstacle(translations);
+        kernel.update_candidates(&Outlook::within(q_0, 1.0));
+        kernel.begin_step(q_0);
+        kernel
+    }
+
+    fn multipliers(kernel: &RoundInSpace) -> Vec<f64> {
+        (0..kernel.rows()).map(|row| 1.5 - 0.7 * row as f64).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 300, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn work_and_moments_are_those_of_the_gaps_and_the_symmetries((q_0, q_1, translations) in step()) {
+            for obstacle in obstacles() {
+                let kernel = contact(&obstacle, &q_0, &translations);
+                let lambda = multipliers(&kernel);
+                let (mut force, none) = (vec![0.0; 12], vec![0.0; lambda.len()]);
+                let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
+                let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &none, &lambda, &mut force);
+                let by_gaps = product(&lambda, &difference(&out.gap, &kernel.start_gap()));
+                let work = product(&force, &difference(&q_1, &q_0));
+                prop_assert!((work - by_gaps - by_motion).abs() < 1e-13, "{obstacle:?}: {work} {by_gaps} {by_motion}");
+                let Symmetries { center, rotations, translations: along } = kernel.shape.symmetries();
+                let (mut sum, mut moment) = (Vector3::zeros(), Vector3::zeros());
+                for node in 0..4 {
+                    let at = |q: &[f64], time: usize| faces::at(node, q) - Vector3::from(translations[time]);
+                    let (f, middle) = (faces::at(node, &force), 0.5 * (at(&q_0, 0) + at(&q_1, 2)));
+                    sum += f;
+                    moment += (middle - center).cross(&f);
+                }
+                for axis in rotations {
+                    prop_assert!(axis.dot(&moment).abs() < 1e-13, "{obstacle:?}: {moment}");
+                }
+                for axis in along {
+                    prop_assert!(axis.dot(&sum).abs() < 1e-13, "{obstacle:?}: {sum}");
+                }
+            }
+        }
+
+        #[test]
+        fn tangents_agree_with_differences((q_0, q_1, translations) in step()) {
+            let step = 1e-5;
+            for obstacle in obstacles() {
+                let kernel = contact(&obstacle, &q_0, &translations);
+                let lambda = multipliers(&kernel);
+                if difference(&q_1, &q_0).iter().any(|d| d.abs() > 0.2) || difference(&q_1, &q_0).iter().all(|d| d.abs() < 1e-3) {
+                    continue;
+                }
+                for derivative in Derivative::ALL {
+                    let out = evaluated(&kernel, derivative, &q_1, &lambda);
+                    for (row, (component, node)) in (0..kernel.rows()).flat_map(|row| (0..6).map(move |k| (row, (k % 3, k / 3)))) {
+                        let unknown = 3 * kernel.sides.patches.nodes(row)[node] as usize + component;
+                        let at = |shift: f64| -> Vec<f64> {
+                            let mut moved = q_1.clone();
+                            moved[unknown] += shift;
+                            let bar = evaluated(&kernel, derivative, &moved, &lambda).gradient_bar;
+                            bar[6 * row..6 * (row + 1)].iter().map(|g| lambda[row] * g).collect()
+                        };
+                        let [fine, coarse] = [step, 2.0 * step].map(|h| {
+                            difference(&at(h), &at(-h)).into_iter().map(|d| d / (2.0 * h)).collect::<Vec<f64>>()
+                        });
+                        for i in 0..6 {
+                            // Where the deepest point reaches an end, differences of different widths disagree.
+                            if (fine[i] - coarse[i]).abs() < 1e-7 {
+                                let ours = out.tangent[36 * row + 6 * i + 3 * node + component];
+                                prop_assert!((ours - fine[i]).abs() < 1e-6, "{obstacle:?} {derivative:?}: {ours} {}", fine[i]);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// A rod across an edge: the common perpendicular less its radius.
+    #[test]
+    fn a_rod_is_as_far_from_an_edge_as_the_common_perpendicular_says() {
+        let q = [0.0, 0.0, 0.5, 0.0, 1.0, 0.5, 1.0, 1.0, 0.5, 1.0, 0.0, 0.5];
+        let rod = ObstacleInSpace::Cylinder { point: [0.5, 0.3, 0.0], axis: [1.0, 0.0, 0.0], radius: 0.4, is_hollow: false };
+        let kernel = contact(&rod, &q, &[[0.0; 3]; 3]);
+        let rows: Vec<usize> = kernel.rows_there().collect();
+        // Along x the edges lie along the rod, and their nodes see all of it.
+        assert_eq!(rows.len(), 2);
+        assert!(rows.iter().all(|&row| (kernel.gap(&q)[row] - 0.1).abs() < 1e-12));
+    }
+}

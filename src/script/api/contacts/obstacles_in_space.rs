@@ -1,0 +1,216 @@
+//! Rigid obstacles that bodies in space touch.
+
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+use super::obstacles::{Moves, direction, point, radius, shape};
+use crate::contact::{Facets, FacetsError, Obstacle, ObstacleInSpace};
+use crate::math::catalogue::Interval;
+use crate::mesh::{MeshError, read_surface};
+use crate::script::api::meshes::boundaries::boundary_named;
+use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::api::meshes::reader::{read_failure, readable};
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::Function;
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![rigid_sphere(), rigid_cylinder(), rigid_cone(), rigid_torus(), rigid_box(), rigid_surface()]
+}
+
+fn axis(summary: &'static str) -> Parameter {
+    Parameter::new("axis", Kind::Vector, summary).of("1")
+}
+
+fn inside(summary: &'static str) -> Parameter {
+    Parameter::new("inside", Kind::Flag, summary).or(Absent::Flag(false))
+}
+
+fn in_space(obstacle: ObstacleInSpace) -> Result<Obstacle, Failure> {
+    Ok(Obstacle::InSpace(obstacle))
+}
+
+fn rigid_sphere() -> Function {
+    shape(
+        "rigid_sphere",
+        "a rigid sphere as the other side of a contact of bodies in space",
+        vec![point("center", "its center"), radius("its radius"), inside("whether bodies are inside of it, as in a bowl")],
+        Moves::InSpace,
+        "let bowl = rigid_sphere(#{ center: [0.0, 0.0, 2.0], radius: 2.0, inside: true });",
+        |options| {
+            let (center, radius) = (options.argument("center").vector(3)?, options.number("radius")?);
+            in_space(ObstacleInSpace::Sphere { center, radius, is_hollow: options.flag("inside")? })
+        },
+    )
+}
+
+fn rigid_cylinder() -> Function {
+    shape(
+        "rigid_cylinder",
+        "a rigid round cylinder without ends as the other side of a contact of bodies in space",
+        vec![
+            point("point", "a point of its axis"),
+            axis("the direction of its axis, of any length"),
+            radius("its radius"),
+            inside("whether bodies are inside of it, as in a pipe"),
+        ],
+        Moves::InSpace,
+        "let roller = rigid_cylinder(#{ point: [0.0, 0.0, 1.5], axis: [0.0, 1.0, 0.0], radius: 0.5, motion: #{ z: 0.1 } });",
+        |options| {
+            let (point, radius) = (options.argument("point").vector(3)?, options.number("radius")?);
+            let (axis, is_hollow) = (direction(&options.argument("axis"))?, options.flag("inside")?);
+            in_space(ObstacleInSpace::Cylinder { point, axis, radius, is_hollow })
+        },
+    )
+}
+
+fn rigid_cone() -> Function {
+    let angle = Interval::Open(0.0, FRAC_PI_2);
+    shape(
+        "rigid_cone",
+        "a rigid round cone without an end as the other side of a contact of bodies in space",
+        vec![
+            point("tip", "its tip"),
+            axis("the direction of its axis from the tip into the cone, of any length"),
+            Parameter::number("half_angle", "rad", angle, "the angle between its axis and its side"),
+            inside("whether bodies are inside of it, as in a funnel"),
+        ],
+        Moves::InSpace,
+        "let funnel = rigid_cone(#{ tip: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], half_angle: deg(40), inside: true });",
+        |options| {
+            let (tip, axis) = (options.argument("tip").vector(3)?, direction(&options.argument("axis"))?);
+            let (angle, is_hollow) = (options.number("half_angle")?, options.flag("inside")?);
+            in_space(ObstacleInSpace::Cone { tip, axis, angle, is_hollow })
+        },
+    )
+}
+
+fn rigid_torus() -> Function {
+    shape(
+        "rigid_torus",
+        "a rigid torus, a ring of a round tube, as the other side of a contact of bodies in space",
+        vec![
+            point("center", "its center"),
+            axis("the direction of its axis, of any length"),
+            radius("the radius of the circle in the middle of the tube"),
+            Parameter::number("tube_radius", "length", Interval::Positive, "the radius of the tube, smaller than that"),
+            inside("whether bodies are inside of the tube"),
+        ],
+        Moves::InSpace,
+        "let ring = rigid_torus(#{ center: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], radius: 2.0, tube_radius: 0.5 });",
+        |options| {
+            let (center, axis) = (options.argument("center").vector(3)?, direction(&options.argument("axis"))?);
+            let (radius, tube, is_hollow) = (options.number("radius")?, options.number("tube_radius")?, options.flag("inside")?);
+            if tube >= radius {
+                let argument = options.argument("tube_radius");
+                let failure = argument.fail(format!("{} must be smaller than the radius of the ring", argument.title()));
+                return Err(failure
+                    .label(format!("the ring has the radius {radius}"))
+                    .hint("else the torus has no hole, and crosses itself"));
+            }
+            in_space(ObstacleInSpace::Torus { center, axis, radius, tube, is_hollow })
+        },
+    )
+}
+
+fn rigid_box() -> Function {
+    shape(
+        "rigid_box",
+        "a rigid box as the other side of a contact of bodies in space; bodies are outside of it",
+        vec![
+            Parameter::new("size", Kind::Vector, "its edges along x, y and z before it is turned").of("length"),
+            point("origin", "its lowest corner before it is turned"),
+            axis("the axis about which it is turned, through its middle").or(Absent::Means("along z")),
+            Parameter::new("angle", Kind::Number, "the angle by which it is turned").of("rad").or(Absent::Number(0.0)),
+        ],
+        Moves::InSpace,
+        "let anvil = rigid_box(#{ size: [1.0, 1.0, 0.5], origin: [-0.5, -0.5, -0.5], axis: [0.0, 0.0, 1.0], angle: deg(45) });",
+        |options| {
+            let (argument, origin) = (options.argument("size"), options.argument("origin").vector(3)?);
+            let size = argument.vector(3)?;
+            if size.iter().any(|&edge| edge <= 0.0) {
+                let failure = argument.fail(format!("{} must have three numbers greater than 0", argument.title()));
+                return Err(failure.hint("`origin` is the lowest corner"));
+            }
+            let high = [0, 1, 2].map(|i| origin[i] + size[i]);
+            let given = options.argument("axis");
+            let axis = if given.is_given() { direction(&given)? } else { [0.0, 0.0, 1.0] };
+            let angle = options.number("angle")?;
+            let middle = [0, 1, 2].map(|i| origin[i] + 0.5 * size[i]);
+            faceted(Facets::cuboid(origin, high).and_then(|facets| facets.turned(middle, axis, angle)), &argument)
+        },
+    )
+}
+
+fn rigid_surface() -> Function {
+    shape(
+        "rigid_surface",
+        "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file or a mesh; \
+         bodies are where its facets look",
+        vec![
+            Parameter::new("file", Kind::Text, "an `.stl` or `.obj` file, below the script's folder or a folder that `--allow-read` names")
+                .or(Absent::Means("a mesh is given")),
+            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "a mesh in space").or(Absent::Means("a file is given")),
+            Parameter::new("boundary", Kind::Text, "the boundary of the mesh").or(Absent::Means("all of its hull")),
+            Parameter::number("scale", "1", Interval::Positive, "factor of all lengths, such as 1e-3 for a file in millimeters")
+                .or(Absent::Number(1.0)),
+            Parameter::new("offset", Kind::Vector, "where its origin is put, after it is scaled")
+                .of("length")
+                .or(Absent::Means("the origin")),
+            Parameter::new("inside", Kind::Flag, "whether bodies are on the other side, inside of a closed surface")
+                .or(Absent::Flag(false)),
+        ],
+        Moves::InSpace,
+        "let die = rigid_surface(#{ mesh: block(#{ size: [1.0, 1.0, 0.2], cells: [4, 4, 1] }), boundary: \"top\" });",
+        |options| {
+            let (file, mesh) = (options.argument("file"), options.argument("mesh"));
+            if file.is_given() == mesh.is_given() {
+                let failure = file.fail("`rigid_surface` takes either a `file` or a `mesh`");
+                return Err(failure.hint("write `rigid_surface(#{ file: \"die.stl\" })`"));
+            }
+            let argument = if file.is_given() { &file } else { &mesh };
+            let (points, triangles) = if file.is_given() { of_file(&file)? } else { of_mesh(options, &mesh)? };
+            let (scale, given) = (options.number("scale")?, options.argument("offset"));
+            let offset = if given.is_given() { given.vector(3)? } else { [0.0; 3] };
+            let points: Vec<[f64; 3]> = points.iter().map(|x| [0, 1, 2].map(|i| offset[i] + scale * x[i])).collect();
+            let is_turned = options.flag("inside")?;
+            let turned = |[a, b, c]: [u32; 3]| if is_turned { [a, c, b] } else { [a, b, c] };
+            let triangles: Vec<[u32; 3]> = triangles.into_iter().map(turned).collect();
+            faceted(Facets::new(&points, &triangles), argument)
+        },
+    )
+}
+
+type Triangles = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+fn of_file(argument: &Argument) -> Result<Triangles, Failure> {
+    let path = argument.text()?;
+    let file = readable(argument, &path)?;
+    read_surface(&file).map_err(|error: MeshError| read_failure(argument, &path, &file, &error))
+}
+
+fn of_mesh(options: &Options, argument: &Argument) -> Result<Triangles, Failure> {
+    let mesh = argument.handle::<MeshHandle>()?.mesh();
+    if mesh.dimension() != 3 {
+        let failure = argument.fail("a rigid surface needs a mesh in space");
+        return Err(failure.label("this mesh is plane").hint("`extrude` makes a mesh in space of it"));
+    }
+    let name = options.argument("boundary");
+    let facets = if name.is_given() { boundary_named(&name, &mesh)?.facets } else { mesh.hull() };
+    let fan = |nodes: Vec<u32>| -> Vec<[u32; 3]> { (2..nodes.len()).map(|k| [nodes[0], nodes[k - 1], nodes[k]]).collect() };
+    let triangles = facets.iter().flat_map(|&facet| fan(mesh.facet_nodes(facet).collect())).collect();
+    Ok((mesh.points.clone(), triangles))
+}
+
+fn faceted(made: Result<Facets, FacetsError>, argument: &Argument) -> Result<Obstacle, Failure> {
+    let hint = |error: &FacetsError| match error {
+        FacetsError::Empty => "give a surface with an area",
+        FacetsError::NotFinite(_) => "repair the file",
+        FacetsError::Turned(_) => "turn round the triangles that look the wrong way, and part what more than two triangles share",
+    };
+    let made = made.map_err(|error| argument.fail(error.to_string()).hint(hint(&error)))?;
+    in_space(ObstacleInSpace::Facets(Arc::new(made)))
+}
