@@ -198,7 +198,7 @@ pub trait RigidObstacle {
 
     /// How a rigid obstacle carries along what sticks to it in this step: by a displacement, and, if it is round, by an angle about its
     /// center `[length]`, `[rad]`. At rest that is its motion since the equilibrium before, although it stands where it is.
-    fn carry(&mut self, _shift: [f64; 2], _angle: f64) {}
+    fn carry(&mut self, _shift: [f64; 3], _angle: f64) {}
 
     /// Where a rigid obstacle is at the end of this step, as its translation `[length]`.
     fn obstacle_translation(&self) -> [f64; 3] {

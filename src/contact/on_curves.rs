@@ -343,7 +343,7 @@ impl RigidObstacle for OnCurves {
         self.inner.move_obstacle(translations);
     }
 
-    fn carry(&mut self, shift: [f64; 2], angle: f64) {
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
         self.inner.carry(shift, angle);
     }
 

@@ -209,8 +209,8 @@ impl RigidObstacle for RigidContact {
         self.translations = translations.map(|[x, y, _]| [x, y]);
     }
 
-    fn carry(&mut self, shift: [f64; 2], angle: f64) {
-        self.carried = (shift, if matches!(self.shape, Shape::Circle { .. }) { angle } else { 0.0 });
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
+        self.carried = ([shift[0], shift[1]], if matches!(self.shape, Shape::Circle { .. }) { angle } else { 0.0 });
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {

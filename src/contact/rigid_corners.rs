@@ -131,18 +131,20 @@ impl RigidCorners {
             let nodes: Vec<u32> = inner.nodes(p).iter().copied().filter(|&node| self.is_of_model(node)).collect();
             self.sides.patches.push(&nodes, inner.rows(p));
         }
+        if self.dimension == 3 {
+            self.sides.list_slips();
+        }
     }
 
     fn is_of_model(&self, node: u32) -> bool {
         (node as usize) < self.components / self.dimension
     }
 
-    /// What is left of an evaluation with the points.
-    fn without_points(&self, all: &Evaluation, out: &mut Evaluation) {
-        out.prepare(&self.sides.patches, self.sides.weights.len());
+    /// What is left of an evaluation with the points of the rows that press, or of the tangential ones.
+    fn without_points(&self, [inner, outer]: [&Patches; 2], all: &Evaluation, out: &mut Evaluation) {
+        out.prepare(outer, all.gap.len());
         out.gap.copy_from_slice(&all.gap);
         out.coverage.copy_from_slice(&all.coverage);
-        let (inner, outer) = (self.inner.patches(), &self.sides.patches);
         for p in 0..outer.len() {
             if !all.live[p] {
                 out.clear_patch(outer, p);
@@ -189,7 +191,7 @@ impl PatchFunctions for RigidCorners {
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         let mut all = Evaluation::default();
         self.inner.evaluate(derivative, &self.positions(q_1, 2), lambda, &mut all);
-        self.without_points(&all, out);
+        self.without_points([self.inner.patches(), &self.sides.patches], &all, out);
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
@@ -197,7 +199,7 @@ impl PatchFunctions for RigidCorners {
         let (q_0, q_1) = (self.positions(step.q_0, 0), self.positions(step.q_1, 2));
         let moved = self.extended(step.moved, |_, i| self.shift[i]);
         self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, ..step }, lambda, &mut all);
-        self.without_points(&all, out);
+        self.without_points([self.inner.slip_patches(), self.sides.slip_patches()], &all, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
@@ -252,8 +254,8 @@ impl RigidObstacle for RigidCorners {
         self.translations = *translations;
     }
 
-    fn carry(&mut self, shift: [f64; 2], angle: f64) {
-        self.shift = [shift[0], shift[1], 0.0];
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
+        self.shift = shift;
         self.inner.carry(shift, angle);
     }
 

@@ -140,7 +140,7 @@ impl CandidateSearch for RoundContact {
 }
 
 impl RigidObstacle for RoundContact {
-    fn carry(&mut self, _shift: [f64; 2], angle: f64) {
+    fn carry(&mut self, _shift: [f64; 3], angle: f64) {
         self.turn = angle;
     }
 }

@@ -113,7 +113,7 @@ fn slips_on_an_obstacle_are_those_against_its_motion() {
     let plane = Obstacle::HalfPlane { point: [0.0, 0.0], normal: [0.0, 2.0] };
     let mut kernel = RigidContact::new(&[[0, 1]], &plane, &reference);
     kernel.move_obstacle(&[[0.0; 3], [0.2, 0.0, 0.0], [0.4, 0.0, 0.0]]);
-    kernel.carry([0.4, 0.0], 0.0);
+    kernel.carry([0.4, 0.0, 0.0], 0.0);
     kernel.begin_step(&reference);
     let moved = [0.4, 0.0, 1.5, 0.0];
     let out = slips(&kernel, &reference, &moved, Configuration::Middle);

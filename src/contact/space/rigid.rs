@@ -13,9 +13,12 @@ use nalgebra::Vector3;
 
 use super::facets::Distance;
 use super::obstacle::{ObstacleInSpace, Shape, StepGradient};
+use super::slip::{self, Group, SlipsInSpace};
+use super::vectors::Vec3;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
+use crate::contact::slip::{Number, SlipStep};
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
@@ -39,6 +42,8 @@ pub struct RigidInSpace {
     shape: Shape,
     slots: usize,
     translations: [[f64; 3]; 3],
+    /// How far it carries along what sticks to it.
+    carried: [f64; 3],
     start: Vec<Vector3<f64>>,
     /// Nodes at the other ends of the edges of each node.
     neighbors: Vec<Vec<usize>>,
@@ -61,6 +66,7 @@ impl RigidInSpace {
             let rows: Vec<u32> = (0..slots as u32).map(|slot| slots as u32 * index + slot).collect();
             sides.patches.push(&[node], &rows);
         }
+        sides.list_slips();
         let start = sides.secondary.nodes().iter().map(|&node| faces::at(node, reference)).collect();
         let mut neighbors = vec![Vec::new(); sides.secondary.nodes().len()];
         for [a, b] in sides.secondary.edges().iter().map(|edge| edge.nodes) {
@@ -69,7 +75,8 @@ impl RigidInSpace {
                 neighbors[b].push(a);
             }
         }
-        let mut contact = RigidInSpace { sides, shape, slots, translations: [[0.0; 3]; 3], start, neighbors, felt: Vec::new() };
+        let mut contact =
+            RigidInSpace { sides, shape, slots, translations: [[0.0; 3]; 3], carried: [0.0; 3], start, neighbors, felt: Vec::new() };
         contact.feel();
         contact
     }
@@ -188,6 +195,10 @@ impl PatchFunctions for RigidInSpace {
         }
     }
 
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate::<3>(self, &self.sides, step, lambda, out);
+    }
+
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         // A row stands for the whole obstacle at places where its step does not lead.
@@ -207,6 +218,27 @@ impl PatchFunctions for RigidInSpace {
     }
 }
 
+/// Slip of a node on the obstacle, as it translates.
+impl SlipsInSpace for RigidInSpace {
+    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
+        let x = Vector3::from(z[0].map(|x| x.re())) - Vector3::from(self.translations[1]);
+        let group = |(place, felt): (usize, &Option<Shape>)| {
+            let shape = felt.as_ref()?;
+            let Distance { normal, curvature, covered, .. } = shape.distance(x);
+            let axis = slip::farthest_axis(shape.distance(self.begins(p)).normal.into());
+            let normal = std::array::from_fn(|i| slip::linear(normal[i], &[0, 1, 2].map(|k| curvature[(i, k)]), z));
+            let mut weights = [T::from(0.0); slip::NODES];
+            weights[0] = T::from(self.sides.weights[self.slots * p + place]);
+            covered.then(|| Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0 })
+        };
+        self.felt[self.slots * p..self.slots * (p + 1)].iter().enumerate().filter_map(group).collect()
+    }
+
+    fn carried(&self) -> Option<Vec3<f64>> {
+        Some(self.carried)
+    }
+}
+
 impl CandidateSearch for RigidInSpace {
     fn deepest(&self, q: &[f64]) -> f64 {
         self.distances(q).filter(|distance| distance.covered).map(|distance| -distance.gap).fold(0.0, f64::max)
@@ -216,6 +248,10 @@ impl CandidateSearch for RigidInSpace {
 impl RigidObstacle for RigidInSpace {
     fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
         self.translations = *translations;
+    }
+
+    fn carry(&mut self, shift: [f64; 3], _angle: f64) {
+        self.carried = shift;
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {

@@ -17,9 +17,12 @@ use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
 use super::facets::Distance;
 use super::features::Features;
 use super::obstacle::{ObstacleInSpace, Shape, Symmetries};
+use super::slip::{self, Group, SlipsInSpace};
+use super::vectors::Vec3;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
+use crate::contact::slip::{Number, SlipStep};
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative};
@@ -47,6 +50,8 @@ pub struct RoundInSpace {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 3]; 3],
+    /// How far it carries along what sticks to it.
+    carried: [f64; 3],
     /// Which edges have a row in this step.
     is_there: Vec<bool>,
     /// Their ends at the start of the step as seen from the obstacle.
@@ -83,22 +88,38 @@ impl Deepest {
         Deepest { at, share, gradient }
     }
 
-    /// Second derivative: that of the point that stays where it is on the edge, less what it gains by moving.
-    fn hessian(&self, [a, b]: Ends) -> SixBySix {
+    /// How the slope along the edge changes with the ends at a fixed share, and with the share; nothing of that where the share is fixed.
+    fn turning(&self, [a, b]: Ends) -> (Six, f64) {
         let Deepest { at, share, .. } = *self;
         let (along, shares) = (b - a, [1.0 - share, share]);
         let bent = at.curvature * along;
         let bend = along.dot(&bent);
-        let mut hessian = SixBySix::zeros();
         let mut coupling = Six::zeros();
+        for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(at.normal * sign + bent * shares[k]));
+        }
+        let is_free = 0.0 < share && share < 1.0 && bend > LIES_ALONG * along.norm();
+        (coupling, if is_free { bend } else { 0.0 })
+    }
+
+    /// Derivative of the share with respect to the ends.
+    fn slide(&self, ends: Ends) -> Six {
+        let (coupling, bend) = self.turning(ends);
+        if bend > 0.0 { coupling / -bend } else { Six::zeros() }
+    }
+
+    /// Second derivative: that of the point that stays where it is on the edge, less what it gains by moving.
+    fn hessian(&self, ends: Ends) -> SixBySix {
+        let Deepest { at, share, .. } = *self;
+        let shares = [1.0 - share, share];
+        let mut hessian = SixBySix::zeros();
         for k in 0..2 {
             for l in 0..2 {
                 hessian.fixed_view_mut::<3, 3>(3 * k, 3 * l).copy_from(&(at.curvature * (shares[k] * shares[l])));
             }
-            let sign = if k == 0 { -1.0 } else { 1.0 };
-            coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(at.normal * sign + bent * shares[k]));
         }
-        if 0.0 < share && share < 1.0 && bend > LIES_ALONG * along.norm() {
+        let (coupling, bend) = self.turning(ends);
+        if bend > 0.0 {
             hessian -= coupling * coupling.transpose() / bend;
         }
         hessian
@@ -120,8 +141,9 @@ impl RoundInSpace {
         let mut sides = Sides { facet_size, ..Sides::of(surface.clone(), Surface::in_space([]), reference) };
         sides.weights = vec![facet_size * facet_size; edges.len()];
         edges.iter().zip(0..).for_each(|(nodes, row)| sides.patches.push(nodes, &[row]));
+        sides.list_slips();
         let (is_there, start) = (vec![false; edges.len()], vec![Default::default(); edges.len()]);
-        (!edges.is_empty()).then_some(RoundInSpace { sides, shape, translations: [[0.0; 3]; 3], is_there, start })
+        (!edges.is_empty()).then_some(RoundInSpace { sides, shape, translations: [[0.0; 3]; 3], carried: [0.0; 3], is_there, start })
     }
 
     /// Ends of an edge as seen from the obstacle where it is at the start, in the middle or at the end of the step.
@@ -271,6 +293,10 @@ impl PatchFunctions for RoundInSpace {
         }
     }
 
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate::<6>(self, &self.sides, step, lambda, out);
+    }
+
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for row in self.rows_there() {
@@ -281,6 +307,30 @@ impl PatchFunctions for RoundInSpace {
 
     fn coverage(&self, _q: &[f64]) -> Vec<f64> {
         self.is_there.iter().map(|&is_there| f64::from(u8::from(is_there))).collect()
+    }
+}
+
+/// Slip of the deepest point of an edge, as the obstacle translates.
+impl SlipsInSpace for RoundInSpace {
+    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
+        if !self.is_there[p] {
+            return Vec::new();
+        }
+        let ends = [z[0], z[1]].map(|end| Vector3::from(end.map(|x| x.re())) - Vector3::from(self.translations[1]));
+        let found = Deepest::new(&self.shape, ends);
+        let axis = slip::farthest_axis(Deepest::new(&self.shape, self.start[p]).at.normal.into());
+        let share = slip::linear(found.share, found.slide(ends).as_slice(), z);
+        let weight = self.sides.weights[p];
+        let mut weights = [T::from(0.0); slip::NODES];
+        (weights[0], weights[1]) = ((-share + 1.0) * weight, share * weight);
+        let x: [Vec3<T>; 1] = [std::array::from_fn(|i| z[0][i] + (z[1][i] - z[0][i]) * share)];
+        let bend = found.at.curvature;
+        let normal = std::array::from_fn(|i| slip::linear(found.at.normal[i], &[0, 1, 2].map(|k| bend[(i, k)]), &x));
+        vec![Group { place: 0, weights, tangents: slip::tangents(normal, axis), covered: 1.0 }]
+    }
+
+    fn carried(&self) -> Option<Vec3<f64>> {
+        Some(self.carried)
     }
 }
 
@@ -311,6 +361,10 @@ impl CandidateSearch for RoundInSpace {
 impl RigidObstacle for RoundInSpace {
     fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
         self.translations = *translations;
+    }
+
+    fn carry(&mut self, shift: [f64; 3], _angle: f64) {
+        self.carried = shift;
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {

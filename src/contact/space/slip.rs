@@ -23,7 +23,7 @@ use crate::contact::surface::{Sides, Surface};
 use crate::integrators::Configuration;
 
 /// Nodes of a patch, at most.
-const NODES: usize = 8;
+pub const NODES: usize = 8;
 
 /// The two tangential rows beside a row that presses, at a configuration of a patch.
 #[derive(Clone)]
@@ -42,6 +42,16 @@ pub struct Group<T> {
 pub trait SlipsInSpace {
     /// The tangential rows of patch `p` at the positions of its nodes.
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
+
+    /// How far the other side moves in the step where it is no node `[length]`: then rigid motions of a patch have slips, too.
+    fn carried(&self) -> Option<Vec3<f64>> {
+        None
+    }
+}
+
+/// Vectors at the places `z`, without what a rigid motion of these makes of them where the other side has nodes.
+fn relative<T: Number>(is_relative: bool, z: &[Vec3<T>], vectors: Vec<Vec3<T>>) -> Vec<Vec3<T>> {
+    if is_relative { without_rigid_motion(z, &vectors) } else { vectors }
 }
 
 impl<T: Number> Group<T> {
@@ -96,18 +106,19 @@ pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step:
             continue;
         }
         out.live[p] = true;
-        let constant: Vec<Vec3<Jet<N>>> = moved.as_chunks().0.iter().map(|d: &Vec3<f64>| d.map(Jet::from)).collect();
-        let relative = without_rigid_motion(&middle, &constant);
+        let (is_relative, carried) = (kernel.carried().is_none(), kernel.carried().unwrap_or_default());
+        let against = |d: &Vec3<f64>| -> Vec3<Jet<N>> { sub(*d, carried).map(Jet::from) };
+        let motion = relative(is_relative, &middle, moved.as_chunks().0.iter().map(against).collect());
         let (first, width, rows) = (patches.gradient_range(p).start, z.len(), patches.rows(p));
         for group in &groups {
             let values = group.values();
             for k in 0..2 {
-                let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &relative));
+                let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &motion));
                 out.gap[row] += slip.re;
                 out.coverage[row] += group.covered;
                 let block = first + (2 * group.place + k) * width;
                 let gradient = &mut out.gradient_end[block..block + width];
-                gradient.copy_from_slice(row_of(&values, k, z.as_chunks().0).as_flattened());
+                gradient.copy_from_slice(row_of(&values, k, is_relative, z.as_chunks().0).as_flattened());
                 if let num_dual::Derivative(Some(slope)) = &slip.eps {
                     gradient.iter_mut().zip(slope.iter()).for_each(|(g, slope)| *g += 0.5 * slope);
                 }
@@ -126,7 +137,7 @@ pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step:
             let values = group.values();
             for k in 0..2 {
                 let block = first + (2 * group.place + k) * width;
-                out.gradient_bar[block..block + width].copy_from_slice(row_of(&values, k, &positions).as_flattened());
+                out.gradient_bar[block..block + width].copy_from_slice(row_of(&values, k, is_relative, &positions).as_flattened());
             }
             let shear = [0, 1].map(|k| lambda[rows[2 * group.place + k] as usize]);
             if shear != [0.0; 2] {
@@ -135,17 +146,36 @@ pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step:
             }
         }
         if is_loaded {
-            let balanced = without_rigid_motion(&at, &forces);
-            hessian_into(&balanced, step.test.share(), &mut out.tangent[patches.tangent_range(p)]);
+            let forces = relative(is_relative, &at, forces);
+            hessian_into(&forces, step.test.share(), &mut out.tangent[patches.tangent_range(p)]);
         }
     }
 }
 
 /// The row of a slip at the positions of the nodes.
-fn row_of(group: &Group<f64>, tangent: usize, z: &[Vec3<f64>]) -> Vec<Vec3<f64>> {
+fn row_of(group: &Group<f64>, tangent: usize, is_relative: bool, z: &[Vec3<f64>]) -> Vec<Vec3<f64>> {
     let mut row = vec![[0.0; 3]; z.len()];
     group.add_forces([[1.0, 0.0], [0.0, 1.0]][tangent], &mut row);
-    without_rigid_motion(z, &row)
+    relative(is_relative, z, row)
+}
+
+/// Tangents beside a rigid obstacle, by its normal: the first one along an axis of the frame, as far as that is tangential.
+pub fn tangents<T: Number>(normal: Vec3<T>, axis: usize) -> [Vec3<T>; 2] {
+    let mut along = normal.map(|n| -n * normal[axis]);
+    along[axis] += T::from(1.0);
+    let first = scaled(along, dot(along, along).sqrt().recip());
+    [first, cross(normal, first)]
+}
+
+/// The axis of the frame that is farthest from a normal.
+pub fn farthest_axis(normal: [f64; 3]) -> usize {
+    (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0)
+}
+
+/// A function of the places `z` from its value there and its derivative.
+pub fn linear<T: Number>(value: f64, derivative: &[f64], z: &[Vec3<T>]) -> T {
+    let by = |sum: T, (slope, z): (&f64, &T)| sum + (*z - z.re()) * *slope;
+    derivative.iter().zip(z.as_flattened()).fold(T::from(value), by)
 }
 
 /// Vectors at the places `z` without what a rigid motion of these makes of them: `P`.
@@ -216,7 +246,7 @@ mod tests {
 
     use super::*;
     use crate::contact::fixtures::{dense_rows_of, difference, evaluated};
-    use crate::contact::space::{CornersInSpace, MortarInSpace};
+    use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, RigidInSpace, RoundInSpace};
     use crate::contact::{ContactKernel, Outlook};
     use crate::integrators::Derivative;
 
@@ -237,6 +267,25 @@ mod tests {
         let mut kernels = vec![MortarInSpace::kernel(below(), above(), &base())];
         kernels.extend(CornersInSpace::kernel(below(), above(), &base()));
         for kernel in &mut kernels {
+            kernel.update_candidates(&Outlook::within(q, 1.0));
+            kernel.begin_step(q);
+        }
+        kernels
+    }
+
+    /// The surface below and round obstacles that move.
+    fn obstacles(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
+        let below = Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
+        let (point, axis) = ([0.9, 1.1, 0.15], [0.1, 1.0, 0.05]);
+        let rod = ObstacleInSpace::Cylinder { point, axis, radius: 0.2, is_hollow: false };
+        let ball = ObstacleInSpace::Sphere { center: [0.8, 1.3, 1.9], radius: 2.0, is_hollow: false };
+        let mut kernels: Vec<Box<dyn ContactKernel>> = vec![Box::new(RigidInSpace::new(below.clone(), &ball, &base()))];
+        let edges = RoundInSpace::new(&below, &rod, &base(), 1.0);
+        kernels.extend(edges.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
+        assert_eq!(kernels.len(), 2);
+        for kernel in &mut kernels {
+            kernel.move_obstacle(&[[0.0; 3], [0.05, -0.02, 0.01], [0.1, -0.04, 0.02]]);
+            kernel.carry([0.1, -0.04, 0.02], 0.0);
             kernel.update_candidates(&Outlook::within(q, 1.0));
             kernel.begin_step(q);
         }
@@ -303,6 +352,22 @@ mod tests {
             }
         }
 
+        /// Slips are those against the motion of an obstacle: none where everything goes with it.
+        #[test]
+        fn what_an_obstacle_carries_along_does_not_slide((q_0, q_1) in steps()) {
+            let against: Vec<f64> = difference(&q_1, &q_0).iter().enumerate().map(|(k, d)| d - [0.1, -0.04, 0.02][k % 3]).collect();
+            let along: Vec<f64> = q_0.iter().enumerate().map(|(k, x)| x + [0.1, -0.04, 0.02][k % 3]).collect();
+            for kernel in obstacles(&q_0) {
+                let out = slips(&*kernel, &q_0, &q_1, Configuration::Middle);
+                for (row, slip) in rows(&*kernel, &out.gradient_bar).iter().zip(&out.gap) {
+                    prop_assert!((product(row, &against) - slip).abs() < 1e-14);
+                }
+                prop_assert!(out.gap.iter().any(|slip| *slip != 0.0));
+                let out = slips(&*kernel, &q_0, &along, Configuration::Middle);
+                prop_assert!(out.gap.iter().all(|slip| slip.abs() < 1e-15), "{:?}", out.gap);
+            }
+        }
+
         /// However large it is, a rigid motion of both sides is no slip.
         #[test]
         fn a_rigid_motion_has_no_slip((q_0, _) in steps(), angles in prop::array::uniform3(-1.0..1.0f64)) {
@@ -318,7 +383,7 @@ mod tests {
         /// Gradients and tangents along a random direction against differences, but where these meet a kink.
         #[test]
         fn gradients_and_tangents_are_derivatives((q_0, q_1) in steps(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
-            for kernel in kernels(&q_0) {
+            for kernel in kernels(&q_0).into_iter().chain(obstacles(&q_0)) {
                 for test in [Configuration::Middle, Configuration::End] {
                     let out = slips(&*kernel, &q_0, &q_1, test);
                     let at = |width: f64| {

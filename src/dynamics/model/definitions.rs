@@ -110,7 +110,7 @@ pub struct Model {
 fn check_in_space(interaction: &Interaction) -> Result<(), ModelError> {
     let lacking = match &interaction.partner {
         Partner::Tied { .. } => Some("a tie".to_string()),
-        Partner::Obstacle { .. } => interaction.friction.as_ref().map(|_| "friction".to_string()),
+        Partner::Obstacle { .. } => None,
         _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
         _ => None,
     };

@@ -227,7 +227,7 @@ impl ContactPair {
             return Ok(());
         }
         let by = |function: &Option<Amplitude>| Ok(self.at(function, to)? - self.at(function, from)?);
-        let (shift, angle) = ([by(&self.motion[0])?, by(&self.motion[1])?], by(&self.turn)?);
+        let (shift, angle) = ([by(&self.motion[0])?, by(&self.motion[1])?, by(&self.motion[2])?], by(&self.turn)?);
         self.kernel.carry(shift, angle);
         Ok(())
     }
