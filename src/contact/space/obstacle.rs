@@ -88,6 +88,19 @@ pub enum ObstacleInSpace {
 }
 
 impl ObstacleInSpace {
+    /// Largest coordinate of which a distance is a difference: of a plane's none, as it is one product `[length]`.
+    pub fn reach(&self) -> f64 {
+        let size = |x: &[f64; 3]| Vector3::from(*x).norm();
+        match self {
+            ObstacleInSpace::Plane { .. } => 0.0,
+            ObstacleInSpace::Sphere { center, radius, .. } => size(center) + radius,
+            ObstacleInSpace::Cylinder { point, radius, .. } => size(point) + radius,
+            ObstacleInSpace::Cone { tip, .. } => size(tip),
+            ObstacleInSpace::Torus { center, radius, tube, .. } => size(center) + radius + tube,
+            ObstacleInSpace::Facets(facets) => facets.points().iter().map(size).fold(0.0, f64::max),
+        }
+    }
+
     /// Whether bodies are outside of something round that is so small that facets between nodes may enter it.
     pub fn is_small(&self, surface: &Surface, reference: &[f64], facet_size: f64) -> bool {
         let radius = match *self {

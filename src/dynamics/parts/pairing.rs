@@ -69,6 +69,12 @@ impl Pairing<'_> {
         pair
     }
 
+    /// The same with an obstacle in space, as accurate as coordinates of its size are.
+    fn obstacle_pair(&self, name: &str, shape: &ObstacleInSpace, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
+        let far = Pairing { reach: self.reach.max(shape.reach()), ..*self };
+        far.pair(name, PairKind::Obstacle, body, kernel)
+    }
+
     /// One pair for each contact of the model, in the order of [`Model::contact_names`].
     fn contacts(&self) -> Vec<ContactPair> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
@@ -83,7 +89,7 @@ impl Pairing<'_> {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, .. } = partner {
             let kernel = RigidInSpace::new(self.surface(std::slice::from_ref(secondary)), shape, self.reference);
-            let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, Box::new(kernel));
+            let mut pair = self.obstacle_pair(name, shape, secondary.body, Box::new(kernel));
             pair.motion = motion.clone();
             let mut pair = self.held(pair, interaction, false);
             if matches!(shape, ObstacleInSpace::Facets(_)) && pair.is_unilateral() {
