@@ -41,7 +41,7 @@ pub enum LoadKind {
     Traction([f64; 3]),
     /// Dead force spread evenly over the boundary `[force]`, times the amplitude.
     Force([f64; 3]),
-    /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body. In the plane only.
+    /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body.
     Pressure(f64),
     /// Torque about the third axis `[force * length]`, the amplitude itself, as nodal forces without resultant.
     Torque,
@@ -285,9 +285,6 @@ impl Model {
             if on.boundary.facets.is_empty() {
                 return Err(ModelError::EmptyBoundary { boundary });
             }
-        }
-        if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Pressure(_)) && self.dimension() != 2) {
-            return Err(ModelError::PressureDimension { boundary: self.boundary_name(&load.on) });
         }
         for (index, part) in self.parts.iter().enumerate() {
             if self.parts[..index].iter().any(|other| other.name() == part.name()) {

@@ -88,12 +88,6 @@ pub enum ModelError {
         /// What it has.
         what: String,
     },
-    /// A pressure on a body in space.
-    #[error("the pressure on \"{boundary}\" acts on a body in space")]
-    PressureDimension {
-        /// `body.boundary`.
-        boundary: String,
-    },
     /// A contact pair whose sides share facets.
     #[error("both sides of contact \"{contact}\" contain facets of \"{boundary}\"")]
     SelfContact {
@@ -197,7 +191,6 @@ impl ModelError {
             ModelError::NotInSpace { .. } => {
                 "bodies in space touch each other by the method \"mortar\", without friction; leave this out, or use plane meshes".into()
             }
-            ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }
