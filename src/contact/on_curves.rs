@@ -58,11 +58,10 @@ struct Scratch {
 
 impl OnCurves {
     /// A method on `points`, whose rows are made of those of the nodes by `rows`, while points belong to nodes as by `homes`; `sides` are
-    /// its surfaces between the nodes.
-    pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3]) -> Self {
-        let mut weights = vec![0.0; if inner.row_nodes().is_empty() { inner.rows() } else { inner.rows_per_node() * sides.weights.len() }];
+    /// its surfaces between the nodes, and `row_nodes` the nodes that own rows, if nodes do.
+    pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3], row_nodes: Vec<u32>) -> Self {
+        let mut weights = vec![0.0; if row_nodes.is_empty() { inner.rows() } else { inner.rows_per_node() * row_nodes.len() }];
         rows.add_values_back(inner.weights(), &mut weights);
-        let row_nodes = if inner.row_nodes().is_empty() { Vec::new() } else { sides.secondary.nodes().to_vec() };
         let mut curved = OnCurves {
             inner,
             sides: Sides { weights, ..sides },
@@ -120,6 +119,11 @@ impl OnCurves {
         }
     }
 
+    /// Where the points are.
+    fn seen(&self, q: &[f64]) -> Vec<f64> {
+        self.points.points(self.sides.patches.dimension(), q)
+    }
+
     /// The sums of the rows here.
     fn gathered(&self, values: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.weights.len()];
@@ -139,14 +143,14 @@ impl OnCurves {
     /// Adds the gradient blocks of a member to those of its patch.
     fn gradients_into(&self, p: usize, Member { patch, node, row }: Member, from: &[f64], to: &mut [f64]) {
         let patches = self.inner.patches();
-        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
+        let (few, many, d) = (patches.unknowns(patch), self.sides.patches.unknowns(p), patches.dimension());
         let (from, to) = (&from[patches.gradient_range(patch)], &mut to[self.sides.patches.gradient_range(p)]);
         for (entry, from) in from.chunks_exact(few).enumerate() {
             for &(row, by) in self.patch_rows.parts(row + entry) {
                 let to = &mut to[row as usize * many..(row as usize + 1) * many];
-                for (entry, g) in from.chunks_exact(2).enumerate() {
+                for (entry, g) in from.chunks_exact(d).enumerate() {
                     for &(place, share) in self.patch_nodes.parts(node + entry) {
-                        (0..2).for_each(|i| to[2 * place as usize + i] += by * share * g[i]);
+                        (0..d).for_each(|i| to[d * place as usize + i] += by * share * g[i]);
                     }
                 }
             }
@@ -156,20 +160,20 @@ impl OnCurves {
     /// Adds the tangent block of a member to that of its patch.
     fn tangent_into(&self, p: usize, Member { patch, node, .. }: Member, from: &[f64], half: &mut Vec<f64>, to: &mut [f64]) {
         let patches = self.inner.patches();
-        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
+        let (few, many, d) = (patches.unknowns(patch), self.sides.patches.unknowns(p), patches.dimension());
         half.clear();
         half.resize(few * many, 0.0);
         for (half, from) in half.chunks_exact_mut(many).zip(from[patches.tangent_range(patch)].chunks_exact(few)) {
-            for (entry, k) in from.chunks_exact(2).enumerate() {
+            for (entry, k) in from.chunks_exact(d).enumerate() {
                 for &(place, share) in self.patch_nodes.parts(node + entry) {
-                    (0..2).for_each(|i| half[2 * place as usize + i] += share * k[i]);
+                    (0..d).for_each(|i| half[d * place as usize + i] += share * k[i]);
                 }
             }
         }
         let to = &mut to[self.sides.patches.tangent_range(p)];
-        for (entry, rows) in half.chunks_exact(2 * many).enumerate() {
+        for (entry, rows) in half.chunks_exact(d * many).enumerate() {
             for &(place, share) in self.patch_nodes.parts(node + entry) {
-                let to = &mut to[2 * place as usize * many..2 * (place as usize + 1) * many];
+                let to = &mut to[d * place as usize * many..d * (place as usize + 1) * many];
                 to.iter_mut().zip(rows).for_each(|(to, from)| *to += share * from);
             }
         }
@@ -205,8 +209,8 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
 }
 
 /// What happens in a step, as it is seen at points.
-fn with_seen<T>(points: &Combinations, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
-    let q = points.points(outlook.q);
+fn with_seen<T>(points: &Combinations, d: usize, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
+    let q = points.points(d, outlook.q);
     match outlook.travel {
         Travel::UpTo(_) => then(&Outlook { q: &q, ..*outlook }),
         Travel::Each { sizes, besides } => {
@@ -214,7 +218,7 @@ fn with_seen<T>(points: &Combinations, outlook: &Outlook, then: impl FnOnce(&Out
             then(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
         }
         Travel::Guessed { displacements, factor } => {
-            let [a, b] = displacements.map(|u| points.points(u));
+            let [a, b] = displacements.map(|u| points.points(d, u));
             then(&Outlook { q: &q, travel: Travel::Guessed { displacements: [&a, &b], factor }, ..*outlook })
         }
     }
@@ -245,7 +249,7 @@ impl PatchFunctions for OnCurves {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.inner.begin_step(&self.points.points(q_0));
+        self.inner.begin_step(&self.seen(q_0));
     }
 
     fn start_gap(&self) -> Vec<f64> {
@@ -259,7 +263,7 @@ impl PatchFunctions for OnCurves {
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let Scratch { inner, seen, lambda: pressing, half } = &mut *scratch;
-        self.points.points_into(q_1, seen);
+        self.points.points_into(self.sides.patches.dimension(), q_1, seen);
         self.rows.values_into(lambda, pressing);
         self.inner.evaluate(derivative, seen, pressing, inner);
         self.on_nodes(inner, pressing, half, out);
@@ -268,7 +272,7 @@ impl PatchFunctions for OnCurves {
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let Scratch { inner, lambda: pressing, half, .. } = &mut *scratch;
-        let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.points.points(values));
+        let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.seen(values));
         let mut live = vec![false; self.inner.patches().len()];
         let lives = self.members.iter().zip(step.live).filter(|(_, live)| **live);
         lives.flat_map(|(members, _)| members).for_each(|member| live[member.patch] = true);
@@ -278,7 +282,7 @@ impl PatchFunctions for OnCurves {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.gathered(&self.inner.gap(&self.points.points(q)))
+        self.gathered(&self.inner.gap(&self.seen(q)))
     }
 
     fn slacks(&self) -> Vec<f64> {
@@ -289,14 +293,15 @@ impl PatchFunctions for OnCurves {
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.weights.len()];
-        self.cover(&self.inner.coverage(&self.points.points(q)), &mut sums);
+        self.cover(&self.inner.coverage(&self.seen(q)), &mut sums);
         sums
     }
 }
 
 impl CandidateSearch for OnCurves {
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = with_seen(&self.points, outlook, |outlook| self.inner.update_candidates(outlook));
+        let d = self.sides.patches.dimension();
+        let changed = with_seen(&self.points, d, outlook, |outlook| self.inner.update_candidates(outlook));
         if changed {
             self.list();
         }
@@ -304,11 +309,11 @@ impl CandidateSearch for OnCurves {
     }
 
     fn margin(&self, outlook: &Outlook) -> f64 {
-        with_seen(&self.points, outlook, |outlook| self.inner.margin(outlook))
+        with_seen(&self.points, self.sides.patches.dimension(), outlook, |outlook| self.inner.margin(outlook))
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        self.inner.overlooks(&self.points.points(q_0), &self.points.points(q_1), tolerance)
+        self.inner.overlooks(&self.seen(q_0), &self.seen(q_1), tolerance)
     }
 
     fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
@@ -321,7 +326,7 @@ impl CandidateSearch for OnCurves {
     }
 
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.inner.restore_candidates(candidates, &self.points.points(q));
+        self.inner.restore_candidates(candidates, &self.seen(q));
         self.list();
     }
 
@@ -330,11 +335,11 @@ impl CandidateSearch for OnCurves {
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
-        self.inner.deepest(&self.points.points(q))
+        self.inner.deepest(&self.seen(q))
     }
 
     fn crossing(&self, q: &[f64]) -> f64 {
-        self.inner.crossing(&self.points.points(q))
+        self.inner.crossing(&self.seen(q))
     }
 }
 
@@ -352,14 +357,14 @@ impl RigidObstacle for OnCurves {
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        self.inner.passage(&self.points.points(q_1))
+        self.inner.passage(&self.seen(q_1))
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; 2 * self.points.len()]];
         self.rows.values_into(before, &mut pressed);
         self.rows.values_into(lambda, &mut pressing);
-        let work = self.inner.obstacle_force_into(derivative, &self.points.points(q_1), &pressed, &pressing, &mut seen);
+        let work = self.inner.obstacle_force_into(derivative, &self.seen(q_1), &pressed, &pressing, &mut seen);
         self.points.add_vectors_back(&seen, force);
         work
     }

@@ -5,7 +5,9 @@ mod features;
 mod gaps;
 mod mortar;
 mod pair;
+mod second_order;
 mod vectors;
 
 pub use corners::CornersInSpace;
 pub use mortar::MortarInSpace;
+pub use second_order::SeenInSpace;
