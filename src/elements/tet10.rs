@@ -84,9 +84,21 @@ impl ReferenceCell<3, 10, 4> for Tet10 {
             let (a, b) = (ends(one), ends(other));
             let common = a.iter().filter(|end| b.contains(end)).count();
             let in_420ths = match (one < 4, other < 4) {
-                (true, true) => if one == other { 6.0 } else { 1.0 },
+                (true, true) => {
+                    if one == other {
+                        6.0
+                    } else {
+                        1.0
+                    }
+                }
                 (false, false) => [8.0, 16.0, 32.0][common],
-                _ => if common > 0 { -4.0 } else { -6.0 },
+                _ => {
+                    if common > 0 {
+                        -4.0
+                    } else {
+                        -6.0
+                    }
+                }
             };
             in_420ths / 420.0
         };

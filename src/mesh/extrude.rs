@@ -206,7 +206,7 @@ mod tests {
                 let [solid, flat] = [&tube, &plane].map(|mesh| mesh.boundary_measure(mesh.boundary(name).unwrap()));
                 assert!((solid / (3.0 * flat) - 1.0).abs() < allowed, "{name}: {solid} {flat}");
             }
-            let radius = |name: &str, node: u32| (name, tube.points[node as usize][0].hypot(tube.points[node as usize][1]));
+            let radius = |name: &'static str, node: u32| (name, tube.points[node as usize][0].hypot(tube.points[node as usize][1]));
             for (name, r) in [("inner", 0.5), ("outer", 1.0)] {
                 let nodes = tube.boundary_nodes(tube.boundary(name).unwrap());
                 assert!(nodes.iter().all(|&node| solid == CellKind::Hex27 || (radius(name, node).1 - r).abs() < 1e-14), "{solid:?} {name}");
@@ -215,10 +215,13 @@ mod tests {
             named.sort_unstable();
             assert_eq!(tube.hull(), named);
             let points = &tube.boundary("points").unwrap().nodes;
-            assert!(points.len() >= 6 && points.iter().all(|&node| {
-                let [x, y, _] = tube.points[node as usize];
-                [0, plane.cell(0)[4]].iter().any(|&below| plane.points[below as usize][..2] == [x, y])
-            }));
+            assert!(
+                points.len() >= 6
+                    && points.iter().all(|&node| {
+                        let [x, y, _] = tube.points[node as usize];
+                        [0, plane.cell(0)[4]].iter().any(|&below| plane.points[below as usize][..2] == [x, y])
+                    })
+            );
         }
     }
 

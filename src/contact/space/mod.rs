@@ -1,4 +1,4 @@
-//! Contact in space: facets of three and four nodes.
+//! Contact in space: facets of three and four nodes, and faces of second order that are split into them.
 
 mod corners;
 mod features;

@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! corner            y = x_a + R_a,           R_a = mean over the edges there of k d, k = 1/4 of triangles, 1/3 of quadrilaterals;
-//!                                            zero where none of them is curved in the reference positions
+//!                                            zero where none of them lies off the plane of a face's corners in the reference positions
 //! middle            y = chord + r d + (R_a + R_b)/2
 //! center            y = center of the chords + sum of r d/2 over the edges + mean of R + g D
 //! ```
@@ -24,7 +24,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::contact::combinations::Combinations;
-use crate::contact::faces;
+use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::ContactKernel;
 use crate::contact::on_curves::OnCurves;
 use crate::contact::surface::{Sides, Surface};
@@ -112,10 +112,14 @@ struct Edge {
 impl Edge {
     fn new(middle: u32, ends: [u32; 2], by: f64, q: &[f64]) -> Self {
         let [a, b, m] = [ends[0], ends[1], middle].map(|node| faces::at(node, q));
-        let (chord, offset) = (b - a, m - 0.5 * (a + b));
-        let shift = offset.dot(&chord) / chord.norm_squared();
-        let is_curved = (offset - shift * chord).norm() > tolerances::STRAIGHT * chord.norm();
-        Edge { middle, ends, shift, is_curved, by, raised: 1.0 }
+        let shift = (m - 0.5 * (a + b)).dot(&(b - a)) / (b - a).norm_squared();
+        Edge { middle, ends, shift, is_curved: false, by, raised: 1.0 }
+    }
+
+    /// How far its middle lies off the chord along a normal of a face, over the chord.
+    fn sagitta(&self, normal: Vector, q: &[f64]) -> f64 {
+        let [a, b, m] = [self.ends[0], self.ends[1], self.middle].map(|node| faces::at(node, q));
+        (m - 0.5 * (a + b)).dot(&normal) / (b - a).norm()
     }
 
     /// The point of the chord below the middle, times a factor.
@@ -181,11 +185,13 @@ impl Proxies {
             let by = if count == 3 { OF_TRIANGLES } else { OF_QUADRILATERALS };
             for k in 0..count {
                 let ends = [face[k], face[(k + 1) % count]];
-                made.edge_of.entry(face[count + k]).or_insert_with(|| {
+                let edge = *made.edge_of.entry(face[count + k]).or_insert_with(|| {
                     ends.iter().for_each(|&end| around.entry(end).or_default().push(made.edges.len()));
                     made.edges.push(Edge::new(face[count + k], ends, by, q));
                     made.edges.len() - 1
                 });
+                let sagitta = made.edges[edge].sagitta(faces::normal(&face[..count], q), q);
+                made.edges[edge].is_curved |= sagitta.abs() > tolerances::STRAIGHT;
             }
         }
         made.wanted = vec![0.0; made.edges.len()];

@@ -33,7 +33,9 @@ impl ScriptWords for FormulationError {
                 "take `neo_hookean` or another law with a bulk modulus, or `hyperelastic` with the key `volumetric` for the part in J"
                     .into()
             }
-            FormulationError::LinearOfOthers { .. } => "take `dilatation: \"mean\"`, or `mesh.with_elements(\"quad9\")` (in space `\"hex27\"`)".into(),
+            FormulationError::LinearOfOthers { .. } => {
+                "take `dilatation: \"mean\"`, or `mesh.with_elements(\"quad9\")` (in space `\"hex27\"`)".into()
+            }
             FormulationError::NotPlane { .. } => "leave `plane` out".into(),
             _ => self.hint(),
         }
