@@ -142,7 +142,7 @@ struct Made {
 
 #[test]
 fn files_of_other_programs_are_what_their_geometry_says() {
-    use CellKind::{Hex8, Quad4, Quad8, Quad9, Tet4, Tri3, Tri6};
+    use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6};
     let made = |file, kind, cells, measure, boundary| Made { file, kind, cells, measure, boundary };
     // a hole of radius 0.3 in a plate 2 x 1, a quarter of a ring of radii 1 and 2, a box 2 x 1 x 1; chords of the circles make the
     // difference, whose areas were summed by another program (shoelace formula over the cells)
@@ -170,6 +170,13 @@ fn files_of_other_programs_are_what_their_geometry_says() {
         made("box_tet4.inp", Tet4, 144, (2.0, written), ("front", 2.0)),
         made("box_hex8_22_binary.msh", Hex8, 8, (2.0, written), ("front", 2.0)),
         made("box_hex8.inp", Hex8, 8, (2.0, written), ("left", 1.0)),
+        // a quarter of a tube of height 1
+        made("box_tet10_41.msh", Tet10, 144, (2.0, written), ("left", 1.0)),
+        made("tube_tet10.inp", Tet10, 54, (ring, 1e-3), ("outer", PI)),
+        made("tube_hex20_41_binary.msh", Hex20, 8, (ring, 1e-3), ("inner", 0.5 * PI)),
+        made("tube_hex20.inp", Hex20, 8, (ring, 1e-3), ("top", 0.75 * PI)),
+        made("tube_hex27_22.msh", Hex27, 8, (ring, 1e-3), ("outer", PI)),
+        made("tube_hex27.inp", Hex27, 8, (ring, 1e-3), ("bottom", 0.75 * PI)),
         // meshio writes no sets: there is the whole edge or surface of the body.
         made("plate_quad4_meshio.inp", Quad4, 112, (1.7244679286971352, written), (HULL, 6.0 + 0.6 * PI)),
         made("box_hex8_meshio.inp", Hex8, 8, (2.0, written), (HULL, 10.0)),
@@ -202,9 +209,9 @@ fn files_that_cannot_be_used_are_refused_with_place_and_cure() {
     };
     let mixed = "the file mixes cells: 76 quad4 and 16 tri3, but a mesh has cells of one kind; the first tri3 is element 49";
     refusal("plate_mixed.msh", 313, mixed, "`Mesh.SubdivisionAlgorithm = 1;`");
-    let second_order = "element 37 is a 10-node tetrahedron (second order), \
-                        but cells read are tri3, quad4, tri6, quad8, quad9, tet4 and hex8";
-    refusal("box_tet10.msh", 761, second_order, "`Mesh.ElementOrder = 1;`");
+    let prism = "element 7 is a 6-node prism, \
+                 but cells read are tri3, quad4, tri6, quad8, quad9, tet4, hex8, tet10, hex20 and hex27";
+    refusal("box_prism6.msh", 126, prism, "prisms and pyramids");
     let path = repository().join("tests/meshes/refused/plate_tri6_inverted.msh");
     let inverted = read_mesh(path).expect_err("cells inside out");
     assert_eq!(inverted.offset(), Some(5375));

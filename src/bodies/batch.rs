@@ -15,7 +15,7 @@ use crate::math::tolerances::STRAIN_INCREMENT;
 const FEW: usize = 4;
 
 /// Most quadrature points of a cell.
-pub(super) const MOST_POINTS: usize = 9;
+pub(super) const MOST_POINTS: usize = 27;
 
 /// Shape functions of a reference cell at its quadrature points.
 pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {

@@ -25,8 +25,8 @@ use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::mandel_place;
 use crate::math::tolerances::{KINK_QUOTIENT, STRAIN_QUOTIENT};
 
-/// Most modes of the dilatation of a cell: a constant, and a slope in each direction of the plane.
-pub(super) const MOST_MODES: usize = 3;
+/// Most modes of the dilatation of a cell: a constant, and a slope in each direction.
+pub(super) const MOST_MODES: usize = 4;
 
 /// The modes of the dilatation of a batch of cells.
 pub(super) struct Modes {
@@ -39,15 +39,15 @@ pub(super) struct Modes {
 }
 
 impl Modes {
-    /// The mean alone, or a constant and two slopes of cells whose points have these volumes and places, from any origin.
-    pub(super) fn new(volumes: &[Lanes<false>], places: Option<&[[Lanes<false>; 2]]>) -> Self {
+    /// The mean alone, or a constant and a slope in each direction of cells whose points have these volumes and places, from any origin.
+    pub(super) fn new<const D: usize>(volumes: &[Lanes<false>], places: Option<&[[Lanes<false>; D]]>) -> Self {
         let mut modes = Modes {
             count: 1,
             values: [[Lanes::splat(1.0); MOST_POINTS]; MOST_MODES],
             norms: [volumes.iter().fold(Lanes::ZERO, |sum, volume| sum + *volume); MOST_MODES],
         };
         // Gram and Schmidt: each coordinate less its projection on the modes before it.
-        for i in 0..places.map_or(0, |_| 2) {
+        for i in 0..places.map_or(0, |_| D) {
             let places = places.unwrap_or_default();
             let mut coordinate = [Lanes::ZERO; MOST_POINTS];
             (0..volumes.len()).for_each(|q| coordinate[q] = places[q][i]);

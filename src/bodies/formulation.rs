@@ -55,7 +55,7 @@ pub enum FormulationError {
     #[error("a dilatation of the cell does not go with plane stress, which leaves the volume free anyway")]
     MeanInPlaneStress,
     /// Displacements that a linear dilatation would lock, or whose pressure it would leave open.
-    #[error("a linear dilatation is one of `quad9` cells, and these are `{cells}`")]
+    #[error("a linear dilatation is one of `quad9` or `hex27` cells, and these are `{cells}`")]
     LinearOfOthers {
         /// Its cells.
         cells: &'static str,
@@ -87,7 +87,7 @@ impl FormulationError {
         match self {
             NoVolumetricPart { .. } => "take `neo_hookean` or another law with a bulk modulus, or give the energy a part in J alone".into(),
             MeanInPlaneStress => "leave one of the two out".into(),
-            LinearOfOthers { .. } => "take a mean dilatation, or cells of `quad9`".into(),
+            LinearOfOthers { .. } => "take a mean dilatation, or cells of `quad9` or `hex27`".into(),
             NotPlane { .. } => "leave the plane condition out".into(),
             BeyondAxis { .. } => "mesh one half of the section, with x >= 0 as the radius".into(),
             MeanOfLinear { .. } => "take `neo_hookean`, whose small strains are those of linear elasticity".into(),
@@ -97,12 +97,12 @@ impl FormulationError {
 
 impl Formulation {
     /// The formulation for cells and a material where nothing is said of the dilatation: where the law hardly changes its volume and cells
-    /// and law can, it is linear in biquadratic cells and one mean in all others.
+    /// and law can, it is linear in biquadratic and triquadratic cells and one mean in all others.
     pub fn suited(plane: Plane, cells: CellKind, material: &Material) -> Self {
         let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
         let dilatation = match cells {
             _ if !can || cells.has_one_point() || !material.hardly_changes_volume() => Dilatation::Pointwise,
-            CellKind::Quad9 => Dilatation::Linear,
+            CellKind::Quad9 | CellKind::Hex27 => Dilatation::Linear,
             _ => Dilatation::Mean,
         };
         Formulation { plane, dilatation }
@@ -128,7 +128,7 @@ impl Formulation {
         if mesh.dimension() == 3 && self.plane != Plane::Strain {
             return Err(FormulationError::NotPlane { cells: mesh.kind.name() });
         }
-        if self.dilatation == Dilatation::Linear && mesh.kind != CellKind::Quad9 {
+        if self.dilatation == Dilatation::Linear && !matches!(mesh.kind, CellKind::Quad9 | CellKind::Hex27) {
             return Err(FormulationError::LinearOfOthers { cells: mesh.kind.name() });
         }
         if self.dilatation != Dilatation::Pointwise {

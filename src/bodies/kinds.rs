@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::element_loop::{ElementLoop, Inverted};
 use super::formulation::Formulation;
 use super::physics::Physics;
-use crate::elements::{CellKind, Hex8, Quad4, Quad8, Quad9, ReferenceCell, Tet4, Tri3, Tri6};
+use crate::elements::{CellKind, Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, ReferenceCell, Tet4, Tet10, Tri3, Tri6};
 use crate::materials::Material;
 use crate::mesh::Mesh;
 
@@ -45,7 +45,7 @@ impl Elements<2> for Space<2> {
             CellKind::Tri6 => cells::<Tri6, 2, 3, 4, 6, 3>(mesh, physics, first_node),
             CellKind::Quad8 => cells::<Quad8, 2, 3, 4, 8, 9>(mesh, physics, first_node),
             CellKind::Quad9 => cells::<Quad9, 2, 3, 4, 9, 9>(mesh, physics, first_node),
-            CellKind::Tet4 | CellKind::Hex8 => unreachable!("a model has bodies of one dimension"),
+            _ => unreachable!("a model has bodies of one dimension"),
         }
     }
 }
@@ -61,6 +61,9 @@ impl Elements<3> for Space<3> {
         match mesh.kind {
             CellKind::Tet4 => cells::<Tet4, 3, 6, 6, 4, 1>(mesh, physics, first_node),
             CellKind::Hex8 => cells::<Hex8, 3, 6, 6, 8, 8>(mesh, physics, first_node),
+            CellKind::Tet10 => cells::<Tet10, 3, 6, 6, 10, 4>(mesh, physics, first_node),
+            CellKind::Hex20 => cells::<Hex20, 3, 6, 6, 20, 27>(mesh, physics, first_node),
+            CellKind::Hex27 => cells::<Hex27, 3, 6, 6, 27, 27>(mesh, physics, first_node),
             _ => unreachable!("a model has bodies of one dimension"),
         }
     }

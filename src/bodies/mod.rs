@@ -25,5 +25,5 @@ pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{Elements, Space};
 pub use recovery::Recovery;
 pub use stresses::{StressError, Stresses};
-pub use surface_loads::{nodal_areas, pressure_shares, round_pressure, torque_forces};
+pub use surface_loads::{face_pressure, face_pressure_arms, nodal_areas, pressure_shares, round_pressure, torque_forces};
 pub use thickness::{PlaneGradients, Resistance, Thickness, ThicknessStep};

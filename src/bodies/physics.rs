@@ -85,10 +85,10 @@ impl Physics<3, 4> {
 impl Physics<6, 6> {
     /// Of a body in space.
     pub(super) fn of_space(material: &Material, formulation: Formulation) -> Self {
-        let special = material.split().filter(|_| formulation.dilatation == Dilatation::Mean).map(|split| Special {
+        let special = material.split().filter(|_| formulation.dilatation != Dilatation::Pointwise).map(|split| Special {
             law: split.space.clone(),
             volumetric: Some(split.volumetric.clone()),
-            is_linear: false,
+            is_linear: formulation.dilatation == Dilatation::Linear,
             strain: strain_of(material),
             is_axisymmetric: false,
         });

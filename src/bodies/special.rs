@@ -36,8 +36,8 @@ pub(super) struct Special<const L: usize> {
 pub(super) struct SpecialPoints<const D: usize> {
     pub(super) count: usize,
     pub(super) volume: [Lanes<false>; MOST_POINTS],
-    /// Undeformed places in the plane, from the last node of each cell.
-    pub(super) places: [[Lanes<false>; 2]; MOST_POINTS],
+    /// Undeformed places, from the last node of each cell.
+    pub(super) places: [[Lanes<false>; D]; MOST_POINTS],
     pub(super) gradients: [[[[Lanes<false>; D]; D]; MOST_POINTS]; 2],
     /// Around the axis.
     pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::formulation::Plane;
-use crate::elements::{edge_points, edge_shapes};
+use crate::elements::{MOST_FACE_NODES, edge_points, edge_shapes, face_points};
 use crate::mesh::{Boundary, Mesh};
 
 fn sum(shares: &[f64], values: impl Iterator<Item = f64>) -> f64 {
@@ -15,7 +15,7 @@ fn sum(shares: &[f64], values: impl Iterator<Item = f64>) -> f64 {
 /// integral of its shape function.
 ///
 /// Single points without facets have equal shares. Exact for straight facets of two nodes and plane ones of three in space; for curved
-/// edges and those of bodies of revolution by three Gauss points, for the four-node facet by 2 x 2.
+/// edges and those of bodies of revolution by three Gauss points, for other faces by [`face_points`].
 pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary, plane: Plane) -> Vec<(u32, f64)> {
     if boundary.facets.is_empty() {
         return boundary.nodes.iter().map(|&node| (node, 1.0)).collect();
@@ -31,7 +31,7 @@ pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary, plane: Plane) -> Vec<(u32, 
                 let edge = |k: usize| nalgebra::Vector3::from(points[k]) - nalgebra::Vector3::from(points[0]);
                 vec![edge(1).cross(&edge(2)).norm() / 6.0; 3]
             }
-            _ => quadrilateral_shares(&points),
+            _ => face_shares(&points),
         };
         for (node, share) in nodes.into_iter().zip(shares) {
             *areas.entry(node).or_insert(0.0) += share;
@@ -52,21 +52,42 @@ fn edge_shares(points: &[[f64; 3]], plane: Plane) -> Vec<f64> {
     shares
 }
 
-fn quadrilateral_shares(points: &[[f64; 3]]) -> Vec<f64> {
-    let g = 1.0 / 3f64.sqrt();
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let mut shares = vec![0.0; 4];
-    for (xi, eta) in [(-g, -g), (g, -g), (g, g), (-g, g)] {
-        let (mut along, mut across) = (nalgebra::Vector3::zeros(), nalgebra::Vector3::zeros());
-        for (point, (a, b)) in points.iter().zip(corners) {
-            let point = nalgebra::Vector3::from(*point);
-            along += point * (0.25 * a * (1.0 + b * eta));
-            across += point * (0.25 * b * (1.0 + a * xi));
-        }
-        let area = along.cross(&across).norm();
-        shares.iter_mut().zip(corners).for_each(|(share, (a, b))| *share += area * 0.25 * (1.0 + a * xi) * (1.0 + b * eta));
+/// What the nodes of a face in space have of its area.
+fn face_shares(points: &[[f64; 3]]) -> Vec<f64> {
+    let mut shares = vec![0.0; points.len()];
+    for point in face_points(points.len()) {
+        let [x, y, z] = point.normal(points);
+        let area = point.weight * x.hypot(y).hypot(z);
+        shares.iter_mut().zip(&point.shapes).for_each(|(share, shape)| *share += area * shape);
     }
     shares
+}
+
+/// Forces of a unit pressure on a face in space with its nodes there, against the outward normal: `-int N_a n dA`.
+pub fn face_pressure(nodes: &[[f64; 3]]) -> [[f64; 3]; MOST_FACE_NODES] {
+    let mut forces = [[0.0; 3]; MOST_FACE_NODES];
+    for point in face_points(nodes.len()) {
+        let normal = point.normal(nodes);
+        for (force, shape) in forces.iter_mut().zip(&point.shapes) {
+            (0..3).for_each(|i| force[i] -= point.weight * shape * normal[i]);
+        }
+    }
+    forces
+}
+
+/// The derivative of [`face_pressure`] at node `a` with respect to the place of node `b` is `x -> arms[a][b] x x`, the cross product with
+/// `int N_a (dN_b/d1 t_2 - dN_b/d2 t_1)`, `t` the tangents of the face.
+pub fn face_pressure_arms(nodes: &[[f64; 3]]) -> [[[f64; 3]; MOST_FACE_NODES]; MOST_FACE_NODES] {
+    let mut arms = [[[0.0; 3]; MOST_FACE_NODES]; MOST_FACE_NODES];
+    for point in face_points(nodes.len()) {
+        let [along, across] = point.tangents(nodes);
+        for (arms, shape) in arms.iter_mut().zip(&point.shapes) {
+            for (arm, slopes) in arms.iter_mut().zip(&point.slopes) {
+                (0..3).for_each(|i| arm[i] += point.weight * shape * (slopes[0] * across[i] - slopes[1] * along[i]));
+            }
+        }
+    }
+    arms
 }
 
 /// A matrix of two components.

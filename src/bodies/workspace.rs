@@ -69,7 +69,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         let mut points = SpecialPoints {
             count: Q,
             volume: [Lanes::ZERO; MOST_POINTS],
-            places: [[Lanes::ZERO; 2]; MOST_POINTS],
+            places: [[Lanes::ZERO; D]; MOST_POINTS],
             gradients: [[[[Lanes::ZERO; D]; D]; MOST_POINTS]; 2],
             hoop: [[Lanes::ZERO; MOST_POINTS]; 2],
         };
@@ -77,7 +77,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             points.volume[q] = Lanes(self.points[q].volume.0);
             for a in 0..many::<A>() - 1 {
                 let shape = table.shapes[q][a];
-                (0..2).for_each(|i| points.places[q][i] = points.places[q][i] + batch.edges[a][i] * shape);
+                (0..D).for_each(|i| points.places[q][i] = points.places[q][i] + batch.edges[a][i] * shape);
             }
             points.gradients[0][q] = relabel_rows(&self.gradient_0[q]);
             points.gradients[1][q] = relabel_rows(&self.gradient_1[q]);

@@ -49,22 +49,22 @@ impl Combinations {
         y.extend((0..self.len()).map(|entry| self.parts(entry).iter().map(|&(k, share)| share * x[k as usize]).sum::<f64>()));
     }
 
-    /// The entries for points of the plane, `x` and `y` component by component.
-    pub fn points_into(&self, x: &[f64], y: &mut Vec<f64>) {
+    /// The entries for points with so many coordinates, `x` and `y` component by component.
+    pub fn points_into(&self, dimension: usize, x: &[f64], y: &mut Vec<f64>) {
         y.clear();
         for entry in 0..self.len() {
-            let mut sum = [0.0; 2];
+            let mut sum = [0.0; 3];
             for &(k, share) in self.parts(entry) {
-                (0..2).for_each(|i| sum[i] += share * x[2 * k as usize + i]);
+                (0..dimension).for_each(|i| sum[i] += share * x[dimension * k as usize + i]);
             }
-            y.extend(sum);
+            y.extend(&sum[..dimension]);
         }
     }
 
-    /// The entries for points of the plane.
-    pub fn points(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = Vec::with_capacity(2 * self.len());
-        self.points_into(x, &mut y);
+    /// The entries for points with so many coordinates.
+    pub fn points(&self, dimension: usize, x: &[f64]) -> Vec<f64> {
+        let mut y = Vec::with_capacity(dimension * self.len());
+        self.points_into(dimension, x, &mut y);
         y
     }
 
@@ -102,7 +102,7 @@ mod tests {
         let mut values = Vec::new();
         made.values_into(&[1.0, 2.0, 4.0], &mut values);
         assert_eq!(values, [2.5, -2.0]);
-        assert_eq!(made.points(&[1.0, 0.0, 2.0, 0.0, 4.0, 8.0]), [2.5, 4.0, -2.0, 0.0]);
+        assert_eq!(made.points(2, &[1.0, 0.0, 2.0, 0.0, 4.0, 8.0]), [2.5, 4.0, -2.0, 0.0]);
         assert_eq!(made.bounds(&[1.0, 2.0, 4.0]), [2.5, 2.0]);
         let (mut numbers, mut vectors) = ([0.0; 3], [0.0; 6]);
         made.add_values_back(&[2.0, 3.0], &mut numbers);

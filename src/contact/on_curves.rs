@@ -58,11 +58,10 @@ struct Scratch {
 
 impl OnCurves {
     /// A method on `points`, whose rows are made of those of the nodes by `rows`, while points belong to nodes as by `homes`; `sides` are
-    /// its surfaces between the nodes.
-    pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3]) -> Self {
-        let mut weights = vec![0.0; if inner.row_nodes().is_empty() { inner.rows() } else { inner.rows_per_node() * sides.weights.len() }];
+    /// its surfaces between the nodes, and `row_nodes` the nodes that own rows, if nodes do.
+    pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3], row_nodes: Vec<u32>) -> Self {
+        let mut weights = vec![0.0; if row_nodes.is_empty() { inner.rows() } else { inner.rows_per_node() * row_nodes.len() }];
         rows.add_values_back(inner.weights(), &mut weights);
-        let row_nodes = if inner.row_nodes().is_empty() { Vec::new() } else { sides.secondary.nodes().to_vec() };
         let mut curved = OnCurves {
             inner,
             sides: Sides { weights, ..sides },
@@ -118,6 +117,14 @@ impl OnCurves {
             self.members.push(members);
             self.sides.patches.push(&nodes, &rows);
         }
+        if self.sides.patches.dimension() == 3 {
+            self.sides.list_slips();
+        }
+    }
+
+    /// Where the points are.
+    fn seen(&self, q: &[f64]) -> Vec<f64> {
+        self.points.points(self.sides.patches.dimension(), q)
     }
 
     /// The sums of the rows here.
@@ -127,26 +134,33 @@ impl OnCurves {
         sums
     }
 
-    /// Covered shares of the rows here, into `sums`.
-    fn cover(&self, coverage: &[f64], sums: &mut [f64]) {
-        for (entry, (share, weight)) in coverage.iter().zip(self.inner.weights()).enumerate().filter(|(_, (share, _))| **share != 0.0) {
-            for &(row, part) in self.rows.parts(entry) {
-                sums[row as usize] += part * weight * share / self.sides.weights[row as usize];
+    /// Covered shares of the rows here, or of as many tangential ones beside each, into `sums`.
+    fn cover(&self, each: usize, coverage: &[f64], sums: &mut [f64]) {
+        for (entry, share) in coverage.iter().enumerate().filter(|(_, share)| **share != 0.0) {
+            let weight = self.inner.weights()[entry / each];
+            for &(row, part) in self.rows.parts(entry / each) {
+                sums[each * row as usize + entry % each] += part * weight * share / self.sides.weights[row as usize];
             }
         }
     }
 
+    /// Tangential rows beside each row that presses.
+    fn tangents(&self) -> usize {
+        self.sides.patches.dimension() - 1
+    }
+
     /// Adds the gradient blocks of a member to those of its patch.
-    fn gradients_into(&self, p: usize, Member { patch, node, row }: Member, from: &[f64], to: &mut [f64]) {
-        let patches = self.inner.patches();
-        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
-        let (from, to) = (&from[patches.gradient_range(patch)], &mut to[self.sides.patches.gradient_range(p)]);
+    fn gradients_into(&self, [patches, own]: [&Patches; 2], p: usize, Member { patch, node, row }: Member, from: &[f64], to: &mut [f64]) {
+        let (few, many, d) = (patches.unknowns(patch), own.unknowns(p), patches.dimension());
+        let each = patches.rows(patch).len() / self.inner.patches().rows(patch).len();
+        let (from, to) = (&from[patches.gradient_range(patch)], &mut to[own.gradient_range(p)]);
         for (entry, from) in from.chunks_exact(few).enumerate() {
-            for &(row, by) in self.patch_rows.parts(row + entry) {
-                let to = &mut to[row as usize * many..(row as usize + 1) * many];
-                for (entry, g) in from.chunks_exact(2).enumerate() {
+            for &(row, by) in self.patch_rows.parts(row + entry / each) {
+                let row = each * row as usize + entry % each;
+                let to = &mut to[row * many..(row + 1) * many];
+                for (entry, g) in from.chunks_exact(d).enumerate() {
                     for &(place, share) in self.patch_nodes.parts(node + entry) {
-                        (0..2).for_each(|i| to[2 * place as usize + i] += by * share * g[i]);
+                        (0..d).for_each(|i| to[d * place as usize + i] += by * share * g[i]);
                     }
                 }
             }
@@ -156,37 +170,47 @@ impl OnCurves {
     /// Adds the tangent block of a member to that of its patch.
     fn tangent_into(&self, p: usize, Member { patch, node, .. }: Member, from: &[f64], half: &mut Vec<f64>, to: &mut [f64]) {
         let patches = self.inner.patches();
-        let (few, many) = (patches.unknowns(patch), self.sides.patches.unknowns(p));
+        let (few, many, d) = (patches.unknowns(patch), self.sides.patches.unknowns(p), patches.dimension());
         half.clear();
         half.resize(few * many, 0.0);
         for (half, from) in half.chunks_exact_mut(many).zip(from[patches.tangent_range(patch)].chunks_exact(few)) {
-            for (entry, k) in from.chunks_exact(2).enumerate() {
+            for (entry, k) in from.chunks_exact(d).enumerate() {
                 for &(place, share) in self.patch_nodes.parts(node + entry) {
-                    (0..2).for_each(|i| half[2 * place as usize + i] += share * k[i]);
+                    (0..d).for_each(|i| half[d * place as usize + i] += share * k[i]);
                 }
             }
         }
         let to = &mut to[self.sides.patches.tangent_range(p)];
-        for (entry, rows) in half.chunks_exact(2 * many).enumerate() {
+        for (entry, rows) in half.chunks_exact(d * many).enumerate() {
             for &(place, share) in self.patch_nodes.parts(node + entry) {
-                let to = &mut to[2 * place as usize * many..2 * (place as usize + 1) * many];
+                let to = &mut to[d * place as usize * many..d * (place as usize + 1) * many];
                 to.iter_mut().zip(rows).for_each(|(to, from)| *to += share * from);
             }
         }
     }
 
-    /// An evaluation of the method as one on the nodes; `pressing` are its multipliers.
-    fn on_nodes(&self, inner: &Evaluation, pressing: &[f64], half: &mut Vec<f64>, out: &mut Evaluation) {
-        let of = self.inner.patches();
-        out.prepare(&self.sides.patches, self.sides.weights.len());
-        self.rows.add_values_back(&inner.gap, &mut out.gap);
-        self.cover(&inner.coverage, &mut out.coverage);
+    /// An evaluation of the method as one on the nodes, of the patches with the rows that press or with `each` tangential ones beside them;
+    /// `pressing` are its multipliers.
+    fn on_nodes(
+        &self,
+        [of, own]: [&Patches; 2],
+        each: usize,
+        inner: &Evaluation,
+        pressing: &[f64],
+        half: &mut Vec<f64>,
+        out: &mut Evaluation,
+    ) {
+        out.prepare(own, each * self.sides.weights.len());
+        for (entry, gap) in inner.gap.iter().enumerate() {
+            self.rows.parts(entry / each).iter().for_each(|&(row, part)| out.gap[each * row as usize + entry % each] += part * gap);
+        }
+        self.cover(each, &inner.coverage, &mut out.coverage);
         for (p, members) in self.members.iter().enumerate() {
-            out.clear_patch(&self.sides.patches, p);
+            out.clear_patch(own, p);
             for &member in members.iter().filter(|member| inner.live[member.patch]) {
                 out.live[p] = true;
-                self.gradients_into(p, member, &inner.gradient_end, &mut out.gradient_end);
-                self.gradients_into(p, member, &inner.gradient_bar, &mut out.gradient_bar);
+                self.gradients_into([of, own], p, member, &inner.gradient_end, &mut out.gradient_end);
+                self.gradients_into([of, own], p, member, &inner.gradient_bar, &mut out.gradient_bar);
                 if of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0) {
                     self.tangent_into(p, member, &inner.tangent, half, &mut out.tangent);
                 }
@@ -205,8 +229,8 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
 }
 
 /// What happens in a step, as it is seen at points.
-fn with_seen<T>(points: &Combinations, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
-    let q = points.points(outlook.q);
+fn with_seen<T>(points: &Combinations, d: usize, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
+    let q = points.points(d, outlook.q);
     match outlook.travel {
         Travel::UpTo(_) => then(&Outlook { q: &q, ..*outlook }),
         Travel::Each { sizes, besides } => {
@@ -214,7 +238,7 @@ fn with_seen<T>(points: &Combinations, outlook: &Outlook, then: impl FnOnce(&Out
             then(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
         }
         Travel::Guessed { displacements, factor } => {
-            let [a, b] = displacements.map(|u| points.points(u));
+            let [a, b] = displacements.map(|u| points.points(d, u));
             then(&Outlook { q: &q, travel: Travel::Guessed { displacements: [&a, &b], factor }, ..*outlook })
         }
     }
@@ -245,7 +269,7 @@ impl PatchFunctions for OnCurves {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.inner.begin_step(&self.points.points(q_0));
+        self.inner.begin_step(&self.seen(q_0));
     }
 
     fn start_gap(&self) -> Vec<f64> {
@@ -259,26 +283,31 @@ impl PatchFunctions for OnCurves {
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let Scratch { inner, seen, lambda: pressing, half } = &mut *scratch;
-        self.points.points_into(q_1, seen);
+        self.points.points_into(self.sides.patches.dimension(), q_1, seen);
         self.rows.values_into(lambda, pressing);
         self.inner.evaluate(derivative, seen, pressing, inner);
-        self.on_nodes(inner, pressing, half, out);
+        self.on_nodes([self.inner.patches(), &self.sides.patches], 1, inner, pressing, half, out);
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let Scratch { inner, lambda: pressing, half, .. } = &mut *scratch;
-        let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.points.points(values));
+        let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.seen(values));
         let mut live = vec![false; self.inner.patches().len()];
         let lives = self.members.iter().zip(step.live).filter(|(_, live)| **live);
         lives.flat_map(|(members, _)| members).for_each(|member| live[member.patch] = true);
-        self.rows.values_into(lambda, pressing);
+        let each = self.tangents();
+        let of = |row: usize| {
+            self.rows.parts(row / each).iter().map(|&(node, part)| part * lambda[each * node as usize + row % each]).sum::<f64>()
+        };
+        pressing.clear();
+        pressing.extend((0..each * self.inner.rows()).map(of));
         self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, live: &live, ..step }, pressing, inner);
-        self.on_nodes(inner, pressing, half, out);
+        self.on_nodes([self.inner.slip_patches(), self.sides.slip_patches()], each, inner, pressing, half, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.gathered(&self.inner.gap(&self.points.points(q)))
+        self.gathered(&self.inner.gap(&self.seen(q)))
     }
 
     fn slacks(&self) -> Vec<f64> {
@@ -289,14 +318,15 @@ impl PatchFunctions for OnCurves {
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.weights.len()];
-        self.cover(&self.inner.coverage(&self.points.points(q)), &mut sums);
+        self.cover(1, &self.inner.coverage(&self.seen(q)), &mut sums);
         sums
     }
 }
 
 impl CandidateSearch for OnCurves {
     fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = with_seen(&self.points, outlook, |outlook| self.inner.update_candidates(outlook));
+        let d = self.sides.patches.dimension();
+        let changed = with_seen(&self.points, d, outlook, |outlook| self.inner.update_candidates(outlook));
         if changed {
             self.list();
         }
@@ -304,11 +334,11 @@ impl CandidateSearch for OnCurves {
     }
 
     fn margin(&self, outlook: &Outlook) -> f64 {
-        with_seen(&self.points, outlook, |outlook| self.inner.margin(outlook))
+        with_seen(&self.points, self.sides.patches.dimension(), outlook, |outlook| self.inner.margin(outlook))
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        self.inner.overlooks(&self.points.points(q_0), &self.points.points(q_1), tolerance)
+        self.inner.overlooks(&self.seen(q_0), &self.seen(q_1), tolerance)
     }
 
     fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
@@ -321,7 +351,7 @@ impl CandidateSearch for OnCurves {
     }
 
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.inner.restore_candidates(candidates, &self.points.points(q));
+        self.inner.restore_candidates(candidates, &self.seen(q));
         self.list();
     }
 
@@ -330,11 +360,11 @@ impl CandidateSearch for OnCurves {
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
-        self.inner.deepest(&self.points.points(q))
+        self.inner.deepest(&self.seen(q))
     }
 
     fn crossing(&self, q: &[f64]) -> f64 {
-        self.inner.crossing(&self.points.points(q))
+        self.inner.crossing(&self.seen(q))
     }
 }
 
@@ -352,14 +382,14 @@ impl RigidObstacle for OnCurves {
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        self.inner.passage(&self.points.points(q_1))
+        self.inner.passage(&self.seen(q_1))
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; 2 * self.points.len()]];
         self.rows.values_into(before, &mut pressed);
         self.rows.values_into(lambda, &mut pressing);
-        let work = self.inner.obstacle_force_into(derivative, &self.points.points(q_1), &pressed, &pressing, &mut seen);
+        let work = self.inner.obstacle_force_into(derivative, &self.seen(q_1), &pressed, &pressing, &mut seen);
         self.points.add_vectors_back(&seen, force);
         work
     }

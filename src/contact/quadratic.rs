@@ -83,7 +83,7 @@ impl ProxyNodes {
         Seen {
             secondary: if is_nodal { curves.halves(secondary) } else { curves.fine(secondary) }.into(),
             primary: if is_nodal && is_same { curves.halves(primary) } else { curves.fine(primary) }.into(),
-            reference: curves.points.points(reference).into(),
+            reference: curves.points.points(2, reference).into(),
             on_curves: Some((curves, sides, rows)),
         }
     }
@@ -141,7 +141,8 @@ impl Seen<'_> {
             sides.facet_size = kernel.facet_size();
         }
         let made_of = curves.rows(&*kernel, &sides, rows);
-        Box::new(OnCurves::new(kernel, sides, [curves.points, made_of, curves.homes]))
+        let row_nodes = if kernel.row_nodes().is_empty() { Vec::new() } else { sides.secondary.nodes().to_vec() };
+        Box::new(OnCurves::new(kernel, sides, [curves.points, made_of, curves.homes], row_nodes))
     }
 }
 

@@ -13,3 +13,8 @@ pub fn edge_shapes(nodes: usize, s: f64) -> ([f64; 3], [f64; 3]) {
         ([0.5 * s * (s - 1.0), 0.5 * s * (s + 1.0), 1.0 - s * s], [s - 0.5, s + 0.5, -2.0 * s])
     }
 }
+
+/// The quadratic function of an interval that is one at its node `at`, and its slope.
+pub(super) fn quadratic(at: f64, x: f64) -> (f64, f64) {
+    if at == 0.0 { (1.0 - x * x, -2.0 * x) } else { (0.5 * x * (x + at), x + 0.5 * at) }
+}

@@ -1,25 +1,33 @@
 //! Floor 1: reference cells. A cell kind knows its shape functions, quadrature and facets; nothing of meshes or materials.
 //!
-//! Node order of every kind is the one that Gmsh and VTK share. Facets are listed so that the cell lies to the left (2D) or the
-//! normal points outward (3D) when a cell is positively oriented. A new kind is one file with its row, and a line in each list below.
+//! Node order of every kind is VTK's. Facets are listed so that the cell lies to the left (2D) or the normal points outward (3D) when a
+//! cell is positively oriented. A new kind is one file with its row, and a line in each list below.
 
 mod edge;
+mod face;
+mod hex20;
+mod hex27;
 mod hex8;
 mod quad4;
 mod quad8;
 mod quad9;
 mod reference_cell;
+mod tet10;
 mod tet4;
 mod tri3;
 mod tri6;
 
 pub use edge::{edge_points, edge_shapes};
+pub use face::{FacePoint, MOST_FACE_NODES, face_points};
 pub use hex8::Hex8;
+pub use hex20::Hex20;
+pub use hex27::Hex27;
 pub use quad4::Quad4;
 pub use quad8::Quad8;
 pub use quad9::Quad9;
 pub use reference_cell::{CellRow, CellShape, ReferenceCell};
 pub use tet4::Tet4;
+pub use tet10::Tet10;
 pub use tri3::Tri3;
 pub use tri6::Tri6;
 
@@ -40,12 +48,28 @@ pub enum CellKind {
     Tet4,
     /// Trilinear hexahedron, 8 nodes, 2 x 2 x 2 Gauss points.
     Hex8,
+    /// Quadratic tetrahedron, 10 nodes, 4 points.
+    Tet10,
+    /// Quadratic serendipity hexahedron, 20 nodes, 3 x 3 x 3 Gauss points.
+    Hex20,
+    /// Triquadratic hexahedron, 27 nodes, 3 x 3 x 3 Gauss points.
+    Hex27,
 }
 
 impl CellKind {
     /// All kinds, in the order of the reference.
-    pub const ALL: &'static [CellKind] =
-        &[CellKind::Tri3, CellKind::Quad4, CellKind::Tri6, CellKind::Quad8, CellKind::Quad9, CellKind::Tet4, CellKind::Hex8];
+    pub const ALL: &'static [CellKind] = &[
+        CellKind::Tri3,
+        CellKind::Quad4,
+        CellKind::Tri6,
+        CellKind::Quad8,
+        CellKind::Quad9,
+        CellKind::Tet4,
+        CellKind::Hex8,
+        CellKind::Tet10,
+        CellKind::Hex20,
+        CellKind::Hex27,
+    ];
 
     /// The kind's row of the catalogue.
     pub fn row(self) -> &'static CellRow {
@@ -57,6 +81,9 @@ impl CellKind {
             CellKind::Quad9 => &quad9::ROW,
             CellKind::Tet4 => &tet4::ROW,
             CellKind::Hex8 => &hex8::ROW,
+            CellKind::Tet10 => &tet10::ROW,
+            CellKind::Hex20 => &hex20::ROW,
+            CellKind::Hex27 => &hex27::ROW,
         }
     }
 
@@ -100,7 +127,13 @@ impl CellKind {
         self.nodes() > self.shape().corners()
     }
 
-    /// Local node numbers of each facet (codimension one), outward oriented; an edge's middle node follows its ends.
+    /// The kind of the plane cell that a facet in space with so many nodes is.
+    pub fn of_face(nodes: usize) -> CellKind {
+        let is_it = |kind: &&CellKind| kind.dimension() == 2 && kind.nodes() == nodes;
+        CellKind::ALL.iter().find(is_it).copied().unwrap_or(CellKind::Quad4)
+    }
+
+    /// Local node numbers of each facet (codimension one), outward oriented: corners, middles of the edges, center.
     pub fn facets(self) -> &'static [&'static [usize]] {
         self.row().facets
     }

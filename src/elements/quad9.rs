@@ -3,7 +3,7 @@
 //! Shape functions are products of the quadratic ones of an interval, `x (x - 1)/2`, `1 - x^2`, `x (x + 1)/2` (Hughes, The Finite Element
 //! Method, 2000, section 3.6).
 
-use super::edge::edge_points;
+use super::edge::{edge_points, quadratic};
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
 pub(super) const PLACES: [[f64; 3]; 9] = [
@@ -30,7 +30,10 @@ pub(super) static ROW: CellRow = CellRow {
     facets: &FACETS,
     exact_power: 5,
     vtk_type: 28,
+    xdmf: (35, "Quadrilateral_9"),
     gmsh_type: 10,
+    gmsh_order: &[],
+    abaqus_order: &[],
     quadrature: quadrature::<Quad9, 2, 9, 9>,
     shape: shape::<Quad9, 2, 9, 9>,
     gradients: gradients::<Quad9, 2, 9, 9>,
@@ -38,11 +41,6 @@ pub(super) static ROW: CellRow = CellRow {
 
 /// The biquadratic quadrilateral.
 pub struct Quad9;
-
-/// The quadratic function of an interval that is one at `at`, and its slope.
-fn quadratic(at: f64, x: f64) -> (f64, f64) {
-    if at == 0.0 { (1.0 - x * x, -2.0 * x) } else { (0.5 * x * (x + at), x + 0.5 * at) }
-}
 
 /// 3 x 3 Gauss points.
 pub(super) fn gauss() -> [([f64; 2], f64); 9] {

@@ -50,7 +50,7 @@ impl CellShape {
         }
     }
 
-    /// Pairs of corners that an edge joins.
+    /// Pairs of corners that an edge joins, in the order in which cells of second order have their middle nodes.
     pub fn edges(self) -> &'static [[usize; 2]] {
         match self {
             CellShape::Triangle => &[[0, 1], [1, 2], [2, 0]],
@@ -76,14 +76,21 @@ pub struct CellRow {
     pub nodes: usize,
     /// Reference coordinates of the nodes; those beyond the dimension are zero.
     pub node_places: &'static [[f64; 3]],
-    /// Local node numbers of each facet (codimension one), outward oriented; an edge's middle node follows its ends.
+    /// Local node numbers of each facet (codimension one), outward oriented, in the order of a cell with these nodes: corners, middles of
+    /// the edges from the first corner on, center.
     pub facets: &'static [&'static [usize]],
     /// Largest power of a coordinate that the quadrature integrates exactly; of a simplex, largest total degree.
     pub exact_power: usize,
-    /// Number of the kind in VTK's files.
+    /// Number of the kind in VTK's files, which have the nodes in the same order.
     pub vtk_type: u8,
+    /// Number and name of the kind in XDMF.
+    pub xdmf: (i64, &'static str),
     /// Number of the kind in Gmsh's files.
     pub gmsh_type: u64,
+    /// Place of each node among those of an element in Gmsh's files; empty where the order is the same.
+    pub gmsh_order: &'static [u8],
+    /// The same of Abaqus' files.
+    pub abaqus_order: &'static [u8],
     /// Quadrature points and their weights.
     pub quadrature: fn() -> Vec<([f64; 3], f64)>,
     /// Values of the shape functions at a reference point, one for each node.

@@ -158,19 +158,19 @@ impl Mesh {
 
     /// Length or area of a boundary by quadrature `[length^(D-1)]`.
     pub fn boundary_measure(&self, boundary: &Boundary) -> f64 {
-        let samples = Samples::new(CellKind::Quad4);
-        boundary.facets.iter().map(|&facet| self.facet_measure(facet, &samples)).sum()
+        let samples = boundary.facets.first().map(|&facet| Samples::new(CellKind::of_face(self.facet_nodes(facet).count())));
+        boundary.facets.iter().map(|&facet| self.facet_measure(facet, samples.as_ref())).sum()
     }
 
-    fn facet_measure(&self, facet: Facet, samples: &Samples) -> f64 {
+    fn facet_measure(&self, facet: Facet, samples: Option<&Samples>) -> f64 {
         let points: Vec<[f64; 3]> = self.facet_nodes(facet).map(|node| self.points[node as usize]).collect();
         match points[..] {
             [from, to] => distance(from, to),
             [a, b, c] if self.dimension() == 3 => 0.5 * norm(cross(between(a, b), between(a, c))),
             [from, to, middle] => edge_length(from, to, middle),
             _ => samples
-                .quadrature
-                .iter()
+                .into_iter()
+                .flat_map(|samples| &samples.quadrature)
                 .map(|(weight, gradients)| {
                     let along = |i: usize| {
                         let sum = |c: usize| points.iter().zip(gradients).map(|(point, gradient)| gradient[i] * point[c]).sum();

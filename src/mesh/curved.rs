@@ -1,4 +1,4 @@
-//! Middle nodes of second-order cells put onto the curve that an edge stands for.
+//! Middle nodes of cells of second order put onto the curve or the surface that an edge stands for.
 
 use super::{Mesh, MeshError};
 use crate::elements::CellKind;
@@ -39,32 +39,48 @@ impl Mesh {
         self.with_cells(kind)?.curved(|_, ends| round.middle(ends))
     }
 
-    /// The mesh with middle nodes of edges where `middle` puts them, given the nodes at the ends of an edge and their places; centers of
-    /// quad9 cells follow as those of quad8 cells with these edges.
+    /// The mesh with middle nodes of edges where `middle` puts them, given the nodes at the ends of an edge and their places; what stands
+    /// within faces and cells follows as in cells that have nodes on their edges alone.
     ///
     /// # Errors
     /// Cells that are inside out then.
     pub(super) fn curved(mut self, middle: impl Fn([u32; 2], [[f64; 3]; 2]) -> Option<[f64; 3]>) -> Result<Mesh, MeshError> {
-        if self.dimension() != 2 || !self.kind.is_quadratic() {
+        if !self.kind.is_quadratic() {
             return Ok(self);
         }
-        let facets = self.kind.facets();
+        let (edges, corners) = (self.kind.shape().edges(), self.kind.shape().corners());
         for cell in 0..self.cell_count() {
-            for facet in facets {
-                let [a, b, c] = [0, 1, 2].map(|k| self.cell(cell)[facet[k]]);
+            for (number, ends) in edges.iter().enumerate() {
+                let [a, b, c] = [ends[0], ends[1], corners + number].map(|k| self.cell(cell)[k]);
                 if let Some(place) = middle([a, b], [a, b].map(|node| self.points[node as usize])) {
                     self.points[c as usize] = place;
                 }
             }
         }
-        if self.kind == CellKind::Quad9 {
-            for cell in 0..self.cell_count() {
-                let nodes = self.cell(cell).to_vec();
-                let sum = |nodes: &[u32], i: usize| nodes.iter().map(|&node| self.points[node as usize][i]).sum::<f64>();
-                self.points[nodes[8] as usize] = [0, 1, 2].map(|i| 0.5 * sum(&nodes[4..8], i) - 0.25 * sum(&nodes[..4], i));
-            }
+        for cell in 0..self.cell_count() {
+            self.center(cell);
         }
         self.checked()
+    }
+
+    /// Puts the nodes within the faces and in the center of a cell where cells without them have these places.
+    fn center(&mut self, cell: usize) {
+        let nodes = self.cell(cell).to_vec();
+        let mean = |points: &[[f64; 3]], (corners, edges): (&[u32], &[u32]), by: f64| {
+            let sum = |nodes: &[u32], i: usize| nodes.iter().map(|&node| points[node as usize][i]).sum::<f64>();
+            [0, 1, 2].map(|i| by * sum(edges, i) - 0.25 * sum(corners, i))
+        };
+        match self.kind {
+            CellKind::Quad9 => self.points[nodes[8] as usize] = mean(&self.points, (&nodes[..4], &nodes[4..8]), 0.5),
+            CellKind::Hex27 => {
+                for facet in self.kind.facets() {
+                    let face: Vec<u32> = facet.iter().map(|&local| nodes[local]).collect();
+                    self.points[face[8] as usize] = mean(&self.points, (&face[..4], &face[4..8]), 0.5);
+                }
+                self.points[nodes[26] as usize] = mean(&self.points, (&nodes[..8], &nodes[8..20]), 0.25);
+            }
+            _ => {}
+        }
     }
 }
 

@@ -161,7 +161,7 @@ impl Mesh {
     }
 
     /// The mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6` (cut along the shorter
-    /// diagonal), `tri3` as `tri6`, `hex8` as `tet4` (six each). New nodes stand on straight edges. Old nodes keep their numbers.
+    /// diagonal), `tri3` as `tri6`, `hex8` as `hex20`, `hex27`, `tet4` or `tet10` (six each), `tet4` as `tet10`. New nodes stand on straight edges. Old nodes keep their numbers.
     ///
     /// # Errors
     /// Kinds that do not follow from one another, more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
@@ -171,11 +171,12 @@ impl Mesh {
             return Ok(self.clone());
         }
         match (self.kind, kind) {
-            (CellKind::Quad4 | CellKind::Tri3, _) if is_same_shape => {
+            (CellKind::Quad4 | CellKind::Tri3 | CellKind::Hex8 | CellKind::Tet4, _) if is_same_shape => {
                 self.divided(kind, &[Template::new(self.kind, kind, &[corners(kind)])], |_| 0)
             }
             // By way of triangles: the middle of the diagonal stands on the straight diagonal, not at the place of the cell's centre.
             (CellKind::Quad4, CellKind::Tri6) => self.with_cells(CellKind::Tri3)?.with_cells(kind),
+            (CellKind::Hex8, CellKind::Tet10) => self.with_cells(CellKind::Tet4)?.with_cells(kind),
             (CellKind::Quad4, CellKind::Tri3) => {
                 let at = corners(self.kind);
                 let cut = |[a, b, c]: [usize; 3]| vec![at[a], at[b], at[c]];
@@ -290,12 +291,20 @@ mod tests {
             other.points[shuffled(node as u32) as usize] = *point;
         }
         for solid in [solid, other] {
+            for kind in [Hex20, Hex27] {
+                let mesh = solid.with_cells(kind).unwrap();
+                same(&solid, &mesh);
+                same(&mesh, &mesh.refine().unwrap());
+            }
             let tets = solid.with_cells(Tet4).unwrap();
             assert_eq!(tets.cell_count(), 6 * 12);
             // Facets of hexahedra that are not plane are cut into plane triangles.
             let (hull, named) = (tets.hull().len(), tets.boundaries.iter().map(|b| b.facets.len()).sum::<usize>());
             assert_eq!((hull, named, tets.defects()), (named, hull, Vec::new()));
             same(&tets, &tets.refine().unwrap());
+            let quadratic = tets.with_cells(Tet10).unwrap();
+            same(&tets, &quadratic);
+            same(&quadratic, &quadratic.refine().unwrap());
         }
         assert!(matches!(plane.with_cells(Hex8), Err(MeshError::NoConversion { from: "quad4", to: "hex8" })));
     }

@@ -7,40 +7,69 @@ use std::collections::HashMap;
 
 use super::grid::{at_least, graded, limited, positive};
 use super::{Boundary, Facet, Mesh, MeshError};
-use crate::elements::CellKind;
+use crate::elements::{CellKind, CellShape};
 
 impl Mesh {
-    /// The mesh of quad4 or tri3 cells drawn out along z from 0 to `height` `[length]` in `layers` of hex8 cells, or of prisms cut into
-    /// three tet4 each, of which the last is `grading` times the first; its boundaries as sides, and
-    /// `bottom` and `top` (with an underscore behind where the plane mesh has such names).
+    /// The plane mesh drawn out along z from 0 to `height` `[length]` in `layers` of hexahedra, or of prisms cut into three tetrahedra each,
+    /// of which the last is `grading` times the first: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as tet10. Its
+    /// boundaries become sides, and there are `bottom` and `top` (with an underscore behind where the plane mesh has such names).
     ///
     /// # Errors
-    /// Cells of other kinds, a height or ratio that is not positive, no layers, too many cells.
+    /// Cells in space, a height or ratio that is not positive, no layers, too many cells.
     pub fn extruded(&self, height: f64, layers: usize, grading: f64) -> Result<Mesh, MeshError> {
         let (kind, per_cell) = match self.kind {
             CellKind::Quad4 => (CellKind::Hex8, 1),
+            CellKind::Quad8 => (CellKind::Hex20, 1),
+            CellKind::Quad9 => (CellKind::Hex27, 1),
             CellKind::Tri3 => (CellKind::Tet4, 3),
+            CellKind::Tri6 => (CellKind::Tet10, 3),
             other => return Err(MeshError::Extruded { kind: other.name() }),
         };
         positive("the height of an extrusion", height)?;
         at_least("along the height", layers, 1)?;
         limited(&[self.cell_count(), layers, per_cell as usize])?;
         let (count, cells) = (self.points.len() as u32, self.cell_count() as u32);
-        let places = graded(layers, grading)?;
-        let points = places.iter().flat_map(|share| self.points.iter().map(move |[x, y, _]| [*x, *y, height * share])).collect();
-        let mut connectivity = Vec::with_capacity(2 * self.connectivity.len() * layers);
+        // Levels of nodes: two for each layer where there are nodes in the middle of edges.
+        let steps = if kind.is_quadratic() { 2 } else { 1 };
+        let (places, levels) = (graded(layers, grading)?, (steps * layers) as u32);
+        let share = |level: u32| {
+            let (below, above) = (level as usize / steps, (level as usize).div_ceil(steps));
+            if below == above { places[below] } else { 0.5 * (places[below] + places[above]) }
+        };
+        let points = (0..=levels).flat_map(|level| self.points.iter().map(move |[x, y, _]| [*x, *y, height * share(level)])).collect();
+        let mut connectivity = Vec::with_capacity(layers * self.cell_count() * per_cell as usize * kind.nodes());
+        let on_corners = places_in(kind, self.kind);
         for layer in 0..layers as u32 {
             for cell in self.cells() {
-                let (below, above) = (|node: &u32| node + layer * count, |node: &u32| node + (layer + 1) * count);
-                match kind {
-                    CellKind::Tet4 => connectivity.extend(
-                        tetrahedra(cell).as_flattened().iter().map(|&(node, is_above)| if is_above { above(&node) } else { below(&node) }),
-                    ),
-                    _ => connectivity.extend(cell.iter().map(below).chain(cell.iter().map(above))),
+                let node = |(node, level): (u32, u32)| node + (steps as u32 * layer + level) * count;
+                match kind.shape() {
+                    CellShape::Tetrahedron => tetrahedra(cell).iter().for_each(|corners| {
+                        let corner = |&(corner, is_above): &(usize, bool)| (cell[corner], if is_above { steps as u32 } else { 0 });
+                        connectivity.extend(corners.iter().map(|at| node(corner(at))));
+                        let edges = kind.shape().edges().iter().filter(|_| steps == 2);
+                        connectivity.extend(edges.map(|ends| node(between(cell, ends.map(|end| corners[end])))));
+                    }),
+                    _ => connectivity.extend(on_corners.iter().map(|&(local, level)| node((cell[local], level)))),
                 }
             }
         }
         let mut solid = Mesh { kind, points, connectivity, boundaries: Vec::new(), parts: Vec::new() };
+        self.sides_of(&mut solid, levels);
+        let cells = cells * per_cell;
+        let of_cell = |cell: u32| (0..per_cell).map(move |child| cell * per_cell + child);
+        let all = |own: &Vec<u32>| {
+            (0..layers as u32).flat_map(|layer| own.iter().flat_map(move |&c| of_cell(c).map(move |c| c + layer * cells))).collect()
+        };
+        solid.parts = self.parts.iter().map(|(name, own)| (name.clone(), all(own))).collect();
+        if kind == CellKind::Hex20 {
+            solid.leave_out_unused();
+        }
+        solid.checked()
+    }
+
+    /// Gives what was drawn out to so many levels the boundaries of this mesh, `bottom` and `top`.
+    fn sides_of(&self, solid: &mut Mesh, levels: u32) {
+        let count = self.points.len() as u32;
         // facets of the solid by their lowest layer and the nodes below them, each once
         let mut sides: HashMap<Vec<u32>, Vec<Facet>> = HashMap::new();
         for facet in solid.hull() {
@@ -56,37 +85,63 @@ impl Mesh {
                 sides.get(&below)
             });
             let facets = standing.flatten().copied().collect();
-            let nodes = (0..=layers as u32).flat_map(|layer| boundary.nodes.iter().map(move |node| node + layer * count));
+            let nodes = (0..=levels).flat_map(|level| boundary.nodes.iter().map(move |node| node + level * count));
             solid.boundaries.push(Boundary { name: boundary.name.clone(), facets, nodes: nodes.collect() });
         }
-        for (name, layer) in [("bottom", 0), ("top", layers as u32)] {
+        for (name, level) in [("bottom", 0), ("top", levels)] {
             let mut name = name.to_string();
             while solid.boundary(&name).is_some() {
                 name.push('_');
             }
-            let is_there = |facet: &Facet| solid.facet_nodes(*facet).all(|node| node / count == layer);
+            let is_there = |facet: &Facet| solid.facet_nodes(*facet).all(|node| node / count == level);
             let facets = solid.hull().into_iter().filter(is_there).collect();
             solid.boundaries.push(Boundary::of_facets(&name, facets));
         }
-        let cells = cells * per_cell;
-        let of_cell = |cell: u32| (0..per_cell).map(move |child| cell * per_cell + child);
-        let all = |own: &Vec<u32>| {
-            (0..layers as u32).flat_map(|layer| own.iter().flat_map(move |&c| of_cell(c).map(move |c| c + layer * cells))).collect()
-        };
-        solid.parts = self.parts.iter().map(|(name, own)| (name.clone(), all(own))).collect();
-        solid.checked()
+    }
+
+    /// Leaves out the nodes of no cell; the others keep their order.
+    fn leave_out_unused(&mut self) {
+        let mut numbers = vec![u32::MAX; self.points.len()];
+        self.connectivity.iter().for_each(|&node| numbers[node as usize] = 0);
+        let mut next = 0;
+        for number in numbers.iter_mut().filter(|number| **number == 0) {
+            *number = next;
+            next += 1;
+        }
+        self.connectivity.iter_mut().for_each(|node| *node = numbers[*node as usize]);
+        for boundary in &mut self.boundaries {
+            boundary.nodes = boundary.nodes.iter().map(|&node| numbers[node as usize]).filter(|&node| node != u32::MAX).collect();
+        }
+        let mut is_used = numbers.iter().map(|&number| number != u32::MAX);
+        self.points.retain(|_| is_used.next().unwrap_or(false));
     }
 }
 
-/// The three tetrahedra of a prism over a triangle: nodes of the triangle, each with whether it is the one above. The side over an edge is
+/// For each node of a hexahedron the node of the quadrilateral below it, and its level.
+fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
+    let below = plane.row().node_places;
+    let steps = if kind.is_quadratic() { 1.0 } else { 0.5 };
+    let of_node = |[x, y, z]: [f64; 3]| below.iter().position(|at| at[..2] == [x, y]).map(|local| (local, (steps * (z + 1.0)) as u32));
+    kind.row().node_places.iter().filter_map(|&place| of_node(place)).collect()
+}
+
+/// The node of a triangle of second order, and its level, in the middle between two corners of its prism.
+fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u32, u32) {
+    let level = u32::from(a_above) + u32::from(b_above);
+    // the middle of the edge from a corner to the next one has its number, three further
+    let local = if a == b { a } else { 3 + if (a + 1) % 3 == b { a } else { b } };
+    (cell[local], level)
+}
+
+/// The three tetrahedra of a prism over a triangle: corners of the triangle, each with whether it is the one above. The side over an edge is
 /// cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International Meshing
 /// Roundtable, 1999).
-fn tetrahedra(triangle: &[u32]) -> [[(u32, bool); 4]; 3] {
+fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
     let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();
-    let [a, b, c] = [0, 1, 2].map(|k| triangle[(first + k) % 3]);
-    let (below, above) = (|node: u32| (node, false), |node: u32| (node, true));
+    let [a, b, c] = [0, 1, 2].map(|k| (first + k) % 3);
+    let (below, above) = (|node: usize| (node, false), |node: usize| (node, true));
     // counter-clockwise from the least node: the order of the other two decides the cut of the side over them
-    if b < c {
+    if triangle[b] < triangle[c] {
         [[below(a), below(b), below(c), above(c)], [below(a), below(b), above(c), above(b)], [below(a), above(b), above(c), above(a)]]
     } else {
         [[below(a), below(b), below(c), above(b)], [below(a), above(b), below(c), above(c)], [below(a), above(b), above(c), above(a)]]
@@ -134,6 +189,40 @@ mod tests {
         }
         let named: usize = solid.boundaries.iter().map(|boundary| boundary.facets.len()).sum();
         assert_eq!(named, solid.hull().len());
+    }
+
+    #[test]
+    fn cells_of_second_order_keep_their_curved_sides() {
+        use crate::mesh::Round;
+        for (flat, solid) in [(CellKind::Quad8, CellKind::Hex20), (CellKind::Quad9, CellKind::Hex27), (CellKind::Tri6, CellKind::Tet10)] {
+            let mut plane = ring(0.5, 1.0, [1, 8], [0.0; 2], 0.1).unwrap().with_round_cells(flat, Round::About([0.0; 2])).unwrap();
+            plane.boundaries.push(Boundary { name: "points".into(), facets: Vec::new(), nodes: vec![0, plane.cell(0)[4]] });
+            let tube = plane.extruded(3.0, 2, 2.0).unwrap();
+            assert_eq!((tube.kind, tube.defects()), (solid, Vec::new()));
+            // three points for a triangle's curved area, four for the volume of a tetrahedron
+            let allowed = if solid == CellKind::Tet10 { 2e-3 } else { 1e-13 };
+            assert!((tube.measure() / (3.0 * plane.measure()) - 1.0).abs() < allowed, "{solid:?}: {}", tube.measure());
+            for name in ["inner", "outer"] {
+                let [solid, flat] = [&tube, &plane].map(|mesh| mesh.boundary_measure(mesh.boundary(name).unwrap()));
+                assert!((solid / (3.0 * flat) - 1.0).abs() < allowed, "{name}: {solid} {flat}");
+            }
+            let radius = |name: &'static str, node: u32| (name, tube.points[node as usize][0].hypot(tube.points[node as usize][1]));
+            for (name, r) in [("inner", 0.5), ("outer", 1.0)] {
+                let nodes = tube.boundary_nodes(tube.boundary(name).unwrap());
+                assert!(nodes.iter().all(|&node| solid == CellKind::Hex27 || (radius(name, node).1 - r).abs() < 1e-14), "{solid:?} {name}");
+            }
+            let mut named: Vec<Facet> = tube.boundaries.iter().flat_map(|b| b.facets.clone()).collect();
+            named.sort_unstable();
+            assert_eq!(tube.hull(), named);
+            let points = &tube.boundary("points").unwrap().nodes;
+            assert!(
+                points.len() >= 6
+                    && points.iter().all(|&node| {
+                        let [x, y, _] = tube.points[node as usize];
+                        [0, plane.cell(0)[4]].iter().any(|&below| plane.points[below as usize][..2] == [x, y])
+                    })
+            );
+        }
     }
 
     #[test]

@@ -20,15 +20,15 @@ impl FileProblem {
             Partitioned { .. } => "save it as one piece: `UnpartitionMesh;` in Gmsh",
             Coordinate { .. } => "give every node finite coordinates",
             DuplicateCell { .. } => "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent",
-            UnsupportedCell { kind, .. } if kind.contains("second order") || kind.contains("27-node") => {
-                "mesh with first-order cells (`Mesh.ElementOrder = 1;` in Gmsh), or with one of these kinds"
+            UnsupportedCell { kind, .. } if kind.contains("third order") => {
+                "mesh with cells of first or second order (`Mesh.ElementOrder = 2;` in Gmsh)"
             }
             UnsupportedCell { .. } => {
                 "mesh surfaces with triangles or quadrilaterals and volumes with hexahedra or tetrahedra: prisms and pyramids come from \
                  extruded triangles and from mixed meshes"
             }
             UnsupportedType { .. } => {
-                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4 or C3D8, and T3D2 or T3D3 for lines of boundaries"
+                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4, C3D8, C3D10, C3D20 or C3D27, and T3D2 or T3D3 for lines of boundaries"
             }
             MixedCells { .. } => {
                 "mesh with one kind: in Gmsh `Mesh.RecombineAll = 1;` with `Mesh.SubdivisionAlgorithm = 1;` leaves quadrilaterals alone, \

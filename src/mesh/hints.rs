@@ -24,7 +24,8 @@ impl MeshError {
             TooManyCells { .. } => "use a coarser mesh".into(),
             Memory { .. } => "use a coarser mesh, or allow the program more memory".into(),
             NoConversion { .. } => {
-                "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become tet4; make the mesh of those"
+                "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become hex20, hex27, tet4 or tet10, tet4 \
+                 cells become tet10; make the mesh of those"
                     .into()
             }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
@@ -44,7 +45,7 @@ impl MeshError {
             OddLayers { count, .. } => {
                 format!("ask for {} layers, name the side that follows, too, or take cells of tri3 or tri6", count + 1)
             }
-            NotLocally { kind: "tet4" | "hex8" } => {
+            NotLocally { kind: "tet4" | "hex8" | "tet10" | "hex20" | "hex27" } => {
                 "refine all of it, or make the mesh finer where it was made; only triangles are refined in places".into()
             }
             NotLocally { kind: "quad4" } => {
@@ -52,7 +53,7 @@ impl MeshError {
             }
             NotLocally { .. } => "make it of triangles of tri6, refine all of it, or mesh a region with a size of cells that varies".into(),
             Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
-            Extruded { .. } => "extrude a plane mesh of quad4 or tri3 cells".into(),
+            Extruded { .. } => "extrude a plane mesh".into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
             NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
             UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {

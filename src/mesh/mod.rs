@@ -45,6 +45,7 @@ pub use polygon::{layered_polygon, polygon, polygon_of};
 pub use region::{layered_region, region};
 pub use round::{arc, disk, graded_ring, half_disk, ring};
 pub use selection::SelectionError;
+pub use topology::flat_pieces;
 
 use crate::elements::CellKind;
 

@@ -1,21 +1,40 @@
 //! How cells touch: facets by their node sets, the outer hull.
 //!
-//! A facet is known by its sorted nodes; sorting all facets of a mesh brings the sides of each together, which finds the hull
-//! (one side) and overlapping cells (more than two) without hashing.
+//! A facet is known by its sorted nodes, in space one of second order by the middles of its edges; sorting all facets of a mesh brings the
+//! sides of each together, which finds the hull (one side) and overlapping cells (more than two) without hashing.
 
 use super::{Facet, Mesh};
 
 /// The sorted nodes of a facet, filled up with `u32::MAX` in the plane.
 pub(super) type FacetKey = [u32; 4];
 
-/// The key of a set of nodes.
+/// The key of the nodes of a facet.
 pub(super) fn facet_key(nodes: impl Iterator<Item = u32>) -> FacetKey {
-    let mut key = [u32::MAX; 4];
-    for (slot, node) in key.iter_mut().zip(nodes) {
+    let (mut all, mut count) = ([u32::MAX; 9], 0);
+    for (slot, node) in all.iter_mut().zip(nodes) {
         *slot = node;
+        count += 1;
     }
+    let middles = match count {
+        6 => 3..6,
+        8 | 9 => 4..8,
+        _ => 0..4,
+    };
+    let mut key = [u32::MAX; 4];
+    key.iter_mut().zip(&all[middles]).for_each(|(slot, &node)| *slot = node);
     key.sort_unstable();
     key
+}
+
+/// The pieces of a face with so many nodes, by the places of their nodes in it, each from a corner of the face on where it has one.
+pub fn flat_pieces(nodes: usize) -> &'static [&'static [usize]] {
+    match nodes {
+        3 => &[&[0, 1, 2]],
+        6 => &[&[0, 3, 5], &[1, 4, 3], &[2, 5, 4], &[3, 4, 5]],
+        8 => &[&[0, 4, 7], &[1, 5, 4], &[2, 6, 5], &[3, 7, 6], &[4, 5, 6, 7]],
+        9 => &[&[0, 4, 8, 7], &[1, 5, 8, 4], &[2, 6, 8, 5], &[3, 7, 8, 6]],
+        _ => &[&[0, 1, 2, 3]],
+    }
 }
 
 impl Mesh {
@@ -48,6 +67,24 @@ impl Mesh {
             [from, to] => vec![[from, to]],
             _ => Vec::new(),
         }
+    }
+
+    /// The nodes around a face in space: of one of second order a corner and a middle in turn, the center left out.
+    pub fn around(&self, facet: Facet) -> Vec<u32> {
+        let nodes: Vec<u32> = self.facet_nodes(facet).collect();
+        let corners = match nodes.len() {
+            6 => 3,
+            8 | 9 => 4,
+            _ => return nodes,
+        };
+        (0..corners).flat_map(|k| [nodes[k], nodes[corners + k]]).collect()
+    }
+
+    /// The pieces of a face in space, of three and four nodes, that stand for it: one of second order is cut at the middles of its edges.
+    pub fn flat_pieces(&self, facet: Facet) -> Vec<Vec<u32>> {
+        let nodes: Vec<u32> = self.facet_nodes(facet).collect();
+        let pieces = flat_pieces(nodes.len());
+        pieces.iter().map(|piece| piece.iter().map(|&k| nodes[k]).collect()).collect()
     }
 
     /// The straight pieces of the hull of a plane mesh, the body on their left.

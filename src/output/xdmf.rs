@@ -8,20 +8,22 @@ use std::fmt::Write as _;
 
 use hdf5_pure::FileBuilder;
 
+use crate::elements::CellKind;
+
 use super::markup::escaped;
 use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
 
-/// A kind of cells: VTK's number, XDMF's number and name, nodes.
-const KINDS: [(u8, i64, &str, usize); 8] = [
-    (3, 2, "Polyline", 2),
-    (5, 4, "Triangle", 3),
-    (9, 5, "Quadrilateral", 4),
-    (10, 6, "Tetrahedron", 4),
-    (12, 9, "Hexahedron", 8),
-    (22, 36, "Triangle_6", 6),
-    (23, 37, "Quadrilateral_8", 8),
-    (28, 35, "Quadrilateral_9", 9),
-];
+/// VTK's number of a polyline.
+const POLYLINE: u8 = 3;
+
+/// XDMF's number and name of a kind of cells, by VTK's number, and its nodes.
+fn kind_of(vtk: u8) -> Result<(i64, &'static str, usize), String> {
+    if vtk == POLYLINE {
+        return Ok((2, "Polyline", 2));
+    }
+    let row = CellKind::ALL.iter().map(|kind| kind.row()).find(|row| row.vtk_type == vtk);
+    row.map(|row| (row.xdmf.0, row.xdmf.1, row.nodes)).ok_or_else(|| format!("cells of VTK's kind {vtk} have no name in XDMF"))
+}
 
 /// The topology of a frame: name, and its numbers with their width.
 struct Topology {
@@ -31,18 +33,16 @@ struct Topology {
 }
 
 fn topology(frame: &FieldsRead) -> Result<Topology, String> {
-    let kind = |vtk: u8| KINDS.iter().find(|kind| kind.0 == vtk).ok_or_else(|| format!("cells of VTK's kind {vtk} have no name in XDMF"));
     let mut kinds: Vec<u8> = frame.cells().map(|(kind, _)| kind).collect();
     kinds.dedup();
     if let [one] = kinds[..] {
-        let &(_, _, name, width) = kind(one)?;
+        let (_, name, width) = kind_of(one)?;
         return Ok(Topology { name, numbers: frame.cells().flat_map(|(_, nodes)| nodes.iter().copied()).collect(), width });
     }
     let mut numbers = Vec::new();
     for (vtk, nodes) in frame.cells() {
-        let &(_, number, ..) = kind(vtk)?;
-        numbers.push(number);
-        if vtk == 3 {
+        numbers.push(kind_of(vtk)?.0);
+        if vtk == POLYLINE {
             numbers.push(nodes.len() as i64);
         }
         numbers.extend(nodes);

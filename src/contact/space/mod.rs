@@ -1,4 +1,4 @@
-//! Contact in space: facets of three and four nodes, and rigid obstacles.
+//! Contact in space: facets of three and four nodes, faces of second order that are split into them, and rigid obstacles.
 
 mod corners;
 mod facets;
@@ -9,6 +9,7 @@ mod obstacle;
 mod pair;
 mod rigid;
 mod round;
+mod second_order;
 mod slip;
 mod vectors;
 
@@ -18,3 +19,4 @@ pub use mortar::MortarInSpace;
 pub use obstacle::ObstacleInSpace;
 pub use rigid::RigidInSpace;
 pub use round::RoundInSpace;
+pub use second_order::{SeenInSpace, between_nodes};

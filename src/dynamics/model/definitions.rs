@@ -10,6 +10,7 @@ use super::part::PartDefinition;
 use super::prescription::Prescription;
 use crate::bodies::{Formulation, Plane};
 use crate::contact::Obstacle;
+use crate::elements::CellKind;
 use crate::materials::Material;
 use crate::mesh::Mesh;
 
@@ -42,7 +43,7 @@ pub enum LoadKind {
     Traction([f64; 3]),
     /// Dead force spread evenly over the boundary `[force]`, times the amplitude.
     Force([f64; 3]),
-    /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body. In the plane only.
+    /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body.
     Pressure(f64),
     /// Torque about the third axis `[force * length]`, the amplitude itself, as nodal forces without resultant.
     Torque,
@@ -106,18 +107,21 @@ pub struct Model {
     pub initial_velocities: Vec<InitialVelocity>,
 }
 
-/// What contacts of bodies in space do not have.
-fn check_in_space(interaction: &Interaction) -> Result<(), ModelError> {
-    let lacking = match &interaction.partner {
-        Partner::Tied { .. } => Some("a tie".to_string()),
-        Partner::Obstacle { .. } => None,
-        _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
-        _ => None,
-    };
-    lacking.map_or(Ok(()), |what| Err(ModelError::NotInSpace { contact: interaction.name.clone(), what }))
-}
-
 impl Model {
+    /// What contacts of bodies in space do not have.
+    fn check_in_space(&self, interaction: &Interaction) -> Result<(), ModelError> {
+        let kind = self.bodies.get(interaction.secondary.body).map(|body| body.mesh.kind);
+        let lacking = match &interaction.partner {
+            Partner::Tied { .. } => Some("a tie".to_string()),
+            Partner::Obstacle { .. } => None,
+            _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
+            // The middles of its faces have no nodes, and with them no tangents of their own.
+            _ if interaction.friction.is_some() && kind == Some(CellKind::Hex20) => Some("friction on a secondary side of `hex20`".into()),
+            _ => None,
+        };
+        lacking.map_or(Ok(()), |what| Err(ModelError::NotInSpace { contact: interaction.name.clone(), what }))
+    }
+
     /// Times at which loads, prescribed motions and obstacles have kinks, in their order.
     pub fn corners(&self) -> Vec<f64> {
         let motions = self.interactions.iter().filter_map(|interaction| match &interaction.partner {
@@ -287,9 +291,6 @@ impl Model {
                 return Err(ModelError::EmptyBoundary { boundary });
             }
         }
-        if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Pressure(_)) && self.dimension() != 2) {
-            return Err(ModelError::PressureDimension { boundary: self.boundary_name(&load.on) });
-        }
         for (index, part) in self.parts.iter().enumerate() {
             if self.parts[..index].iter().any(|other| other.name() == part.name()) {
                 return Err(ModelError::DuplicateName { what: "part", name: part.name().into() });
@@ -303,7 +304,7 @@ impl Model {
             }
         }
         if self.dimension() == 3 {
-            self.interactions.iter().try_for_each(check_in_space)?;
+            self.interactions.iter().try_for_each(|interaction| self.check_in_space(interaction))?;
         }
         for Interaction { name, partner, .. } in &self.interactions {
             let Partner::Obstacle { shape, .. } = partner else { continue };

@@ -98,12 +98,6 @@ pub enum ModelError {
         /// Dimension of the bodies.
         of_bodies: usize,
     },
-    /// A pressure on a body in space.
-    #[error("the pressure on \"{boundary}\" acts on a body in space")]
-    PressureDimension {
-        /// `body.boundary`.
-        boundary: String,
-    },
     /// A contact pair whose sides share facets.
     #[error("both sides of contact \"{contact}\" contain facets of \"{boundary}\"")]
     SelfContact {
@@ -212,9 +206,8 @@ impl ModelError {
                 "give a plane a point and a normal of 2 numbers; plane bodies touch disks, rings and polylines".into()
             }
             ModelError::NotInSpace { .. } => {
-                "bodies in space touch each other by the method \"mortar\"; leave this out, or use plane meshes".into()
+                "bodies in space touch each other by the method \"mortar\"; leave this out, take other cells or `hex27` where friction is, or use plane meshes".into()
             }
-            ModelError::PressureDimension { .. } => "pressure is available for plane bodies; use a traction".into(),
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }

@@ -54,7 +54,7 @@ impl BodyHull {
         if mesh.dimension() == 2 {
             return BodyHull::Plane(Hull::new(body, &mesh.outline(), &|node| [q[2 * node as usize], q[2 * node as usize + 1]]));
         }
-        let facets: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.facet_nodes(facet).collect()).collect();
+        let facets: Vec<Vec<u32>> = mesh.hull().into_iter().flat_map(|facet| mesh.flat_pieces(facet)).collect();
         BodyHull::Space(Box::new(Solid::new(facets.iter().map(|facet| &facet[..]), q.to_vec())))
     }
 

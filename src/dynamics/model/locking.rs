@@ -50,7 +50,7 @@ impl Locking {
         }
         match (self.is_curable, self.cells) {
             (true, _) => "let the dilatation be one mean for each cell".into(),
-            (false, CellKind::Tet4) => "mesh the body with `hex8` cells".into(),
+            (false, CellKind::Tet4) => "mesh the body with `tet10` or `hex8` cells".into(),
             (false, _) => "mesh the body with `tri6`, `quad4` or `quad8` cells".into(),
         }
     }

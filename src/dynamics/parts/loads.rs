@@ -1,6 +1,6 @@
 //! Loads: forces on the nodes of a boundary whose size follows a time function.
 
-use crate::bodies::{Plane, pressure_shares, round_pressure, torque_forces};
+use crate::bodies::{Plane, face_pressure, face_pressure_arms, pressure_shares, round_pressure, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
 use crate::dynamics::model::error::StepError;
@@ -13,7 +13,7 @@ pub struct NodalLoad<const D: usize> {
     pub kind: LoadKind,
     /// Nodes and their shares of the boundary.
     pub weights: Vec<(u32, f64)>,
-    /// Edges of a pressure, each by its ends and its middle node if it has one, with the places of their blocks, row by row.
+    /// Facets of a pressure, each by its nodes, with the places of their blocks, row by row.
     pub facets: Vec<(Vec<u32>, Vec<Block>)>,
     /// How the body is completed to space.
     pub plane: Plane,
@@ -40,8 +40,16 @@ impl<const D: usize> NodalLoad<D> {
             LoadKind::Pressure(pressure) if self.plane == Plane::Axisymmetric => {
                 let size = amplitude * pressure;
                 for (nodes, _) in &self.facets {
-                    for (&a, part) in nodes.iter().zip(round_pressure(&places(nodes, q)).0) {
+                    for (&a, part) in nodes.iter().zip(round_pressure(&places::<2>(nodes, q)).0) {
                         (0..2).for_each(|i| force[a as usize * D + i] += size * part[i]);
+                    }
+                }
+            }
+            LoadKind::Pressure(pressure) if D == 3 => {
+                let size = amplitude * pressure;
+                for (nodes, _) in &self.facets {
+                    for (&a, part) in nodes.iter().zip(face_pressure(&places::<3>(nodes, q))) {
+                        (0..3).for_each(|i| force[a as usize * D + i] += size * part[i]);
                     }
                 }
             }
@@ -83,10 +91,24 @@ impl<const D: usize> NodalLoad<D> {
         let size = share * pressure * amplitude;
         if self.plane == Plane::Axisymmetric {
             for (nodes, blocks) in &self.facets {
-                let slope = round_pressure(&places(nodes, q)).1;
+                let slope = round_pressure(&places::<2>(nodes, q)).1;
                 for (k, block) in blocks.iter().enumerate() {
                     let slope = slope[k / nodes.len()][k % nodes.len()];
                     (0..4).for_each(|c| values[block.at(c / 2, c % 2)] -= size * slope[c / 2][c % 2]);
+                }
+            }
+            return;
+        }
+        if D == 3 {
+            for (nodes, blocks) in &self.facets {
+                let arms = face_pressure_arms(&places::<3>(nodes, q));
+                for (k, block) in blocks.iter().enumerate() {
+                    let arm = arms[k / nodes.len()][k % nodes.len()];
+                    for i in 0..3 {
+                        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                        values[block.at(i, j)] += size * arm[k];
+                        values[block.at(i, k)] -= size * arm[j];
+                    }
                 }
             }
             return;
@@ -101,9 +123,9 @@ impl<const D: usize> NodalLoad<D> {
     }
 }
 
-/// Where plane nodes are.
-fn places(nodes: &[u32], q: &[f64]) -> Vec<[f64; 2]> {
-    nodes.iter().map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
+/// Where nodes are.
+fn places<const D: usize>(nodes: &[u32], q: &[f64]) -> Vec<[f64; D]> {
+    nodes.iter().map(|&node| std::array::from_fn(|i| q[D * node as usize + i])).collect()
 }
 
 impl<const D: usize> Part for NodalLoad<D> {

@@ -4,7 +4,7 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
     ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners, RigidInSpace,
-    RoundInSpace, RowsOf, Surface, Tie,
+    RoundInSpace, RowsOf, SeenInSpace, Surface, Tie, between_nodes,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
@@ -80,15 +80,23 @@ impl Pairing<'_> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
     }
 
-    /// Boundaries in space as one surface.
-    fn surface(&self, boundaries: &[BodyBoundary]) -> Surface {
-        Surface::in_space(facets_of_all(boundaries, self.faces).iter().map(|face| &face[..]))
+    /// A boundary in space as a surface between its nodes.
+    fn surface(&self, boundary: &BodyBoundary) -> Surface {
+        let faces = (self.faces)(boundary);
+        let pieces: Vec<Vec<u32>> = faces.iter().flat_map(|face| between_nodes(face)).collect();
+        Surface::in_space(pieces.iter().map(|piece| &piece[..]))
+    }
+
+    /// The two sides of a contact in space.
+    fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
+        let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
+        SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference)
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, .. } = partner {
-            let kernel = RigidInSpace::new(self.surface(std::slice::from_ref(secondary)), shape, self.reference);
+            let kernel = RigidInSpace::new(self.surface(secondary), shape, self.reference);
             let mut pair = self.obstacle_pair(name, shape, secondary.body, Box::new(kernel));
             pair.motion = motion.clone();
             let mut pair = self.held(pair, interaction, false);
@@ -99,7 +107,9 @@ impl Pairing<'_> {
             return pair;
         }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
-            let kernel = kernel(self.surface(std::slice::from_ref(secondary)), self.surface(interaction.primary()), self.reference);
+            let seen = self.in_space(interaction);
+            let kernel = kernel(seen.secondary.clone(), seen.primary.clone(), &seen.reference);
+            let kernel = seen.on_nodes(kernel, true);
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
             if pair.is_unilateral() {
                 // Over a small part of a facet the rows of its nodes are nearly the same one.
@@ -171,7 +181,7 @@ impl Pairing<'_> {
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
             if let Partner::Obstacle { shape: Obstacle::InSpace(shape), .. } = &interaction.partner {
-                let surface = self.surface(std::slice::from_ref(&interaction.secondary));
+                let surface = self.surface(&interaction.secondary);
                 if let Some(kernel) = RigidCorners::in_space(&surface, shape, self.reference, size(of)) {
                     add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, Box::new(kernel));
                 }
@@ -181,11 +191,10 @@ impl Pairing<'_> {
                 continue;
             }
             if self.model.dimension() == 3 {
-                let sides = (self.surface(std::slice::from_ref(&interaction.secondary)), self.surface(interaction.primary()));
-                if let (Partner::Surfaces(_), Some(kernel)) =
-                    (&interaction.partner, CornersInSpace::kernel(sides.0, sides.1, self.reference))
-                {
-                    add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, kernel);
+                let seen = self.in_space(interaction);
+                let kernel = CornersInSpace::kernel(seen.secondary.clone(), seen.primary.clone(), &seen.reference);
+                if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, kernel) {
+                    add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(kernel, false));
                 }
                 continue;
             }

@@ -66,8 +66,8 @@ struct Origin {
     at: Place,
 }
 
-/// The sorted nodes of a cell, filled up.
-type CellKey = [u32; 9];
+/// The sorted corners of a cell, filled up.
+type CellKey = [u32; 8];
 
 /// Cells and parts, with indices of the node table; points come later.
 fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh, Vec<Origin>), MeshError> {
@@ -81,8 +81,8 @@ fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh
     let mut indices = vec![0; kind.nodes()];
     for (element, &number) in elements.numbers.iter().enumerate() {
         numbering.indices_into(tables, elements, element, &mut indices)?;
-        let mut key = [u32::MAX; 9];
-        key[..indices.len()].copy_from_slice(&indices);
+        let (mut key, corners) = ([u32::MAX; 8], kind.shape().corners());
+        key[..corners].copy_from_slice(&indices[..corners]);
         key.sort_unstable();
         let next = origins.len() as u32;
         let cell = *known.entry(key).or_insert(next);
@@ -119,9 +119,7 @@ fn facet_elements<'a>(mesh: &Mesh, tables: &'a Tables, numbering: &Numbering) ->
         let mut indices = vec![0; shape.nodes()];
         for index in 0..elements.numbers.len() {
             numbering.indices_into(tables, elements, index, &mut indices)?;
-            // a facet of more nodes than any cell has is matched by none
-            let key = if indices.len() <= 4 { facet_key(indices.iter().copied()) } else { [u32::MAX; 4] };
-            found.push(FacetElement { shape, elements, index, key });
+            found.push(FacetElement { shape, elements, index, key: facet_key(indices.iter().copied()) });
         }
     }
     Ok(found)

@@ -371,9 +371,9 @@ fn other_cells_are_refused_with_the_cure() {
     assert!(prism.to_string().starts_with("element 7 is a 6-node prism, but cells read are "), "{prism}");
     assert_eq!(prism.line(), Some(28));
     assert!(prism.hint().contains("prisms"), "{}", prism.hint());
-    let second_order = refusal(SQUARES_4, "2 2 3 1", "2 2 12 1");
-    assert!(second_order.to_string().contains("27-node hexahedron (second order)"), "{second_order}");
-    assert!(second_order.hint().contains("Mesh.ElementOrder = 1;"), "{}", second_order.hint());
+    let third_order = refusal(SQUARES_4, "2 2 3 1", "2 2 29 1");
+    assert!(third_order.to_string().contains("20-node tetrahedron (third order)"), "{third_order}");
+    assert!(third_order.hint().contains("Mesh.ElementOrder = 2;"), "{}", third_order.hint());
     assert!(matches!(problem(refusal(SQUARES_2, "7 3 2 2 2", "7 1234 2 2 2")), UnsupportedCell { element: 7, .. }));
     let lines_only =
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n1 1 2 1 1 1 2\n$EndElements\n";

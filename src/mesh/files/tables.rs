@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use crate::elements::CellKind;
+use crate::elements::{CellKind, CellRow};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
@@ -25,6 +25,11 @@ impl Shape {
             Shape::Line(nodes) => nodes,
             Shape::Cell(kind) => kind.nodes(),
         }
+    }
+
+    /// Its cell kind's row, where it is a cell.
+    pub fn row(self) -> Option<&'static CellRow> {
+        if let Shape::Cell(kind) = self { Some(kind.row()) } else { None }
     }
 
     /// Its own dimension.
@@ -125,13 +130,17 @@ impl Tables {
         Ok(())
     }
 
-    /// Keeps an element.
-    pub fn add_element(&mut self, shape: Shape, number: u64, groups: u32, nodes: &[u64], at: Place) {
+    /// Keeps an element, whose nodes stand in the file in such an order ([`crate::elements::CellRow::gmsh_order`]).
+    pub fn add_element(&mut self, shape: Shape, number: u64, groups: u32, (nodes, order): (&[u64], &[u8]), at: Place) {
         let elements = self.elements.entry(shape).or_default();
         elements.numbers.push(number);
         elements.places.push(number_of(at));
         elements.groups.push(groups);
-        elements.nodes.extend(nodes);
+        if order.is_empty() {
+            elements.nodes.extend(nodes);
+        } else {
+            elements.nodes.extend(order.iter().map(|&place| nodes[usize::from(place)]));
+        }
     }
 
     /// Name of a group: as in the file, or its number.

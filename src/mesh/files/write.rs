@@ -9,6 +9,7 @@ use std::fmt::Write;
 
 use super::gmsh::number_of;
 use super::tables::Shape;
+use crate::elements::CellKind;
 use crate::mesh::Mesh;
 use crate::mesh::topology::facet_key;
 
@@ -36,7 +37,9 @@ impl Mesh {
         for (cell, parts) in parts_of.iter().enumerate() {
             let next = entities.len() + 1;
             let entity = *entities.entry(parts).or_insert(next);
-            let nodes = self.cell(cell).to_vec();
+            let mut nodes = self.cell(cell).to_vec();
+            let order = self.kind.row().gmsh_order;
+            self.cell(cell).iter().zip(order).for_each(|(&node, &place)| nodes[usize::from(place)] = node);
             match blocks.last_mut() {
                 Some(last) if last.dimension == dimension && last.entity == entity => last.elements.push(nodes),
                 _ => blocks.push(Block { dimension, entity, gmsh_type: number_of(Shape::Cell(self.kind)), elements: vec![nodes] }),
@@ -65,7 +68,7 @@ impl Mesh {
             let facets = boundary.facets.iter().filter(|&&facet| seen.insert(facet_key(self.facet_nodes(facet))));
             let elements: Vec<Vec<u32>> = facets.map(|&facet| self.facet_nodes(facet).collect()).collect();
             let nodes = elements[0].len();
-            let shape = if self.dimension() == 2 { Shape::Line(nodes) } else { Shape::Cell(plane_kind(nodes)) };
+            let shape = if self.dimension() == 2 { Shape::Line(nodes) } else { Shape::Cell(CellKind::of_face(nodes)) };
             blocks.push(Block { dimension: self.dimension() - 1, entity, gmsh_type: number_of(shape), elements });
         }
         blocks
@@ -159,10 +162,4 @@ fn write_elements(text: &mut String, blocks: &[Block]) {
 fn line(text: &mut String, content: std::fmt::Arguments) {
     let _ = text.write_fmt(content);
     text.push('\n');
-}
-
-/// The plane cell with so many nodes, which is a facet of a solid one.
-fn plane_kind(nodes: usize) -> crate::elements::CellKind {
-    use crate::elements::CellKind;
-    CellKind::ALL.iter().copied().find(|kind| kind.dimension() == 2 && kind.nodes() == nodes).unwrap_or(CellKind::Quad4)
 }

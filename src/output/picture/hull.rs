@@ -41,7 +41,7 @@ fn sides(bodies: &[BodyFields], position: impl Fn(&BodyFields, usize) -> [f64; 3
     let toward = camera.view.toward;
     for (index, body) in bodies.iter().enumerate() {
         for facet in body.mesh.hull() {
-            let nodes: Vec<u32> = body.mesh.facet_nodes(facet).collect();
+            let nodes = body.mesh.around(facet);
             let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| position(body, node as usize)).collect();
             let normal = normal(&corners);
             let depth = corners.iter().map(|&corner| dot(corner, toward) / corners.len() as f64).sum();

@@ -24,7 +24,7 @@ impl Surface {
     /// Of a mesh.
     pub fn new(mesh: &Mesh, skin: &Skin) -> Self {
         let place = |node: u32| skin.nodes.binary_search(&node).map_or(0, |place| place as u32);
-        let hull: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.facet_nodes(facet).map(place).collect()).collect();
+        let hull: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.around(facet).into_iter().map(place).collect()).collect();
         let polygons: Vec<Vec<u32>> = if mesh.dimension() == 2 {
             // Around the cell: the start of every edge, and its middle node where it has one.
             let around: Vec<usize> = mesh.kind.facets().iter().flat_map(|facet| facet.iter().step_by(2)).copied().collect();
@@ -33,7 +33,7 @@ impl Surface {
             hull.clone()
         };
         let points: Vec<[f64; 3]> = skin.nodes.iter().map(|&node| mesh.points[node as usize]).collect();
-        let is_quadratic = mesh.kind.is_quadratic() && mesh.dimension() == 2;
+        let is_quadratic = mesh.kind.is_quadratic();
         let triangles = polygons.iter().flat_map(|polygon| triangles(polygon, is_quadratic)).collect();
         let mut edges: Vec<[u32; 2]> = polygons.iter().flat_map(|polygon| sides(polygon)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();

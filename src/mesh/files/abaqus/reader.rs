@@ -232,7 +232,8 @@ impl Reader {
                     let first = self.tables.element_place(&self.tables.elements[&shape], before as usize);
                     return Err(FileError { at, problem: FileProblem::DuplicateElement { element: number, first } }.into());
                 }
-                self.tables.add_element(*shape, number, 0, nodes, at);
+                let order = shape.row().map_or(&[][..], |row| row.abaqus_order);
+                self.tables.add_element(*shape, number, 0, (nodes, order), at);
                 if let Some(set) = set {
                     self.element_sets.add(*set, number);
                 }

@@ -78,13 +78,16 @@ mod tests {
             ("CAX8R", CellKind::Quad8),
             ("S9", CellKind::Quad9),
             ("C3D4", CellKind::Tet4),
+            ("C3D10M", CellKind::Tet10),
+            ("C3D20R", CellKind::Hex20),
+            ("C3D27", CellKind::Hex27),
         ] {
             assert_eq!(shape_of(name), Some(Shape::Cell(kind)), "{name}");
         }
         assert_eq!(shape_of("T3D2"), Some(Shape::Line(2)));
         assert_eq!(shape_of("B31"), Some(Shape::Line(2)));
         assert_eq!(shape_of("B22"), Some(Shape::Line(3)));
-        for name in ["STRI65", "C3D20R", "C3D10", "C3D6", "SC8R", "MASS", "SPRINGA", "CPE", "", "C3D8-", "SAX1", "B33H1"] {
+        for name in ["STRI65", "C3D15", "C3D6", "SC8R", "MASS", "SPRINGA", "CPE", "", "C3D8-", "SAX1", "B33H1"] {
             assert_eq!(shape_of(name), None, "{name}");
         }
     }

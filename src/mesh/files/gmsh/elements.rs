@@ -42,7 +42,8 @@ pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, grou
         *node = entry.node(ELEMENT)?;
     }
     entry.end(ELEMENT)?;
-    tables.add_element(shape, number, groups, nodes, entry.place());
+    let order = shape.row().map_or(&[][..], |row| row.gmsh_order);
+    tables.add_element(shape, number, groups, (nodes, order), entry.place());
     Ok(())
 }
 
@@ -74,11 +75,8 @@ fn kind_name(gmsh_type: u64) -> String {
     let known = match gmsh_type {
         6 => "6-node prism",
         7 => "5-node pyramid",
-        11 => "10-node tetrahedron (second order)",
-        12 => "27-node hexahedron (second order)",
         13 => "18-node prism (second order)",
         14 => "14-node pyramid (second order)",
-        17 => "20-node hexahedron (second order)",
         21 => "10-node triangle (third order)",
         26 => "4-node line (third order)",
         29 => "20-node tetrahedron (third order)",

@@ -195,7 +195,8 @@ fn extrude() -> Function {
         name: "extrude",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "the plane mesh drawn out along z as a solid one: hexahedra from `quad4`, tetrahedra from `tri3`; \
+        summary: "the plane mesh drawn out along z as a solid one: hexahedra from quadrilaterals, tetrahedra from triangles, of \
+                  second order from such cells; \
                   its boundaries become sides, with `bottom` at z = 0 and `top` (`bottom_`, `top_` where the plane mesh has these names)",
         parameters: vec![Parameter::new(
             "options",

@@ -109,10 +109,10 @@ fn formulation_keys() -> Vec<Parameter> {
             "dilatation",
             Kind::Choice(&DILATATIONS),
             "the change of volume at every point, or one mean for each cell, which does not lock where the material hardly changes its \
-             volume; of `quad9` cells also linear in each cell, which is more accurate",
+             volume; of `quad9` and `hex27` cells also linear in each cell, which is more accurate",
         )
         .or(Absent::Means(
-            "where Poisson's ratio is 0.49 or more and the law has a volumetric part, `\"linear\"` for `quad9` and `\"mean\"` for all \
+            "where Poisson's ratio is 0.49 or more and the law has a volumetric part, `\"linear\"` for `quad9` and `hex27` and `\"mean\"` for all \
              others but `tri3` and `tet4`; otherwise `\"pointwise\"`",
         )),
     ]

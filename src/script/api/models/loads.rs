@@ -72,7 +72,7 @@ fn pressure() -> Function {
         name: "pressure",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "loads a boundary with a pressure against its deformed surface, in the plane",
+        summary: "loads a boundary with a pressure against its deformed surface",
         parameters: vec![
             boundary_parameter(),
             Parameter::number("pressure", "stress", Interval::Finite, "the pressure at amplitude 1; positive pushes into the body"),

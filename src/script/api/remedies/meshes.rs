@@ -13,7 +13,7 @@ impl ScriptWords for MeshError {
             MeshError::OffCircle { .. } => {
                 "give a center as far from the start as from the end, or a point `through` which the arc goes".into()
             }
-            MeshError::NotLocally { kind: "tet4" | "hex8" } => {
+            MeshError::NotLocally { kind: "tet4" | "hex8" | "tet10" | "hex20" | "hex27" } => {
                 "refine all of it with `refine()`, or make the mesh finer where it was made; only triangles are refined in places".into()
             }
             MeshError::NotLocally { kind: "quad4" } => {

@@ -33,7 +33,9 @@ impl ScriptWords for FormulationError {
                 "take `neo_hookean` or another law with a bulk modulus, or `hyperelastic` with the key `volumetric` for the part in J"
                     .into()
             }
-            FormulationError::LinearOfOthers { .. } => "take `dilatation: \"mean\"`, or `mesh.with_elements(\"quad9\")`".into(),
+            FormulationError::LinearOfOthers { .. } => {
+                "take `dilatation: \"mean\"`, or `mesh.with_elements(\"quad9\")` (in space `\"hex27\"`)".into()
+            }
             FormulationError::NotPlane { .. } => "leave `plane` out".into(),
             _ => self.hint(),
         }
@@ -45,7 +47,7 @@ impl ScriptWords for Locking {
         match (self.is_curable, self.cells) {
             _ if !self.has_mean => self.hint(),
             (true, _) => "let the dilatation be one mean for each cell: `#{ dilatation: \"mean\" }`, or leave it out".into(),
-            (false, CellKind::Tet4) => self.hint(),
+            (false, CellKind::Tet4) => "take `mesh.with_elements(\"tet10\")`, or mesh the body with `hex8` cells".into(),
             (false, _) => "take `mesh.with_elements(\"tri6\")`, or mesh the body with `quad4` or `quad8` cells".into(),
         }
     }

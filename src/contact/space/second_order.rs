@@ -1,0 +1,314 @@
+//! Contact of faces of second order in space: each is four facets between points that are linear combinations of its nodes.
+//!
+//! A triangle of six nodes is cut into four triangles, a quadrilateral of eight or nine into four quadrilaterals about its center. With the
+//! offset `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` of each edge's middle from its chord (`tau` the share by which the middle lies off
+//! the chord's middle in the reference positions), and `D` that of a ninth node from where eight nodes have the center,
+//!
+//! ```text
+//! corner            y = x_a + R_a,           R_a = mean over the edges there of k d, k = 1/4 of triangles, 1/3 of quadrilaterals;
+//!                                            zero where none of them lies off the plane of a face's corners in the reference positions
+//! middle            y = chord + r d + (R_a + R_b)/2
+//! center            y = center of the chords + sum of r d/2 over the edges + mean of R + g D
+//! ```
+//!
+//! `r` and `g` of each edge and face are such that the sum over the points of their areas (`faces::shares`) times their shares of `d`, `D`
+//! is the integral over the faces of what goes with `d`, `D` in the shape functions. So a constant pressure on plane faces with straight
+//! edges goes to the nodes exactly as the consistent forces of the cell. On even meshes of curved surfaces `r` is 1: all points are raised
+//! alike, so that the polyhedron holds the volume of what it stands for and has no teeth. Corners of plane faces stay where their nodes
+//! are, which couples the nodes of two faces and no others.
+//!
+//! Multipliers are those of the nodes, linear between them on the sub-facets; a center without a node has the mean of the middles'.
+//! (Facets of first order on quadratic faces: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the forces are ours.)
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::contact::combinations::Combinations;
+use crate::contact::faces::{self, Vector};
+use crate::contact::kernel::ContactKernel;
+use crate::contact::on_curves::OnCurves;
+use crate::contact::surface::{Sides, Surface};
+use crate::elements::face_points;
+use crate::math::tolerances;
+use crate::mesh::flat_pieces;
+
+/// Share of the edges' offsets by which corners of triangles and of quadrilaterals are raised.
+const OF_TRIANGLES: f64 = 1.0 / 4.0;
+const OF_QUADRILATERALS: f64 = 1.0 / 3.0;
+
+/// How often areas and points are adjusted to each other: once is exact where the points of plane faces are the nodes.
+const ROUNDS: usize = 3;
+
+/// Two surfaces as a contact method sees them: between their nodes, or between points on faces of second order.
+pub struct SeenInSpace<'a> {
+    /// The side with the constraints.
+    pub secondary: Surface,
+    /// The other side.
+    pub primary: Surface,
+    /// Reference positions of the nodes or points `[length]`.
+    pub reference: Cow<'a, [f64]>,
+    on_faces: Option<(Combinations, Combinations, Sides)>,
+}
+
+impl<'a> SeenInSpace<'a> {
+    /// Two surfaces given by the nodes of their faces: three, four, six, eight or nine.
+    pub fn new(sides: [&[Vec<u32>]; 2], reference: &'a [f64]) -> Self {
+        let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
+        if sides.into_iter().flatten().all(|face| face.len() <= 4) {
+            let [secondary, primary] = sides.map(of);
+            return SeenInSpace { secondary, primary, reference: reference.into(), on_faces: None };
+        }
+        let mut proxies = Proxies::new(sides, reference);
+        for _ in 0..ROUNDS {
+            proxies.adjust(reference);
+        }
+        let (points, homes) = proxies.combinations();
+        let [secondary, primary] = sides.map(|faces| of(&faces.iter().flat_map(|face| proxies.pieces(face)).collect::<Vec<_>>()));
+        let [own, other] = sides.map(|faces| of(&faces.iter().flat_map(|face| between_nodes(face)).collect::<Vec<_>>()));
+        let seen = points.points(3, reference);
+        SeenInSpace { secondary, primary, reference: seen.into(), on_faces: Some((points, homes, Sides::of(own, other, reference))) }
+    }
+
+    /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
+    /// points of either side.
+    pub fn on_nodes(self, kernel: Box<dyn ContactKernel>, is_of_surface: bool) -> Box<dyn ContactKernel> {
+        let Some((points, homes, mut sides)) = self.on_faces else { return kernel };
+        let mut rows = Combinations::default();
+        if is_of_surface {
+            for &point in kernel.row_nodes() {
+                let index = |node: u32| sides.secondary.index(node).unwrap_or(0) as u32;
+                rows.push(homes.parts(point as usize).iter().map(|&(node, share)| (index(node), share)));
+            }
+            let row_nodes = sides.secondary.nodes().to_vec();
+            return Box::new(OnCurves::new(kernel, sides, [points, rows, homes], row_nodes));
+        }
+        for row in 0..kernel.rows() as u32 {
+            rows.push([(row, 1.0)]);
+        }
+        let row_nodes = kernel.row_nodes().iter().map(|&point| homes.parts(point as usize)[0].0).collect();
+        sides.facet_size = kernel.facet_size();
+        Box::new(OnCurves::new(kernel, sides, [points, rows, homes], row_nodes))
+    }
+}
+
+/// The pieces of a face between its nodes.
+pub fn between_nodes(face: &[u32]) -> Vec<Vec<u32>> {
+    flat_pieces(face.len()).iter().map(|piece| piece.iter().map(|&k| face[k]).collect()).collect()
+}
+
+/// An edge of second order.
+struct Edge {
+    middle: u32,
+    ends: [u32; 2],
+    /// By how much of the chord the middle lies off its middle in the reference positions.
+    shift: f64,
+    is_curved: bool,
+    /// What its offset raises corners by.
+    by: f64,
+    /// `r`.
+    raised: f64,
+}
+
+impl Edge {
+    fn new(middle: u32, ends: [u32; 2], by: f64, q: &[f64]) -> Self {
+        let [a, b, m] = [ends[0], ends[1], middle].map(|node| faces::at(node, q));
+        let shift = (m - 0.5 * (a + b)).dot(&(b - a)) / (b - a).norm_squared();
+        Edge { middle, ends, shift, is_curved: false, by, raised: 1.0 }
+    }
+
+    /// How far its middle lies off the chord along a normal of a face, over the chord.
+    fn sagitta(&self, normal: Vector, q: &[f64]) -> f64 {
+        let [a, b, m] = [self.ends[0], self.ends[1], self.middle].map(|node| faces::at(node, q));
+        (m - 0.5 * (a + b)).dot(&normal) / (b - a).norm()
+    }
+
+    /// The point of the chord below the middle, times a factor.
+    fn chord(&self, by: f64) -> [(u32, f64); 2] {
+        [(self.ends[0], by * (0.5 - self.shift)), (self.ends[1], by * (0.5 + self.shift))]
+    }
+}
+
+/// A face of eight or nine nodes.
+struct Center {
+    nodes: Vec<u32>,
+    /// `g`.
+    raised: f64,
+}
+
+/// What a point is made of.
+#[derive(Default)]
+struct Proxy {
+    /// Without offsets.
+    base: Vec<(u32, f64)>,
+    /// Edges by whose offsets it is raised, those times `r` apart.
+    raised: Vec<(usize, f64)>,
+    own: Vec<(usize, f64)>,
+    /// Nodes whose multipliers it has.
+    homes: Vec<(u32, f64)>,
+}
+
+/// The points of some faces.
+struct Proxies {
+    edges: Vec<Edge>,
+    edge_of: BTreeMap<u32, usize>,
+    centers: Vec<Center>,
+    /// The point of each node, and the one in the middle of each face of eight nodes.
+    point_of: BTreeMap<u32, u32>,
+    center_of: BTreeMap<Vec<u32>, u32>,
+    proxies: Vec<Proxy>,
+    faces: Vec<Vec<u32>>,
+    /// Integrals over the faces of what goes with an edge's offset in the shape functions.
+    wanted: Vec<f64>,
+}
+
+/// Number of corners of a face.
+fn corners(face: &[u32]) -> usize {
+    if matches!(face.len(), 3 | 6) { 3 } else { 4 }
+}
+
+impl Proxies {
+    fn new(sides: [&[Vec<u32>]; 2], q: &[f64]) -> Self {
+        let faces: BTreeSet<Vec<u32>> = sides.into_iter().flatten().cloned().collect();
+        let mut made = Proxies {
+            edges: Vec::new(),
+            edge_of: BTreeMap::new(),
+            centers: Vec::new(),
+            point_of: BTreeMap::new(),
+            center_of: BTreeMap::new(),
+            proxies: Vec::new(),
+            faces: faces.into_iter().collect(),
+            wanted: Vec::new(),
+        };
+        let mut around: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for face in made.faces.iter().filter(|face| face.len() > 4) {
+            let count = corners(face);
+            let by = if count == 3 { OF_TRIANGLES } else { OF_QUADRILATERALS };
+            for k in 0..count {
+                let ends = [face[k], face[(k + 1) % count]];
+                let edge = *made.edge_of.entry(face[count + k]).or_insert_with(|| {
+                    ends.iter().for_each(|&end| around.entry(end).or_default().push(made.edges.len()));
+                    made.edges.push(Edge::new(face[count + k], ends, by, q));
+                    made.edges.len() - 1
+                });
+                let sagitta = made.edges[edge].sagitta(faces::normal(&face[..count], q), q);
+                made.edges[edge].is_curved |= sagitta.abs() > tolerances::STRAIGHT;
+            }
+        }
+        made.wanted = vec![0.0; made.edges.len()];
+        let raising = |corner: u32| -> Vec<(usize, f64)> {
+            let edges = around.get(&corner).map_or(&[][..], |edges| &edges[..]);
+            let share = if edges.iter().any(|&edge| made.edges[edge].is_curved) { 1.0 / edges.len() as f64 } else { 0.0 };
+            edges.iter().filter(|_| share > 0.0).map(|&edge| (edge, share * made.edges[edge].by)).collect()
+        };
+        let scaled = |corner: u32, by: f64| raising(corner).into_iter().map(move |(edge, share)| (edge, by * share));
+        let nodes: BTreeSet<u32> = made.faces.iter().flatten().copied().collect();
+        let centers: BTreeMap<u32, &Vec<u32>> = made.faces.iter().filter(|face| face.len() == 9).map(|face| (face[8], face)).collect();
+        let central = |face: &[u32]| {
+            let edges: Vec<usize> = face[4..8].iter().map(|middle| made.edge_of[middle]).collect();
+            let chords = edges.iter().flat_map(|&edge| made.edges[edge].chord(0.5));
+            Proxy {
+                base: chords.chain(face[..4].iter().map(|&corner| (corner, -0.25))).collect(),
+                raised: face[..4].iter().flat_map(|&corner| scaled(corner, 0.25)).collect(),
+                own: edges.iter().map(|&edge| (edge, 0.5)).collect(),
+                homes: if face.len() == 9 { vec![(face[8], 1.0)] } else { face[4..8].iter().map(|&middle| (middle, 0.25)).collect() },
+            }
+        };
+        let mut proxies = Vec::new();
+        for (&node, point) in nodes.iter().zip(0..) {
+            made.point_of.insert(node, point);
+            proxies.push(if let Some(&edge) = made.edge_of.get(&node) {
+                let Edge { ends, .. } = made.edges[edge];
+                let raised = ends.into_iter().flat_map(|end| scaled(end, 0.5)).collect();
+                Proxy { base: made.edges[edge].chord(1.0).to_vec(), raised, own: vec![(edge, 1.0)], homes: vec![(node, 1.0)] }
+            } else if let Some(face) = centers.get(&node) {
+                central(face)
+            } else {
+                Proxy { base: vec![(node, 1.0)], raised: raising(node), own: Vec::new(), homes: vec![(node, 1.0)] }
+            });
+        }
+        for face in made.faces.iter().filter(|face| face.len() >= 8) {
+            if face.len() == 8 {
+                made.center_of.insert(face.clone(), proxies.len() as u32);
+                proxies.push(central(face));
+            } else {
+                made.center_of.insert(face.clone(), made.point_of[&face[8]]);
+            }
+            made.centers.push(Center { nodes: face.clone(), raised: 1.0 });
+        }
+        made.proxies = proxies;
+        made.integrate(q);
+        made
+    }
+
+    /// What goes with the offsets of edges in the shape functions, over the reference faces.
+    fn integrate(&mut self, q: &[f64]) {
+        for face in self.faces.iter().filter(|face| face.len() > 4) {
+            let (places, count) = (face.iter().map(|&node| faces::at(node, q).into()).collect::<Vec<[f64; 3]>>(), corners(face));
+            for point in face_points(face.len()) {
+                let [x, y, z] = point.normal(&places);
+                let area = point.weight * x.hypot(y).hypot(z);
+                for k in 0..count {
+                    // The ninth function is zero at the middles, and so has its half of each of theirs back.
+                    let shape = point.shapes[count + k] + point.shapes.get(8).map_or(0.0, |center| 0.5 * center);
+                    self.wanted[self.edge_of[&face[count + k]]] += area * shape;
+                }
+            }
+        }
+    }
+
+    /// The facets of a face between points.
+    fn pieces(&self, face: &[u32]) -> Vec<Vec<u32>> {
+        let point = |k: &usize| if *k == 8 { self.center_of[face] } else { self.point_of[&face[*k]] };
+        let pieces = flat_pieces(if face.len() == 8 { 9 } else { face.len() });
+        pieces.iter().map(|piece| piece.iter().map(point).collect()).collect()
+    }
+
+    /// Points by nodes, and the nodes whose multipliers they have.
+    fn combinations(&self) -> (Combinations, Combinations) {
+        let (mut points, mut homes) = (Combinations::default(), Combinations::default());
+        let ninth: BTreeMap<u32, &Center> =
+            self.centers.iter().filter(|center| center.nodes.len() == 9).map(|center| (self.center_of[&center.nodes], center)).collect();
+        for (proxy, number) in self.proxies.iter().zip(0..) {
+            let offset = |(edge, by): (usize, f64)| {
+                let edge = &self.edges[edge];
+                [(edge.middle, by)].into_iter().chain(edge.chord(-by))
+            };
+            let raised = proxy.raised.iter().copied();
+            let own = proxy.own.iter().map(|&(edge, by)| (edge, by * self.edges[edge].raised));
+            let center = ninth.get(&number).map(|center| {
+                let (nodes, raised) = (&center.nodes, center.raised);
+                let middles = nodes[4..8].iter().map(move |&middle| (middle, -0.5 * raised));
+                nodes[..4].iter().map(move |&corner| (corner, 0.25 * raised)).chain(middles).chain([(nodes[8], raised)])
+            });
+            let parts = proxy.base.iter().copied().chain(raised.chain(own).flat_map(offset)).chain(center.into_iter().flatten());
+            points.push(parts);
+            homes.push(proxy.homes.iter().copied());
+        }
+        (points, homes)
+    }
+
+    /// Chooses `r` and `g` for the areas that the points have in the reference positions.
+    fn adjust(&mut self, q: &[f64]) {
+        let seen = self.combinations().0.points(3, q);
+        let mut areas = vec![0.0; self.proxies.len()];
+        for piece in self.faces.iter().flat_map(|face| self.pieces(face)) {
+            piece.iter().zip(faces::shares(&piece, &seen)).for_each(|(&point, share)| areas[point as usize] += share);
+        }
+        let (mut fixed, mut own) = (vec![0.0; self.edges.len()], vec![0.0; self.edges.len()]);
+        for (proxy, area) in self.proxies.iter().zip(&areas) {
+            proxy.raised.iter().for_each(|&(edge, by)| fixed[edge] += by * area);
+            proxy.own.iter().for_each(|&(edge, by)| own[edge] += by * area);
+        }
+        for (number, edge) in self.edges.iter_mut().enumerate() {
+            edge.raised = (self.wanted[number] - fixed[number]) / own[number];
+        }
+        for center in self.centers.iter_mut().filter(|center| center.nodes.len() == 9) {
+            let places: Vec<[f64; 3]> = center.nodes.iter().map(|&node| faces::at(node, q).into()).collect();
+            let of_point = |point: &crate::elements::FacePoint| {
+                let [x, y, z] = point.normal(&places);
+                point.weight * x.hypot(y).hypot(z) * point.shapes[8]
+            };
+            center.raised = face_points(9).iter().map(of_point).sum::<f64>() / areas[self.center_of[&center.nodes] as usize];
+        }
+    }
+}
