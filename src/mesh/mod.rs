@@ -21,12 +21,18 @@ mod hints;
 mod join;
 mod layers;
 mod local_refinement;
+mod path;
 mod plane;
 mod polygon;
 mod region;
+mod revolve;
 mod round;
 mod selection;
+#[cfg(test)]
+mod solid_tests;
+mod solids;
 mod strips;
+mod sweep;
 mod topology;
 mod transform;
 mod triangulation;
@@ -36,6 +42,7 @@ pub use check::Quality;
 pub use curved::Round;
 pub use curves::{Curve, Side};
 pub use error::MeshError;
+pub use extrude::Change;
 pub use file_error::{FileError, FileProblem, Place};
 pub use files::{read_mesh, read_mesh_bytes};
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
@@ -45,6 +52,7 @@ pub use polygon::{layered_polygon, polygon, polygon_of};
 pub use region::{layered_region, region};
 pub use round::{arc, disk, graded_ring, half_disk, ring};
 pub use selection::SelectionError;
+pub use solids::{cylinder, hollow_sphere, rounded_block, sphere, torus, tube};
 
 use crate::elements::CellKind;
 
