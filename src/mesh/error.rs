@@ -384,6 +384,37 @@ pub enum MeshError {
         /// How many cells share the facet.
         sharing: usize,
     },
+    /// A facet of the surface that cannot be touched.
+    #[error("a facet of cell {cell} at {} is folded: its corners do not all look to the same side ({count} facets are)", spot(.at))]
+    FoldedFacet {
+        /// Index of the cell.
+        cell: u64,
+        /// Mean of its corners `[length]`.
+        at: Vec<f64>,
+        /// How many facets are folded.
+        count: usize,
+    },
+    /// Cells beside each other with nodes of their own.
+    #[error("{count} facets of the mesh lie on others without common nodes, the first at {}: the cells are not joined there", spot(.at))]
+    Unjoined {
+        /// How many places.
+        count: usize,
+        /// Mean of the corners of the first `[length]`.
+        at: Vec<f64>,
+    },
+    /// A surface that goes through itself.
+    #[error(
+        "the surface of the mesh goes through itself at {}: an edge of cell {} through a facet of cell {} ({count} edges do)",
+        spot(.at), cells[0], cells[1]
+    )]
+    CrossingSurface {
+        /// Indices of the cells.
+        cells: [u64; 2],
+        /// Where `[length]`.
+        at: Vec<f64>,
+        /// How many edges go through facets.
+        count: usize,
+    },
     /// Nodes that no cell uses.
     #[error("{count} nodes belong to no cell, the first is node {node}")]
     UnusedNodes {

@@ -32,6 +32,7 @@ mod selection;
 mod solid_tests;
 mod solids;
 mod strips;
+mod surface;
 mod sweep;
 mod topology;
 mod transform;
