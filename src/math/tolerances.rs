@@ -246,6 +246,10 @@ pub const DEGENERATE_CELL: f64 = 1e-12;
 /// Distance of two nodes of meshes to be joined, relative to the largest coordinate, up to which they are at the same place.
 pub const SAME_PLACE: f64 = 1e-9;
 
+/// Share of each corner, in a point of a facet that an edge goes through, above which the point is inside and not on the facet's rim: edges
+/// that only touch meet the rim to round-off, 1e-15.
+pub const PIERCED: f64 = 1e-6;
+
 /// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh
 /// generator leave.
 pub const PLANE: f64 = 1e-12;

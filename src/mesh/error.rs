@@ -241,6 +241,69 @@ pub enum MeshError {
         /// Their kind.
         kind: &'static str,
     },
+    /// A section that meets itself while it moves through space.
+    #[error("the section sweeps over itself: a cell at {} is inside out", spot(.center))]
+    SweptOver {
+        /// Mean of the nodes of the cell `[length]`.
+        center: Vec<f64>,
+    },
+    /// A path of too few points.
+    #[error("a path needs at least {least} points, but has {count}")]
+    PathPoints {
+        /// How many it has.
+        count: usize,
+        /// How many it needs.
+        least: usize,
+    },
+    /// Two points of a path that follow each other coincide.
+    #[error("the points {point} and {} of the path are at the same place, {}", point + 1, spot(.at))]
+    PathStands {
+        /// Number of the first one, from 1.
+        point: usize,
+        /// Where they are `[length]`.
+        at: [f64; 3],
+    },
+    /// A path that turns back.
+    #[error("the path turns by {degrees:.0} degrees at its point {point}, {}", spot(.at))]
+    PathTurns {
+        /// Number of the point, from 1.
+        point: usize,
+        /// Where it is `[length]`.
+        at: [f64; 3],
+        /// By how much, in degrees.
+        degrees: f64,
+    },
+    /// A section that is another one at the end of a way that closes.
+    #[error("the way closes, so its end must be as its start: without twist, scale and grading")]
+    ClosedChange,
+    /// Meshes that are not of the same cells.
+    #[error("the cells of the two meshes do not name the same nodes: {first}, and {second}")]
+    Lofted {
+        /// Counts of one mesh.
+        first: String,
+        /// Counts of the other mesh.
+        second: String,
+    },
+    /// An angle of a solid of revolution.
+    #[error("a mesh is turned by more than 0 and by at most a full turn of 2 pi, but the angle is {angle}")]
+    Revolution {
+        /// The angle `[rad]`.
+        angle: f64,
+    },
+    /// A mesh that its axis of revolution touches or cuts.
+    #[error("the mesh is not wholly on one side of the axis of revolution: it meets it near {}", spot(.at))]
+    OnAxis {
+        /// A node on the axis or beyond it `[length]`.
+        at: [f64; 2],
+    },
+    /// A rounding that leaves nothing of a side.
+    #[error("the radius {} of the edges must be smaller than half the least size {}", rounded(*.radius), rounded(*.size))]
+    Rounding {
+        /// The radius `[length]`.
+        radius: f64,
+        /// The least size `[length]`.
+        size: f64,
+    },
     /// A transform that takes a plane mesh out of its plane.
     #[error("{what} takes the plane mesh out of its plane z = 0")]
     LeavesPlane {
@@ -320,6 +383,37 @@ pub enum MeshError {
         cell: u64,
         /// How many cells share the facet.
         sharing: usize,
+    },
+    /// A facet of the surface that cannot be touched.
+    #[error("a facet of cell {cell} at {} is folded: its corners do not all look to the same side ({count} facets are)", spot(.at))]
+    FoldedFacet {
+        /// Index of the cell.
+        cell: u64,
+        /// Mean of its corners `[length]`.
+        at: Vec<f64>,
+        /// How many facets are folded.
+        count: usize,
+    },
+    /// Cells beside each other with nodes of their own.
+    #[error("{count} facets of the mesh lie on others without common nodes, the first at {}: the cells are not joined there", spot(.at))]
+    Unjoined {
+        /// How many places.
+        count: usize,
+        /// Mean of the corners of the first `[length]`.
+        at: Vec<f64>,
+    },
+    /// A surface that goes through itself.
+    #[error(
+        "the surface of the mesh goes through itself at {}: an edge of cell {} through a facet of cell {} ({count} edges do)",
+        spot(.at), cells[0], cells[1]
+    )]
+    CrossingSurface {
+        /// Indices of the cells.
+        cells: [u64; 2],
+        /// Where `[length]`.
+        at: Vec<f64>,
+        /// How many edges go through facets.
+        count: usize,
     },
     /// Nodes that no cell uses.
     #[error("{count} nodes belong to no cell, the first is node {node}")]

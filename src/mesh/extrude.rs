@@ -1,13 +1,45 @@
-//! A plane mesh drawn out into space.
-//!
-//! Every node becomes a column of nodes along z, every cell a column of cells. The plane mesh's boundaries become the sides under their
-//! names; `bottom` is the plane itself and `top` the plane that it was moved to.
+//! A plane mesh drawn out into space: along z or along a path, turned and scaled on the way, or towards another plane mesh.
 
-use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
 
 use super::grid::{at_least, graded, limited, positive};
-use super::{Boundary, Facet, Mesh, MeshError};
-use crate::elements::{CellKind, CellShape};
+use super::path::{Frame, frames};
+use super::sweep::Sweep;
+use super::{Mesh, MeshError};
+use crate::math::tolerances::SAME_PLACE;
+
+/// How a section changes while it is drawn out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// The angle by which it has turned at the end, counter-clockwise about the plane's origin `[rad]`.
+    pub twist: f64,
+    /// Its size along x and y at the end over that at the start, about the plane's origin.
+    pub scale: [f64; 2],
+}
+
+impl Change {
+    /// A section that stays as it is.
+    pub const NONE: Change = Change { twist: 0.0, scale: [1.0; 2] };
+
+    /// Itself for so many layers: one that turns by more than a right angle would be pinched in its middle.
+    fn checked(self, direction: &'static str, layers: usize) -> Result<Change, MeshError> {
+        self.scale.into_iter().try_for_each(|scale| positive("the scale of an extrusion", scale))?;
+        if !self.twist.is_finite() {
+            return Err(MeshError::NotFinite { what: "the twist of an extrusion", value: self.twist });
+        }
+        let least = (self.twist.abs() / FRAC_PI_2 * (1.0 - SAME_PLACE)).ceil().max(1.0);
+        at_least(direction, layers, least as usize)?;
+        Ok(self)
+    }
+
+    /// Where a point of the section is after that share of the way.
+    fn at(self, share: f64, [x, y, _]: [f64; 3]) -> [f64; 2] {
+        let grown = |scale: f64| 1.0 - share + scale * share;
+        let (x, y) = (x * grown(self.scale[0]), y * grown(self.scale[1]));
+        let (sine, cosine) = (self.twist * share).sin_cos();
+        [cosine * x - sine * y, sine * x + cosine * y]
+    }
+}
 
 impl Mesh {
     /// The plane mesh drawn out along z from 0 to `height` `[length]` in `layers` of hexahedra, or of prisms cut into three tetrahedra each,
@@ -15,149 +47,82 @@ impl Mesh {
     /// boundaries become sides, and there are `bottom` and `top` (with an underscore behind where the plane mesh has such names).
     ///
     /// # Errors
-    /// Cells in space, a height or ratio that is not positive, no layers, too many cells.
-    pub fn extruded(&self, height: f64, layers: usize, grading: f64) -> Result<Mesh, MeshError> {
-        let (kind, per_cell) = match self.kind {
-            CellKind::Quad4 => (CellKind::Hex8, 1),
-            CellKind::Quad8 => (CellKind::Hex20, 1),
-            CellKind::Quad9 => (CellKind::Hex27, 1),
-            CellKind::Tri3 => (CellKind::Tet4, 3),
-            CellKind::Tri6 => (CellKind::Tet10, 3),
-            other => return Err(MeshError::Extruded { kind: other.name() }),
-        };
+    /// Cells in space, a height, ratio or scale that is not positive, no layers, too many cells, a twist of too few layers.
+    pub fn extruded(&self, height: f64, layers: usize, grading: f64, change: Change) -> Result<Mesh, MeshError> {
         positive("the height of an extrusion", height)?;
+        let change = change.checked("along the height", layers)?;
+        limited(&[self.cell_count(), layers])?;
+        let places = graded(layers, grading)?;
+        self.swept(&straight(layers), |row, node| {
+            let [x, y] = change.at(places[row], self.points[node]);
+            [x, y, height * places[row]]
+        })
+    }
+
+    /// The plane mesh drawn out along the path through these points `[length]`, a layer from each to the next; a path
+    /// that ends at its first point closes. The section stands across the path with the plane's origin on it, at the first point as the
+    /// plane is turned the shortest way to do so, and from there on does not turn about the path (a closed path spreads what
+    /// is left over its length). `bottom` is at the start of the path and `top` at its end.
+    ///
+    /// The direction of the path at a point is that of the circle through it and its neighbors, so straight and round paths are exact.
+    ///
+    /// # Errors
+    /// As those of [`Mesh::extruded`]; a path of fewer than two points, that stands still, turns by more than 90 degrees at a point, or
+    /// bends so sharply that the section sweeps over itself; a section that changes along a closed path.
+    pub fn extruded_along(&self, path: &[[f64; 3]], change: Change) -> Result<Mesh, MeshError> {
+        let (frames, is_closed) = frames(path)?;
+        let change = change.checked("along the path", path.len() - 1)?;
+        if is_closed && change != Change::NONE {
+            return Err(MeshError::ClosedChange);
+        }
+        let sweep = Sweep { is_closed, ..straight(path.len() - 1) };
+        self.swept(&sweep, |row, node| {
+            let Frame { at, share, along: [x, y] } = &frames[row];
+            let [a, b] = change.at(*share, self.points[node]);
+            [0, 1, 2].map(|i| at[i] + a * x[i] + b * y[i])
+        })
+    }
+
+    /// The solid between this plane mesh at z = 0 and another one of the same cells at `height` `[length]`: every node goes straight to
+    /// its counterpart, in `layers` of which the last is `grading` times the first. Boundaries and parts are those of this mesh, `bottom`
+    /// and `top`.
+    ///
+    /// # Errors
+    /// As those of [`Mesh::extruded`]; meshes whose cells do not name the same nodes.
+    pub fn lofted(&self, other: &Mesh, height: f64, layers: usize, grading: f64) -> Result<Mesh, MeshError> {
+        positive("the height of a loft", height)?;
         at_least("along the height", layers, 1)?;
-        limited(&[self.cell_count(), layers, per_cell as usize])?;
-        let (count, cells) = (self.points.len() as u32, self.cell_count() as u32);
-        // Levels of nodes: two for each layer where there are nodes in the middle of edges.
-        let steps = if kind.is_quadratic() { 2 } else { 1 };
-        let (places, levels) = (graded(layers, grading)?, (steps * layers) as u32);
-        let share = |level: u32| {
-            let (below, above) = (level as usize / steps, (level as usize).div_ceil(steps));
-            if below == above { places[below] } else { 0.5 * (places[below] + places[above]) }
-        };
-        let points = (0..=levels).flat_map(|level| self.points.iter().map(move |[x, y, _]| [*x, *y, height * share(level)])).collect();
-        let mut connectivity = Vec::with_capacity(layers * self.cell_count() * per_cell as usize * kind.nodes());
-        let on_corners = places_in(kind, self.kind);
-        for layer in 0..layers as u32 {
-            for cell in self.cells() {
-                let node = |(node, level): (u32, u32)| node + (steps as u32 * layer + level) * count;
-                match kind.shape() {
-                    CellShape::Tetrahedron => tetrahedra(cell).iter().for_each(|corners| {
-                        let corner = |&(corner, is_above): &(usize, bool)| (cell[corner], if is_above { steps as u32 } else { 0 });
-                        connectivity.extend(corners.iter().map(|at| node(corner(at))));
-                        let edges = kind.shape().edges().iter().filter(|_| steps == 2);
-                        connectivity.extend(edges.map(|ends| node(between(cell, ends.map(|end| corners[end])))));
-                    }),
-                    _ => connectivity.extend(on_corners.iter().map(|&(local, level)| node((cell[local], level)))),
-                }
-            }
+        let counts = |mesh: &Mesh| (mesh.kind, mesh.points.len(), mesh.cell_count());
+        if counts(self) != counts(other) || self.connectivity != other.connectivity {
+            let told = |mesh: &Mesh| format!("{} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+            return Err(MeshError::Lofted { first: told(self), second: told(other) });
         }
-        let mut solid = Mesh { kind, points, connectivity, boundaries: Vec::new(), parts: Vec::new() };
-        self.sides_of(&mut solid, levels);
-        let cells = cells * per_cell;
-        let of_cell = |cell: u32| (0..per_cell).map(move |child| cell * per_cell + child);
-        let all = |own: &Vec<u32>| {
-            (0..layers as u32).flat_map(|layer| own.iter().flat_map(move |&c| of_cell(c).map(move |c| c + layer * cells))).collect()
-        };
-        solid.parts = self.parts.iter().map(|(name, own)| (name.clone(), all(own))).collect();
-        if kind == CellKind::Hex20 {
-            solid.leave_out_unused();
-        }
-        solid.checked()
-    }
-
-    /// Gives what was drawn out to so many levels the boundaries of this mesh, `bottom` and `top`.
-    fn sides_of(&self, solid: &mut Mesh, levels: u32) {
-        let count = self.points.len() as u32;
-        // facets of the solid by their lowest layer and the nodes below them, each once
-        let mut sides: HashMap<Vec<u32>, Vec<Facet>> = HashMap::new();
-        for facet in solid.hull() {
-            let mut below: Vec<u32> = solid.facet_nodes(facet).map(|node| node % count).collect();
-            below.sort_unstable();
-            below.dedup();
-            sides.entry(below).or_default().push(facet);
-        }
-        for boundary in &self.boundaries {
-            let standing = boundary.facets.iter().filter_map(|&facet| {
-                let mut below: Vec<u32> = self.facet_nodes(facet).collect();
-                below.sort_unstable();
-                sides.get(&below)
-            });
-            let facets = standing.flatten().copied().collect();
-            let nodes = (0..=levels).flat_map(|level| boundary.nodes.iter().map(move |node| node + level * count));
-            solid.boundaries.push(Boundary { name: boundary.name.clone(), facets, nodes: nodes.collect() });
-        }
-        for (name, level) in [("bottom", 0), ("top", levels)] {
-            let mut name = name.to_string();
-            while solid.boundary(&name).is_some() {
-                name.push('_');
-            }
-            let is_there = |facet: &Facet| solid.facet_nodes(*facet).all(|node| node / count == level);
-            let facets = solid.hull().into_iter().filter(is_there).collect();
-            solid.boundaries.push(Boundary::of_facets(&name, facets));
-        }
-    }
-
-    /// Leaves out the nodes of no cell; the others keep their order.
-    fn leave_out_unused(&mut self) {
-        let mut numbers = vec![u32::MAX; self.points.len()];
-        self.connectivity.iter().for_each(|&node| numbers[node as usize] = 0);
-        let mut next = 0;
-        for number in numbers.iter_mut().filter(|number| **number == 0) {
-            *number = next;
-            next += 1;
-        }
-        self.connectivity.iter_mut().for_each(|node| *node = numbers[*node as usize]);
-        for boundary in &mut self.boundaries {
-            boundary.nodes = boundary.nodes.iter().map(|&node| numbers[node as usize]).filter(|&node| node != u32::MAX).collect();
-        }
-        let mut is_used = numbers.iter().map(|&number| number != u32::MAX);
-        self.points.retain(|_| is_used.next().unwrap_or(false));
+        limited(&[self.cell_count(), layers])?;
+        let places = graded(layers, grading)?;
+        self.swept(&straight(layers), |row, node| {
+            let (share, from, to) = (places[row], self.points[node], other.points[node]);
+            let between = |i: usize| from[i] * (1.0 - share) + to[i] * share;
+            [between(0), between(1), height * share]
+        })
     }
 }
 
-/// For each node of a hexahedron the node of the quadrilateral below it, and its level.
-fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
-    let below = plane.row().node_places;
-    let steps = if kind.is_quadratic() { 1.0 } else { 0.5 };
-    let of_node = |[x, y, z]: [f64; 3]| below.iter().position(|at| at[..2] == [x, y]).map(|local| (local, (steps * (z + 1.0)) as u32));
-    kind.row().node_places.iter().filter_map(|&place| of_node(place)).collect()
-}
-
-/// The node of a triangle of second order, and its level, in the middle between two corners of its prism.
-fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u32, u32) {
-    let level = u32::from(a_above) + u32::from(b_above);
-    // the middle of the edge from a corner to the next one has its number, three further
-    let local = if a == b { a } else { 3 + if (a + 1) % 3 == b { a } else { b } };
-    (cell[local], level)
-}
-
-/// The three tetrahedra of a prism over a triangle: corners of the triangle, each with whether it is the one above. The side over an edge is
-/// cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International Meshing
-/// Roundtable, 1999).
-fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
-    let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();
-    let [a, b, c] = [0, 1, 2].map(|k| (first + k) % 3);
-    let (below, above) = (|node: usize| (node, false), |node: usize| (node, true));
-    // counter-clockwise from the least node: the order of the other two decides the cut of the side over them
-    if triangle[b] < triangle[c] {
-        [[below(a), below(b), below(c), above(c)], [below(a), below(b), above(c), above(b)], [below(a), above(b), above(c), above(a)]]
-    } else {
-        [[below(a), below(b), below(c), above(b)], [below(a), above(b), below(c), above(c)], [below(a), above(b), above(c), above(a)]]
-    }
+/// A way with two ends.
+fn straight(layers: usize) -> Sweep<'static> {
+    Sweep { layers, is_closed: false, is_backward: false, ends: ["bottom", "top"] }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{block, rectangle, ring};
+    use crate::elements::CellKind;
+    use crate::mesh::{Boundary, Facet, block, rectangle, ring};
 
     #[test]
     fn a_ring_becomes_a_tube() {
         let mut plane = ring(0.5, 1.0, [2, 12], [0.0; 2], 0.0).unwrap();
         plane.parts = vec![("half".into(), (0..12).collect())];
-        let tube = plane.extruded(3.0, 4, 2.0).unwrap();
+        let tube = plane.extruded(3.0, 4, 2.0, Change::NONE).unwrap();
         assert_eq!((tube.cell_count(), tube.points.len()), (4 * 24, 5 * 36));
         assert!((tube.measure() - 3.0 * plane.measure()).abs() < 1e-13);
         assert_eq!(tube.defects(), []);
@@ -180,7 +145,7 @@ mod tests {
     #[test]
     fn triangles_become_tetrahedra_that_fit() {
         let plane = rectangle([2.0, 1.0], [3, 2], [0.0; 2]).unwrap().with_cells(CellKind::Tri3).unwrap();
-        let solid = plane.extruded(1.5, 2, 1.0).unwrap();
+        let solid = plane.extruded(1.5, 2, 1.0, Change::NONE).unwrap();
         assert_eq!((solid.kind, solid.cell_count()), (CellKind::Tet4, 2 * 3 * 12));
         assert_eq!(solid.defects(), []);
         assert!((solid.measure() - 3.0).abs() < 1e-13);
@@ -197,7 +162,7 @@ mod tests {
         for (flat, solid) in [(CellKind::Quad8, CellKind::Hex20), (CellKind::Quad9, CellKind::Hex27), (CellKind::Tri6, CellKind::Tet10)] {
             let mut plane = ring(0.5, 1.0, [1, 8], [0.0; 2], 0.1).unwrap().with_round_cells(flat, Round::About([0.0; 2])).unwrap();
             plane.boundaries.push(Boundary { name: "points".into(), facets: Vec::new(), nodes: vec![0, plane.cell(0)[4]] });
-            let tube = plane.extruded(3.0, 2, 2.0).unwrap();
+            let tube = plane.extruded(3.0, 2, 2.0, Change::NONE).unwrap();
             assert_eq!((tube.kind, tube.defects()), (solid, Vec::new()));
             // three points for a triangle's curved area, four for the volume of a tetrahedron
             let allowed = if solid == CellKind::Tet10 { 2e-3 } else { 1e-13 };
@@ -228,18 +193,18 @@ mod tests {
     #[test]
     fn an_extruded_rectangle_is_a_block() {
         let plane = rectangle([1.0, 2.0], [2, 3], [0.0; 2]).unwrap();
-        let solid = plane.extruded(4.0, 2, 1.0).unwrap();
+        let solid = plane.extruded(4.0, 2, 1.0, Change::NONE).unwrap();
         let direct = block([1.0, 2.0, 4.0], [2, 3, 2], [0.0; 3]).unwrap();
         assert_eq!((solid.points, solid.connectivity), (direct.points, direct.connectivity.clone()));
         let names: Vec<&str> = solid.boundaries.iter().map(|b| b.name.as_str()).collect();
         assert_eq!(names, ["left", "right", "bottom", "top", "bottom_", "top_"]);
         assert!(matches!(direct_again(), Err(MeshError::Extruded { kind: "hex8" })));
-        assert!(matches!(plane.extruded(0.0, 1, 1.0), Err(MeshError::NotPositive { .. })));
-        assert!(matches!(plane.extruded(1.0, 0, 1.0), Err(MeshError::TooFewCells { .. })));
-        assert!(matches!(plane.extruded(1.0, usize::MAX, 1.0), Err(MeshError::TooManyCells { .. })));
+        assert!(matches!(plane.extruded(0.0, 1, 1.0, Change::NONE), Err(MeshError::NotPositive { .. })));
+        assert!(matches!(plane.extruded(1.0, 0, 1.0, Change::NONE), Err(MeshError::TooFewCells { .. })));
+        assert!(matches!(plane.extruded(1.0, usize::MAX, 1.0, Change::NONE), Err(MeshError::TooManyCells { .. })));
     }
 
     fn direct_again() -> Result<Mesh, MeshError> {
-        block([1.0; 3], [1, 1, 1], [0.0; 3])?.extruded(1.0, 1, 1.0)
+        block([1.0; 3], [1, 1, 1], [0.0; 3])?.extruded(1.0, 1, 1.0, Change::NONE)
     }
 }

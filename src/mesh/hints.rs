@@ -54,6 +54,17 @@ impl MeshError {
             NotLocally { .. } => "make it of triangles of tri6, refine all of it, or mesh a region with a size of cells that varies".into(),
             Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
             Extruded { .. } => "extrude a plane mesh".into(),
+            SweptOver { .. } => "take more layers for a twist; let a path bend less, or make the section narrower where it bends".into(),
+            PathPoints { .. } => "name more points; a path that ends at its first point closes".into(),
+            PathStands { .. } => "leave out one of the two".into(),
+            PathTurns { .. } => "round the bend with more points, or make a mesh for each side of it and join them".into(),
+            ClosedChange => "leave these out, or let the way end before its start".into(),
+            Lofted { .. } => "make both with the same generator and the same counts of cells, or map one onto the other".into(),
+            Revolution { .. } => "angles are in radians".into(),
+            OnAxis { .. } => "move the mesh away from the axis: cells on it would have no volume there; solid cylinders, spheres and \
+                 rings have generators of their own, with a core of cells on the axis"
+                .into(),
+            Rounding { .. } => "choose a smaller radius".into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
             NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
             UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {
@@ -62,6 +73,7 @@ impl MeshError {
                 (None, false) => "use one of these names".into(),
             },
             BoundaryExists { .. } => "choose another name".into(),
+            InvertedCell { center, inverted, cells, .. } if center.len() == 3 => solid_inside_out(inverted == cells),
             InvertedCell { inverted, cells, .. } if inverted == cells => "the nodes of all cells run the wrong way round: reverse them in \
                  Gmsh (`ReverseMesh Surface{:};`, or turn the curve loops counter-clockwise) and save again"
                 .into(),
@@ -71,10 +83,28 @@ impl MeshError {
             DegenerateCell { .. } => "mend the mesh there: nodes of a cell must not coincide or lie on one line".into(),
             RepeatedNode { .. } => "use cells with distinct nodes; a triangle written as a collapsed cell is not a quad4".into(),
             CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
+            FoldedFacet { .. } => {
+                "mend the mesh there: every angle of a facet must be below 180 degrees; the facets of tetrahedra do not fold".into()
+            }
+            Unjoined { .. } => "make their nodes one where the mesh is made (in Gmsh `Coherence;` before it is meshed), or take what does \
+                 not belong together as bodies of their own, joined by ties or contact"
+                .into(),
+            CrossingSurface { .. } => "a body fills no place twice: mend the surface before it is meshed, or take parts that overlap as \
+                 bodies of their own"
+                .into(),
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
             File(error) => error.problem.hint(),
         }
+    }
+}
+
+/// Which way the nodes of solid cells run.
+fn solid_inside_out(are_all: bool) -> String {
+    let order = "the first four nodes of a hexahedron (the first three of a tetrahedron) run counter-clockwise as seen from the others";
+    match are_all {
+        true => format!("{order}: all cells are mirrored, so exchange two of these nodes in each, or scale by -1 where they were made"),
+        false => format!("{order}: write the nodes of these cells in that order, or mend the mesh where a corner goes through the others"),
     }
 }
 

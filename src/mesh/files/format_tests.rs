@@ -221,6 +221,55 @@ fn sides_of_solid_cells_have_the_order_of_the_format() {
     }
 }
 
+#[test]
+fn solid_files_have_their_surfaces_sets_and_parts_in_place() {
+    // two tetrahedra on both sides of the triangle 1, 2, 3
+    let tetrahedra = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0, 0, -1\n9, 7, 7, 7\n*ELEMENT, TYPE=C3D4, ELSET=above\n\
+         10, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D4, ELSET=below\n20, 1, 3, 2, 5\n*SURFACE, NAME=s1\n10, S1\n*SURFACE, NAME=s2\n10, S2\n\
+         *SURFACE, NAME=s3\n10, S3\n*SURFACE, NAME=s4\n10, S4\n*SURFACE, NAME=lower\nbelow, S3\nbelow, S2\n*SURFACE, NAME=skin\n\
+         above,\n20,\n*NSET, NSET=wall\n1, 3, 4, 5\n*NSET, NSET=tip\n4, 9\n";
+    let mesh = read_mesh_bytes(tetrahedra.as_bytes()).unwrap_or_else(|error| panic!("{error} {:?}", error.place()));
+    let middles = |name: &str| -> Vec<[f64; 3]> {
+        let facets = &mesh.boundary(name).unwrap_or_else(|| panic!("no boundary {name}")).facets;
+        let middle = |&facet: &Facet| {
+            let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
+            [0, 1, 2].map(|i| nodes.iter().map(|&n| mesh.points[n as usize][i]).sum::<f64>() * 3.0 / nodes.len() as f64)
+        };
+        facets.iter().map(middle).collect()
+    };
+    // S1 to S4 are the faces 123, 142, 243, 341 (sums of their corners)
+    assert_eq!(middles("s1"), [[1.0, 1.0, 0.0]]);
+    assert_eq!(middles("s2"), [[1.0, 0.0, 1.0]]);
+    assert_eq!(middles("s3"), [[1.0, 1.0, 1.0]]);
+    assert_eq!(middles("s4"), [[0.0, 1.0, 1.0]]);
+    assert_eq!(middles("lower"), [[1.0, 1.0, -1.0], [0.0, 1.0, -1.0]]);
+    assert_eq!((middles("skin").len(), middles("wall").len()), (6, 2));
+    assert_eq!(mesh.boundary("tip").map(|tip| (tip.facets.len(), &tip.nodes[..])), Some((0, &[3][..])));
+    assert_eq!(mesh.parts, [("above".to_string(), vec![0]), ("below".to_string(), vec![1])]);
+    let below = mesh.part("below").unwrap();
+    assert_eq!((below.cell_count(), below.boundary("lower").unwrap().facets.len(), below.surface_defects()), (1, 2, Vec::new()));
+    // mirrored: all of it, or one of two
+    let mirrored = tetrahedra.replace("10, 1, 2, 3, 4", "10, 1, 3, 2, 4");
+    let error = read_mesh_bytes(mirrored.as_bytes()).unwrap_err();
+    assert_eq!(error.to_string(), "cell 10 at (0.25, 0.25, 0.25) is inside out: its Jacobian determinant is -1 (1 of 2 cells are)");
+    assert!(error.line() == Some(9) && error.hint().contains("counter-clockwise as seen from the others: write"), "{}", error.hint());
+    let all = mirrored.replace("20, 1, 3, 2, 5", "20, 1, 2, 3, 5");
+    assert!(read_mesh_bytes(all.as_bytes()).unwrap_err().hint().contains("all cells are mirrored"));
+    // two hexahedra, the set of both on top: S2 is the face of the last four nodes
+    let hexahedra = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
+         11, 2, 0, 0\n12, 2, 1, 0\n13, 2, 0, 1\n14, 2, 1, 1\n*ELEMENT, TYPE=C3D8R, ELSET=all\n1, 1, 2, 3, 4, 5, 6, 7,\n8\n\
+         2, 2, 11, 12, 3, 6, 13, 14, 7\n*SURFACE, NAME=top\nall, S2\n*SURFACE, NAME=ends\n1, S6\n2, S4\n*SURFACE, NAME=skin\nall,\n";
+    let mesh = read_mesh_bytes(hexahedra.as_bytes()).unwrap_or_else(|error| panic!("{error} {:?}", error.place()));
+    let at = |name: &str, i: usize| {
+        let nodes = mesh.boundary_nodes(mesh.boundary(name).unwrap());
+        nodes.into_iter().map(|n| mesh.points[n as usize][i]).collect::<Vec<f64>>()
+    };
+    assert_eq!((at("top", 2), at("ends", 0)), (vec![1.0; 6], vec![0.0, 0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0]));
+    assert_eq!(mesh.boundary("skin").unwrap().facets, mesh.hull());
+    let area = mesh.boundary_measure(mesh.boundary("skin").unwrap());
+    assert!((area - 10.0).abs() < 1e-14 && (mesh.measure() - 2.0).abs() < 1e-14);
+}
+
 /// The line that a damaged text is refused for, and the problem.
 fn refused(from: &str, to: &str) -> (String, FileProblem) {
     assert!(SQUARES.contains(from), "{from}");

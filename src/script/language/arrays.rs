@@ -53,11 +53,11 @@ impl Argument<'_> {
         }
     }
 
-    /// An array of points `[x, y]`.
+    /// An array of points `[x, y]`, in space `[x, y, z]`.
     ///
     /// # Errors
-    /// Not an array, or not of pairs of finite numbers.
-    pub fn points(&self) -> Result<Vec<[f64; 2]>, Failure> {
+    /// Not an array, or not of as many finite numbers.
+    pub fn points<const D: usize>(&self) -> Result<Vec<[f64; D]>, Failure> {
         self.points_in(&self.array()?)
     }
 
@@ -74,17 +74,21 @@ impl Argument<'_> {
         self.array()?.iter().map(list).collect()
     }
 
-    fn points_in(&self, entries: &[Dynamic]) -> Result<Vec<[f64; 2]>, Failure> {
-        let point = |entry: &Dynamic| -> Option<[f64; 2]> {
+    fn points_in<const D: usize>(&self, entries: &[Dynamic]) -> Result<Vec<[f64; D]>, Failure> {
+        let point = |entry: &Dynamic| -> Option<[f64; D]> {
             let numbers: Vec<f64> = entry.read_lock::<Array>()?.iter().map(as_number).collect::<Option<_>>()?;
-            <[f64; 2]>::try_from(numbers).ok().filter(|point| point.iter().all(|x| x.is_finite()))
+            <[f64; D]>::try_from(numbers).ok().filter(|point| point.iter().all(|x| x.is_finite()))
         };
-        let points: Option<Vec<[f64; 2]>> = entries.iter().map(point).collect();
+        let points: Option<Vec<[f64; D]>> = entries.iter().map(point).collect();
         points.ok_or_else(|| {
             let wrong = entries.iter().find(|entry| point(entry).is_none());
             let given = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
-            let failure = self.fail(format!("every entry of {} must be a point `[x, y]`", self.title()));
-            failure.label(format!("this contains {given}")).hint("write `[[1.0, 0.0], [0.0, 0.0]]`")
+            let (form, example) = match D {
+                2 => ("[x, y]", "[[1.0, 0.0], [0.0, 0.0]]"),
+                _ => ("[x, y, z]", "[[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]"),
+            };
+            let failure = self.fail(format!("every entry of {} must be a point `{form}`", self.title()));
+            failure.label(format!("this contains {given}")).hint(format!("write `{example}`"))
         })
     }
 

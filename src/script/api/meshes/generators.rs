@@ -74,7 +74,7 @@ fn block() -> Function {
         )],
         returns: MeshHandle::NAME,
         example: "let brick = block(#{ size: [2.0, 1.0, 1.0], cells: [4, 2, 2] });".into(),
-        see_also: &["rectangle"],
+        see_also: &["rectangle", "rounded_block", "extrude"],
         body: body(|call| {
             let options = call.options("options")?;
             let kind = kind_of(&options)?;
@@ -286,22 +286,22 @@ fn half_disk() -> Function {
 }
 
 /// The outer radius is the greater one.
-fn radii_in_order(options: &Options, inner: f64, outer: f64) -> Result<(), Failure> {
+pub(super) fn radii_in_order(options: &Options, inner: f64, outer: f64) -> Result<(), Failure> {
     if inner >= outer {
         let argument = options.argument("outer_radius");
         let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title()));
         let failure = failure.label(format!("this is {}", number_text(outer))).cause(format!("`inner_radius` is {}", number_text(inner)));
-        return Err(failure.hint("swap the two radii, or make the ring thicker"));
+        return Err(failure.hint("swap the two radii, or make the wall thicker"));
     }
     Ok(())
 }
 
-fn grading(summary: &'static str, absent: &'static str) -> Parameter {
+pub(super) fn grading(summary: &'static str, absent: &'static str) -> Parameter {
     Parameter::new("grading", Kind::Array, summary).of("1").within(Interval::Positive).or(Absent::Means(absent))
 }
 
 /// The ratios of the option `grading`, 1 where it is left out.
-fn ratios(options: &Options, count: usize) -> Result<[f64; 3], Failure> {
+pub(super) fn ratios(options: &Options, count: usize) -> Result<[f64; 3], Failure> {
     let argument = options.argument("grading");
     let mut ratios = [1.0; 3];
     if argument.is_given() {
@@ -310,7 +310,7 @@ fn ratios(options: &Options, count: usize) -> Result<[f64; 3], Failure> {
     Ok(ratios)
 }
 
-fn pair(counts: &[usize]) -> [usize; 2] {
+pub(super) fn pair(counts: &[usize]) -> [usize; 2] {
     [counts[0], counts[1]]
 }
 

@@ -11,14 +11,18 @@ pub mod local_refinement;
 pub mod properties;
 pub mod reader;
 pub mod regions;
+pub mod solids;
+pub mod sweeps;
 pub mod transforms;
 
 /// The functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = generators::functions();
+    all.extend(solids::functions());
     all.extend(regions::functions());
     all.extend(reader::functions());
     all.extend(transforms::functions());
+    all.extend(sweeps::functions());
     all.push(local_refinement::refine_where());
     all.push(kinds::with_elements());
     all.push(boundaries::boundary_where());

@@ -22,7 +22,7 @@ const MOST_TURNED: f64 = 1.001 * std::f64::consts::TAU;
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    vec![translate(), rotate(), scale(), map_function(), refine(), extrude(), part(), join()]
+    vec![translate(), rotate(), scale(), map_function(), refine(), part(), join()]
 }
 
 fn translate() -> Function {
@@ -186,37 +186,6 @@ fn refine() -> Function {
         body: body(|call| {
             let (mesh, times) = (call.receiver::<MeshHandle>().mesh(), call.integer("times")?);
             made(call, move || (0..times).try_fold((*mesh).clone(), |mesh, _| mesh.refine()))
-        }),
-    }
-}
-
-fn extrude() -> Function {
-    Function {
-        name: "extrude",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the plane mesh drawn out along z as a solid one: hexahedra from quadrilaterals, tetrahedra from triangles, of \
-                  second order from such cells; \
-                  its boundaries become sides, with `bottom` at z = 0 and `top` (`bottom_`, `top_` where the plane mesh has these names)",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::number("height", "length", Interval::Positive, "how far it is drawn out"),
-                Parameter::new("layers", Kind::Integer, "the number of cells along the height").within(Interval::Closed(1.0, 1e6)),
-                Parameter::number("grading", "1", Interval::Positive, "the last cell over the first, along the height")
-                    .or(Absent::Number(1.0)),
-            ]),
-            "height and layers",
-        )],
-        returns: MeshHandle::NAME,
-        example: "let tube = ring(#{ inner_radius: 1.0, outer_radius: 1.5, cells: [2, 24] }).extrude(#{ height: 2.0, layers: 4 });".into(),
-        see_also: &["block", "refine"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
-            let options = call.options("options")?;
-            let layers = options.integer("layers")? as usize;
-            let (height, grading) = (options.number("height")?, options.number("grading")?);
-            made(call, move || mesh.extruded(height, layers, grading))
         }),
     }
 }

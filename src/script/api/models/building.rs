@@ -15,7 +15,7 @@ use crate::contact::Finding;
 use crate::dynamics::{BodyDefinition, InitialDisplacement, InitialVelocity, Model};
 use crate::elements::CellKind;
 use crate::materials::Material;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MeshError};
 use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
@@ -23,10 +23,12 @@ use crate::script::api::meshes::transforms::vector_from;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
 
 /// `model`: an empty model.
 pub fn model() -> Function {
@@ -80,6 +82,7 @@ pub fn add_body() -> Function {
                 let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
                 return Err(failure.hint(error.remedy()).into());
             }
+            refuse_or_warn_of_surface(call, &mesh)?;
             if let Err(error) = formulation.check(&mesh, &material) {
                 return Err(call.argument("formulation").fail(error.to_string()).hint(error.remedy()).into());
             }
@@ -88,6 +91,17 @@ pub fn add_body() -> Function {
             Ok(Dynamic::from(BodyHandle { model, index }))
         }),
     }
+}
+
+/// Refuses a mesh whose surface goes through itself, and warns of what else is wrong with its surface.
+fn refuse_or_warn_of_surface(call: &Call, mesh: &Mesh) -> Result<(), Failure> {
+    for defect in mesh.surface_defects() {
+        if matches!(defect, MeshError::CrossingSurface { .. }) {
+            return Err(call.argument("mesh").fail(defect.to_string()).label("the mesh cannot be computed with").hint(defect.remedy()));
+        }
+        call.host.warn(Diagnostic::warning(defect.to_string(), call.place(&Target::Argument(1))).hint(defect.remedy()));
+    }
+    Ok(())
 }
 
 /// Words for [`Plane`], the usual one first.

@@ -9,6 +9,22 @@ impl ScriptWords for MeshError {
             MeshError::NothingShared => {
                 "give both the same nodes along the common side; meshes that do not match are held together by `model.tie`".into()
             }
+            MeshError::Unjoined { .. } => {
+                "make their nodes one where the mesh is made (in Gmsh `Coherence;` before it is meshed, here `join`), or take what does not \
+                 belong together as bodies of their own with `part`"
+                    .into()
+            }
+            MeshError::CrossingSurface { .. } => {
+                "a body fills no place twice: mend the surface before it is meshed, or take parts that overlap as bodies of their own with \
+                 `part`"
+                    .into()
+            }
+            MeshError::OnAxis { .. } => {
+                "move the mesh away from the axis: cells on it would have no volume there; `cylinder`, `sphere` and `torus` have a core of \
+                 cells on the axis"
+                    .into()
+            }
+            MeshError::Revolution { .. } => "angles are in radians: write `deg(90)`".into(),
             MeshError::Turn { .. } => "angles are in radians and grow counter-clockwise; for a full turn use `ring`".into(),
             MeshError::OffCircle { .. } => {
                 "give a center as far from the start as from the end, or a point `through` which the arc goes".into()

@@ -1,0 +1,228 @@
+//! Whether the surface of a mesh in space can be that of a solid body: closed where cells meet, not folded, not through itself.
+
+use std::collections::HashMap;
+
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+use super::check::{between, cross, dot, norm};
+use super::{Facet, Mesh, MeshError};
+use crate::math::tolerances::{PIERCED, SAME_PLACE};
+
+type Vector = [f64; 3];
+
+/// Part of an edge that must be behind a facet that it goes through. Polygons on round sides that touch, whose nodes do not match, are
+/// within each other by an eighth of the angle between facets, 0.03 at 15 degrees.
+const DEEP: f64 = 0.05;
+
+impl Mesh {
+    /// What is wrong with the surface of a mesh in space although its cells are sound: facets whose corners look to different sides, facets
+    /// that lie on each other with nodes of their own, so that cells are not joined there, edges that go through facets elsewhere. The first
+    /// place of each, with how many there are; nothing in the plane.
+    ///
+    /// Parts that only touch do not go through each other.
+    pub fn surface_defects(&self) -> Vec<MeshError> {
+        if self.dimension() != 3 {
+            return Vec::new();
+        }
+        let corners = if self.kind.facets().len() == 4 { 3 } else { 4 };
+        let hull: Vec<(Facet, Vec<u32>)> =
+            self.hull().into_iter().map(|facet| (facet, self.facet_nodes(facet).take(corners).collect())).collect();
+        [self.folded(&hull), self.unjoined(&hull), self.crossing(&hull)].into_iter().flatten().collect()
+    }
+
+    fn places(&self, nodes: &[u32]) -> Vec<Vector> {
+        nodes.iter().map(|&node| self.points[node as usize]).collect()
+    }
+
+    /// Facets of four corners at one of which the normal points against that of the facet: seen along it they are no convex quadrilaterals,
+    /// and contact has no place there.
+    fn folded(&self, hull: &[(Facet, Vec<u32>)]) -> Option<MeshError> {
+        let is_folded = |nodes: &[u32]| {
+            let [a, b, c, d] = <[Vector; 4]>::try_from(self.places(nodes)).ok()?;
+            let normal = cross(between(a, c), between(b, d));
+            let corner = |before, at, after| dot(normal, cross(between(at, after), between(at, before)));
+            Some([corner(d, a, b), corner(a, b, c), corner(b, c, d), corner(c, d, a)].into_iter().any(|turn| turn <= 0.0))
+        };
+        let folded: Vec<_> = hull.iter().filter(|(_, nodes)| is_folded(nodes) == Some(true)).collect();
+        let (facet, nodes) = folded.first()?;
+        Some(MeshError::FoldedFacet { cell: facet.cell.into(), at: middle(&self.places(nodes)), count: folded.len() })
+    }
+
+    /// Facets of the hull that are at the same places.
+    fn unjoined(&self, hull: &[(Facet, Vec<u32>)]) -> Option<MeshError> {
+        let extent = self.points.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let near = (SAME_PLACE * extent).powi(2);
+        let mut nodes: Vec<u32> = hull.iter().flat_map(|(_, nodes)| nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let tree = RTree::bulk_load(nodes.iter().map(|&node| GeomWithData::new(self.points[node as usize], node)).collect());
+        // the least node at its place stands for all that are there
+        let first = |node: u32| tree.locate_within_distance(self.points[node as usize], near).map(|found| found.data).min().unwrap_or(node);
+        let firsts: HashMap<u32, u32> = nodes.iter().map(|&node| (node, first(node))).collect();
+        let mut keyed: Vec<(Vec<u32>, usize)> = hull
+            .iter()
+            .zip(0..)
+            .map(|((_, nodes), index)| {
+                let mut key: Vec<u32> = nodes.iter().map(|node| firsts[node]).collect();
+                key.sort_unstable();
+                (key, index)
+            })
+            .collect();
+        keyed.sort_unstable();
+        let on_each_other: Vec<usize> = keyed.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1).map(|same| same[0].1).collect();
+        let &index = on_each_other.iter().min()?;
+        Some(MeshError::Unjoined { count: on_each_other.len(), at: middle(&self.places(&hull[index].1)) })
+    }
+
+    /// Edges of the hull that go through facets with which they have no node in common.
+    fn crossing(&self, hull: &[(Facet, Vec<u32>)]) -> Option<MeshError> {
+        let boxes = hull.iter().zip(0usize..).map(|((_, nodes), index)| {
+            let [low, high] = bounds(&self.places(nodes));
+            GeomWithData::new(Rectangle::from_corners(low, high), index)
+        });
+        let tree = RTree::bulk_load(boxes.collect());
+        let mut edges: Vec<([u32; 2], u32)> = hull
+            .iter()
+            .flat_map(|(facet, nodes)| (0..nodes.len()).map(|k| ([nodes[k], nodes[(k + 1) % nodes.len()]], facet.cell)))
+            .map(|([a, b], cell)| ([a.min(b), a.max(b)], cell))
+            .collect();
+        edges.sort_unstable();
+        edges.dedup_by_key(|(ends, _)| *ends);
+        let mut found: Vec<(u32, u32, Vector)> = Vec::new();
+        for (ends, cell) in edges {
+            let [a, b] = ends.map(|node| self.points[node as usize]);
+            let [low, high] = bounds(&[a, b]);
+            for other in tree.locate_in_envelope_intersecting(AABB::from_corners(low, high)) {
+                let (facet, nodes) = &hull[other.data];
+                if ends.iter().any(|end| nodes.contains(end)) {
+                    continue;
+                }
+                found.extend(pierced(a, b, &self.places(nodes)).map(|at| (cell, facet.cell, at)));
+            }
+        }
+        let &(cell, other, at) = found.iter().min_by_key(|(cell, other, _)| (cell, other))?;
+        Some(MeshError::CrossingSurface { cells: [cell.into(), other.into()], at: at.to_vec(), count: found.len() })
+    }
+}
+
+fn middle(points: &[Vector]) -> Vec<f64> {
+    (0..3).map(|i| points.iter().map(|point| point[i]).sum::<f64>() / points.len() as f64).collect()
+}
+
+fn bounds(points: &[Vector]) -> [Vector; 2] {
+    [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| [0, 1, 2].map(|i| points.iter().map(|p| p[i]).reduce(pick).unwrap_or_default()))
+}
+
+/// Where the line from `a` to `b` goes through a facet: inside of it, and far enough on both sides. One of four corners is read as two
+/// triangles, whose common diagonal is inside.
+fn pierced(a: Vector, b: Vector, facet: &[Vector]) -> Option<Vector> {
+    let along = between(a, b);
+    let through = |corners: [Vector; 3], has_diagonal: bool| {
+        let [p, u, v] = [corners[0], between(corners[0], corners[1]), between(corners[0], corners[2])];
+        let normal = cross(u, v);
+        let (square, slope) = (dot(normal, normal), dot(normal, along));
+        let from = dot(normal, between(a, p));
+        let share = from / slope;
+        let is_deep = share * (1.0 - share) > 0.0 && slope.abs() * share.min(1.0 - share) > DEEP * norm(along) * square.sqrt();
+        if !is_deep {
+            return None;
+        }
+        let at = [0, 1, 2].map(|i| a[i] + share * along[i]);
+        let arm = between(p, at);
+        // shares of the second and the third corner; what they leave is that of the first
+        let [second, third] = [dot(normal, cross(arm, v)) / square, dot(normal, cross(u, arm)) / square];
+        // across the diagonal, between the first and the third corner, the second has no share
+        let on_diagonal = if has_diagonal { -PIERCED } else { PIERCED };
+        (second > on_diagonal && third > PIERCED && 1.0 - second - third > PIERCED).then_some(at)
+    };
+    match *facet {
+        [p, q, r] => through([p, q, r], false),
+        [p, q, r, s] => through([p, q, r], true).or_else(|| through([r, s, p], true)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::CellKind;
+    use crate::mesh::{Change, block, disk, rectangle, sphere, torus};
+
+    /// Two meshes as one, their nodes apart.
+    fn together(one: &Mesh, other: &Mesh) -> Mesh {
+        let shift = one.points.len() as u32;
+        let mut both = one.clone();
+        both.points.extend(&other.points);
+        both.connectivity.extend(other.connectivity.iter().map(|node| node + shift));
+        both.boundaries.clear();
+        both
+    }
+
+    fn moved(mesh: &Mesh, by: Vector) -> Mesh {
+        mesh.clone().translate(by).unwrap()
+    }
+
+    #[test]
+    fn sound_solids_have_sound_surfaces() {
+        for mesh in [
+            block([1.0, 2.0, 3.0], [2, 3, 4], [0.0; 3]).unwrap(),
+            sphere(1.0, [2, 16], [1.0; 3], 1.0).unwrap(),
+            torus(2.0, 0.5, [1, 12, 24], [0.0; 3]).unwrap(),
+        ] {
+            assert_eq!(mesh.surface_defects(), []);
+            assert_eq!(mesh.with_cells(CellKind::Tet4).unwrap().surface_defects(), []);
+        }
+        assert_eq!(rectangle([1.0; 2], [1; 2], [0.0; 2]).unwrap().surface_defects(), []);
+    }
+
+    #[test]
+    fn a_surface_through_itself_is_found_where_it_is_and_touching_is_none() {
+        for kind in [CellKind::Hex8, CellKind::Tet4] {
+            let cube = block([1.0; 3], [2; 3], [0.0; 3]).unwrap().with_cells(kind).unwrap();
+            for by in [[0.9, 0.1, 0.2], [0.6, 0.6, 0.6], [0.25, 0.25, 0.75]] {
+                let both = together(&cube, &moved(&cube, by));
+                assert_eq!(both.defects(), []);
+                let found = both.surface_defects();
+                let [MeshError::CrossingSurface { cells: [one, other], at, count }] = &found[..] else { panic!("{by:?}: {found:?}") };
+                let half = cube.cell_count() as u64;
+                assert!((*one < half) != (*other < half) && *count > 1, "{found:?}");
+                assert!((0..3).all(|i| at[i] >= by[i] - 1e-12 && at[i] <= 1.0 + 1e-12), "{found:?}");
+                assert!(found[0].to_string().starts_with("the surface of the mesh goes through itself at ("), "{}", found[0]);
+            }
+            // face to face, edge to edge, corner to corner, apart
+            for by in [[1.0, 0.2, 0.3], [1.0, 1.0, 0.1], [1.0, 1.0, 1.0], [1.0, 0.0, 0.25], [1.2, 0.0, 0.0]] {
+                assert_eq!(together(&cube, &moved(&cube, by)).surface_defects(), [], "{by:?}");
+            }
+        }
+        // a bar that is drawn through itself
+        let mut path: Vec<Vector> = (0..=30).map(|k| 0.2 * f64::from(k)).map(|t| [2.0 * t.sin(), 2.0 * t.cos(), 0.02 * t]).collect();
+        path.extend((31..=40).map(|k| 0.2 * f64::from(k)).map(|t| [2.0 * t.sin(), 2.0 * t.cos(), 0.02 * t]));
+        let coil = disk(0.3, [1, 8], [0.0; 2]).unwrap().extruded_along(&path, Change::NONE).unwrap();
+        assert!(matches!(coil.surface_defects()[..], [MeshError::CrossingSurface { .. }]));
+    }
+
+    #[test]
+    fn cells_that_are_not_joined_are_found() {
+        let cube = block([1.0; 3], [2; 3], [0.0; 3]).unwrap();
+        let found = together(&cube, &moved(&cube, [1.0, 0.0, 0.0])).surface_defects();
+        assert_eq!(found, [MeshError::Unjoined { count: 4, at: vec![1.0, 0.25, 0.25] }]);
+        assert_eq!(cube.joined(&moved(&cube, [1.0, 0.0, 0.0])).unwrap().surface_defects(), []);
+        assert!(!found[0].hint().is_empty());
+    }
+
+    #[test]
+    fn a_folded_facet_is_found_though_its_cell_can_be_computed_with() {
+        let mut cube = block([1.0; 3], [2, 2, 1], [0.0; 3]).unwrap();
+        // the corner of the upper side drawn over its diagonal
+        let corner = cube.points.iter().position(|point| *point == [1.0; 3]).unwrap();
+        cube.points[corner] = [0.72, 0.72, 1.0];
+        assert_eq!(cube.defects(), []);
+        let found = cube.surface_defects();
+        assert!(matches!(found[..], [MeshError::FoldedFacet { cell: 3, count: 1, .. }]), "{found:?}");
+        assert!(found[0].hint().contains("tetrahedra"));
+        // warped as it may be
+        cube.points[corner] = [1.0, 1.0, 1.4];
+        assert_eq!(cube.surface_defects(), []);
+    }
+}

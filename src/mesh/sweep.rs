@@ -1,0 +1,172 @@
+//! A plane mesh moved through space: what it sweeps over.
+//!
+//! Every node becomes a line of nodes, one on each place of the section, every cell a row of cells. The plane mesh's boundaries become the
+//! sides under their names; the first and the last place are boundaries, too, unless the way closes.
+
+use std::collections::HashMap;
+
+use super::grid::limited;
+use super::{Boundary, Facet, Mesh, MeshError};
+use crate::elements::{CellKind, CellShape};
+
+/// How a section moves.
+pub(super) struct Sweep<'a> {
+    /// Number of cells along the way.
+    pub layers: usize,
+    /// Whether the last place is the first one again.
+    pub is_closed: bool,
+    /// Whether the section moves against its normal.
+    pub is_backward: bool,
+    /// Names of the section at its first and last place.
+    pub ends: [&'a str; 2],
+}
+
+impl Mesh {
+    /// What the plane mesh sweeps over: hexahedra, or prisms cut into three tetrahedra each; quad4 as hex8, quad8 as hex20, quad9 as hex27,
+    /// tri3 as tet4, tri6 as tet10, whose nodes between two layers are in the middle. `place` gives where a node of the plane mesh is when
+    /// the section has passed that many layers. Ends have an underscore behind where the plane mesh has such names.
+    ///
+    /// # Errors
+    /// Cells in space, too many cells, coordinates that are not finite, a section that sweeps over itself.
+    pub(super) fn swept(&self, sweep: &Sweep, place: impl Fn(usize, usize) -> [f64; 3]) -> Result<Mesh, MeshError> {
+        let &Sweep { layers, is_closed, is_backward, ends } = sweep;
+        let (kind, per_cell) = match self.kind {
+            CellKind::Quad4 => (CellKind::Hex8, 1),
+            CellKind::Quad8 => (CellKind::Hex20, 1),
+            CellKind::Quad9 => (CellKind::Hex27, 1),
+            CellKind::Tri3 => (CellKind::Tet4, 3),
+            CellKind::Tri6 => (CellKind::Tet10, 3),
+            other => return Err(MeshError::Extruded { kind: other.name() }),
+        };
+        limited(&[self.cell_count(), layers, per_cell as usize])?;
+        let (count, cells) = (self.points.len() as u32, self.cell_count() as u32);
+        // Levels of nodes: two for each layer where there are nodes in the middle of edges.
+        let steps = if kind.is_quadratic() { 2 } else { 1 };
+        let levels = steps * layers;
+        let rows = if is_closed { levels } else { levels + 1 };
+        let at = |level: usize, node: usize| match level % steps {
+            0 => place(level / steps, node),
+            _ => {
+                let [from, to] = [level / steps, level / steps + 1].map(|layer| place(layer, node));
+                [0, 1, 2].map(|i| 0.5 * (from[i] + to[i]))
+            }
+        };
+        let points = (0..rows).flat_map(|level| (0..self.points.len()).map(move |node| (level, node)));
+        let points = points.map(|(level, node)| at(level, node)).collect();
+        let mut connectivity = Vec::with_capacity(layers * self.cell_count() * per_cell as usize * kind.nodes());
+        let on_corners = places_in(kind, self.kind);
+        for layer in 0..layers {
+            for cell in self.cells() {
+                let node = |(node, level): (u32, u32)| {
+                    let level = if is_backward { steps - level as usize } else { level as usize };
+                    node + ((steps * layer + level) % rows) as u32 * count
+                };
+                match kind.shape() {
+                    CellShape::Tetrahedron => tetrahedra(cell).iter().for_each(|corners| {
+                        let corner = |&(corner, is_above): &(usize, bool)| (cell[corner], if is_above { steps as u32 } else { 0 });
+                        connectivity.extend(corners.iter().map(|at| node(corner(at))));
+                        let edges = kind.shape().edges().iter().filter(|_| steps == 2);
+                        connectivity.extend(edges.map(|ends| node(between(cell, ends.map(|end| corners[end])))));
+                    }),
+                    _ => connectivity.extend(on_corners.iter().map(|&(local, level)| node((cell[local], level)))),
+                }
+            }
+        }
+        let mut solid = Mesh { kind, points, connectivity, boundaries: Vec::new(), parts: Vec::new() };
+        let hull = solid.hull();
+        self.sides_into(&mut solid, &hull, rows as u32);
+        for (name, row) in ends.into_iter().zip([0, levels as u32]).filter(|_| !is_closed) {
+            let mut name = name.to_string();
+            while solid.boundary(&name).is_some() {
+                name.push('_');
+            }
+            let is_there = |facet: &&Facet| solid.facet_nodes(**facet).all(|node| node / count == row);
+            let facets = hull.iter().filter(is_there).copied().collect();
+            solid.boundaries.push(Boundary::of_facets(&name, facets));
+        }
+        let cells = cells * per_cell;
+        let of_cell = |cell: u32| (0..per_cell).map(move |child| cell * per_cell + child);
+        let all = |own: &Vec<u32>| {
+            (0..layers as u32).flat_map(|layer| own.iter().flat_map(move |&c| of_cell(c).map(move |c| c + layer * cells))).collect()
+        };
+        solid.parts = self.parts.iter().map(|(name, own)| (name.clone(), all(own))).collect();
+        if kind == CellKind::Hex20 {
+            solid.leave_out_unused();
+        }
+        match solid.checked() {
+            Err(MeshError::InvertedCell { center, .. }) => Err(MeshError::SweptOver { center }),
+            other => other,
+        }
+    }
+
+    /// The boundaries of this mesh as sides of what it has swept over, whose hull is given.
+    fn sides_into(&self, solid: &mut Mesh, hull: &[Facet], rows: u32) {
+        let count = self.points.len() as u32;
+        // facets of the solid by the nodes of the section that they stand on, each once
+        let mut sides: HashMap<Vec<u32>, Vec<Facet>> = HashMap::new();
+        for &facet in hull {
+            let mut on: Vec<u32> = solid.facet_nodes(facet).map(|node| node % count).collect();
+            on.sort_unstable();
+            on.dedup();
+            sides.entry(on).or_default().push(facet);
+        }
+        for boundary in &self.boundaries {
+            let standing = boundary.facets.iter().filter_map(|&facet| {
+                let mut on: Vec<u32> = self.facet_nodes(facet).collect();
+                on.sort_unstable();
+                sides.get(&on)
+            });
+            let facets = standing.flatten().copied().collect();
+            let nodes = (0..rows).flat_map(|row| boundary.nodes.iter().map(move |node| node + row * count));
+            solid.boundaries.push(Boundary { name: boundary.name.clone(), facets, nodes: nodes.collect() });
+        }
+    }
+
+    /// Leaves out the nodes of no cell; the others keep their order.
+    fn leave_out_unused(&mut self) {
+        let mut numbers = vec![u32::MAX; self.points.len()];
+        self.connectivity.iter().for_each(|&node| numbers[node as usize] = 0);
+        let mut next = 0;
+        for number in numbers.iter_mut().filter(|number| **number == 0) {
+            *number = next;
+            next += 1;
+        }
+        self.connectivity.iter_mut().for_each(|node| *node = numbers[*node as usize]);
+        for boundary in &mut self.boundaries {
+            boundary.nodes = boundary.nodes.iter().map(|&node| numbers[node as usize]).filter(|&node| node != u32::MAX).collect();
+        }
+        let mut is_used = numbers.iter().map(|&number| number != u32::MAX);
+        self.points.retain(|_| is_used.next().unwrap_or(false));
+    }
+}
+
+/// For each node of a hexahedron the node of the quadrilateral below it, and its level.
+fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
+    let below = plane.row().node_places;
+    let steps = if kind.is_quadratic() { 1.0 } else { 0.5 };
+    let of_node = |[x, y, z]: [f64; 3]| below.iter().position(|at| at[..2] == [x, y]).map(|local| (local, (steps * (z + 1.0)) as u32));
+    kind.row().node_places.iter().filter_map(|&place| of_node(place)).collect()
+}
+
+/// The node of a triangle of second order, and its level, in the middle between two corners of its prism.
+fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u32, u32) {
+    let level = u32::from(a_above) + u32::from(b_above);
+    // the middle of the edge from a corner to the next one has its number, three further
+    let local = if a == b { a } else { 3 + if (a + 1) % 3 == b { a } else { b } };
+    (cell[local], level)
+}
+
+/// The three tetrahedra of a prism over a triangle: corners of the triangle, each with whether it is the one above. The side over an edge is
+/// cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International Meshing
+/// Roundtable, 1999).
+fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
+    let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();
+    let [a, b, c] = [0, 1, 2].map(|k| (first + k) % 3);
+    let (below, above) = (|node: usize| (node, false), |node: usize| (node, true));
+    // counter-clockwise from the least node: the order of the other two decides the cut of the side over them
+    if triangle[b] < triangle[c] {
+        [[below(a), below(b), below(c), above(c)], [below(a), below(b), above(c), above(b)], [below(a), above(b), above(c), above(a)]]
+    } else {
+        [[below(a), below(b), below(c), above(b)], [below(a), above(b), below(c), above(c)], [below(a), above(b), above(c), above(a)]]
+    }
+}

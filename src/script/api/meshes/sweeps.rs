@@ -1,0 +1,195 @@
+//! Solid meshes from plane ones: drawn out, turned about an axis, or between two.
+
+use std::f64::consts::TAU;
+
+use super::handle::{MeshHandle, made};
+use crate::math::catalogue::Interval;
+use crate::mesh::Change;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![extrude(), revolve(), loft()]
+}
+
+fn layers(summary: &'static str) -> Parameter {
+    Parameter::new("layers", Kind::Integer, summary).within(Interval::Closed(1.0, 1e6))
+}
+
+fn growth(summary: &'static str) -> Parameter {
+    Parameter::number("grading", "1", Interval::Positive, summary).or(Absent::Number(1.0))
+}
+
+fn extrude() -> Function {
+    Function {
+        name: "extrude",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the plane mesh drawn out as a solid one, along z or along a path: hexahedra from quadrilaterals, tetrahedra from \
+                  triangles, of second order from such cells; its boundaries become sides, with `bottom` at the start and `top` at the end (`bottom_`, `top_` where the plane mesh has these \
+                  names). Along a path the section stands across it, its origin on the path, and does not turn about it",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("height", "length", Interval::Positive, "how far it is drawn out along z")
+                    .or(Absent::Means("the length of `path`")),
+                layers("the number of cells along the height").or(Absent::Means("one from each point of `path` to the next")),
+                growth("the last cell over the first, along the height"),
+                Parameter::new(
+                    "path",
+                    Kind::Array,
+                    "in place of `height`, points `[x, y, z]` with a section at each; a path that ends at its first point closes",
+                )
+                .of("length")
+                .or(Absent::Means("straight along z")),
+                Parameter::number(
+                    "twist",
+                    "rad",
+                    Interval::Finite,
+                    "the angle by which the section has turned at the end, about its origin",
+                )
+                .or(Absent::Number(0.0)),
+                Parameter::new(
+                    "scale",
+                    Kind::Any,
+                    "the size of the section at the end over that at the start, a number or one for x and y",
+                )
+                .of("1")
+                .within(Interval::Positive)
+                .or(Absent::Means("1")),
+            ]),
+            "the way and the layers",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let bar = rectangle(#{ size: [1.0, 1.0], cells: [4, 4], origin: [-0.5, -0.5] });\n\
+                  let column = bar.extrude(#{ height: 4.0, layers: 16, twist: deg(90), scale: 0.5 });\n\
+                  let hook = [];\n\
+                  for k in 0..=12 { hook.push([2.0 * cos(deg(15) * k), 0.0, 2.0 * sin(deg(15) * k)]); }\n\
+                  print(bar.extrude(#{ path: hook }));"
+            .into(),
+        see_also: &["revolve", "loft", "block", "tube", "refine"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let options = call.options("options")?;
+            let change = Change { twist: options.number("twist")?, scale: scale_of(&options)? };
+            let path = options.argument("path");
+            if path.is_given() {
+                for name in ["height", "layers", "grading"] {
+                    let argument = options.argument(name);
+                    if argument.is_given() {
+                        let failure =
+                            argument.fail(format!("{} does not go with `path`, whose points say where the layers are", argument.title()));
+                        return Err(failure.hint(format!("leave out `{name}` or `path`")).into());
+                    }
+                }
+                let points = path.points()?;
+                return made(call, move || mesh.extruded_along(&points, change));
+            }
+            for name in ["height", "layers"] {
+                let argument = options.argument(name);
+                if !argument.is_given() {
+                    let failure = call.fail(format!("`extrude` needs the option `{name}`, or a `path`"));
+                    return Err(failure.hint("write `#{ height: 2.0, layers: 4 }`, or `#{ path: [[0.0, 0.0, 0.0], …] }`").into());
+                }
+            }
+            let (height, layers, grading) = (options.number("height")?, options.integer("layers")? as usize, options.number("grading")?);
+            made(call, move || mesh.extruded(height, layers, grading, change))
+        }),
+    }
+}
+
+/// A factor for both directions, or one for each.
+fn scale_of(options: &Options) -> Result<[f64; 2], Failure> {
+    let argument = options.argument("scale");
+    if !argument.is_given() {
+        return Ok([1.0; 2]);
+    }
+    if argument.value().is_array() {
+        let factors = argument.numbers_of(2)?;
+        return Ok([factors[0], factors[1]]);
+    }
+    Ok([argument.number()?; 2])
+}
+
+fn revolve() -> Function {
+    Function {
+        name: "revolve",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the plane mesh turned about an axis in its plane as a solid one: hexahedra from `quad4`, tetrahedra from `tri3`; its \
+                  boundaries become sides, with `start` and `end` (`start_`, `end_` where the plane mesh has these names) unless the turn is \
+                  a full one. The mesh must be on one side of the axis",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                layers("the number of cells around"),
+                Parameter::number("angle", "rad", Interval::Finite, "how far it is turned, by the right-hand rule about the axis")
+                    .or(Absent::Means("a full turn")),
+                Parameter::new("center", Kind::Vector, "a point `[x, y]` of the axis").of("length").or(Absent::Means("[0, 0]")),
+                Parameter::new("axis", Kind::Vector, "the direction `[x, y]` of the axis").of("1").or(Absent::Means("[0, 1]")),
+                growth("the last cell over the first, around"),
+            ]),
+            "turn and layers",
+        )],
+        returns: MeshHandle::NAME,
+        example: "let profile = rectangle(#{ size: [0.4, 1.0], cells: [2, 5], origin: [2.0, 0.0] });\n\
+                  let hoop = profile.revolve(#{ layers: 48 });\n\
+                  let bend = profile.revolve(#{ angle: deg(90), layers: 12 });"
+            .into(),
+        see_also: &["extrude", "torus", "tube"],
+        body: body(|call| {
+            let mesh = call.receiver::<MeshHandle>().mesh();
+            let options = call.options("options")?;
+            let (layers, grading) = (options.integer("layers")? as usize, options.number("grading")?);
+            let angle = options.optional_number("angle")?.unwrap_or(TAU);
+            let vector = |name, otherwise: [f64; 2]| -> Result<[f64; 2], Failure> {
+                let argument = options.argument(name);
+                if !argument.is_given() {
+                    return Ok(otherwise);
+                }
+                let [x, y, _] = argument.vector(2)?;
+                Ok([x, y])
+            };
+            let (center, axis) = (vector("center", [0.0; 2])?, vector("axis", [0.0, 1.0])?);
+            made(call, move || mesh.revolved(angle, layers, center, axis, grading))
+        }),
+    }
+}
+
+fn loft() -> Function {
+    Function {
+        name: "loft",
+        form: Form::Method(MeshHandle::receiver()),
+        topic: Topic::Meshes,
+        summary: "the solid between the plane mesh and another one of the same cells above it: every node goes straight to the one of its \
+                  number; boundaries as of `extrude`",
+        parameters: vec![
+            Parameter::new("top", Kind::Handle(MeshHandle::NAME), "the mesh at the end, made with the same counts of cells"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("height", "length", Interval::Positive, "how far above it is, along z"),
+                    layers("the number of cells along the height"),
+                    growth("the last cell over the first, along the height"),
+                ]),
+                "height and layers",
+            ),
+        ],
+        returns: MeshHandle::NAME,
+        example: "let foot = rectangle(#{ size: [2.0, 2.0], cells: [4, 4], origin: [-1.0, -1.0] });\n\
+                  let round = foot.map(|x, y| [x * sqrt(1.0 - 0.5 * y * y), y * sqrt(1.0 - 0.5 * x * x)]);\n\
+                  print(foot.loft(round, #{ height: 3.0, layers: 6 }));"
+            .into(),
+        see_also: &["extrude", "map", "revolve"],
+        body: body(|call| {
+            let (mesh, top) = (call.receiver::<MeshHandle>().mesh(), call.handle::<MeshHandle>("top")?.mesh());
+            let options = call.options("options")?;
+            let (height, layers, grading) = (options.number("height")?, options.integer("layers")? as usize, options.number("grading")?);
+            made(call, move || mesh.lofted(&top, height, layers, grading))
+        }),
+    }
+}
