@@ -97,8 +97,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut depths: Vec<f64> = found.iter().map(|(_, outcome)| outcome.depth).collect();
         depths.sort_by(f64::total_cmp);
         println!(
-            "{:12} {} runs, {} touch, {} failed, {} deeper than 0.15; largest defect {:.1e}, gain {:.1e}, momentum {:.1e}, friction {:.1e}; \
-             depth median {:.4}, 98 % {:.3}, largest {:.3} facets; {:.2} iterations a step, {} halvings",
+            "{:12} {} runs, {} touch, {} failed, {} deeper than 0.15; largest defect {:.1e}, gain {:.1e}, momentum {:.1e}, \
+             friction {:.1e}; depth median {:.4}, 98 % {:.3}, largest {:.3} facets; {:.2} iterations a step, {} halvings",
             rule.name,
             found.len(),
             count(|outcome| outcome.touching > 0),

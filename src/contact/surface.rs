@@ -69,8 +69,8 @@ impl Sides {
         }
     }
 
-    /// Turns what is covered of each secondary node, told once or for each of several rows, into its share of what the node has of its facets
-    /// at `q`.
+    /// Turns what is covered of each secondary node, told once or for each of several rows, into its share of what the node has of its
+    /// facets at `q`.
     pub fn cover(&self, covered: &mut [f64], q: &[f64]) {
         let rows = covered.len() / self.secondary.nodes().len();
         for (row, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {

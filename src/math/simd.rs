@@ -48,6 +48,12 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     if let Some(simd) = pulp::x86::V3::try_new() {
         return simd.vectorize(WithFma(kernel));
     }
+    plain(kernel)
+}
+
+/// What is known of a batch fills much of a thread's stack: the version that is not chosen must not take as much again.
+#[inline(never)]
+fn plain<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<false>()
 }
 

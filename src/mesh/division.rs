@@ -161,7 +161,8 @@ impl Mesh {
     }
 
     /// The mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6` (cut along the shorter
-    /// diagonal), `tri3` as `tri6`, `hex8` as `hex20`, `hex27`, `tet4` or `tet10` (six each), `tet4` as `tet10`. New nodes stand on straight edges. Old nodes keep their numbers.
+    /// diagonal), `tri3` as `tri6`, `hex8` as `hex20`, `hex27`, `tet4` or `tet10` (six each), `tet4` as `tet10`. New nodes stand on
+    /// straight edges. Old nodes keep their numbers.
     ///
     /// # Errors
     /// Kinds that do not follow from one another, more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
@@ -256,7 +257,9 @@ mod tests {
         let mut named: Vec<Facet> = Vec::new();
         for (boundary, divided) in mesh.boundaries.iter().zip(&other.boundaries) {
             let (before, after) = (mesh.boundary_measure(boundary), other.boundary_measure(divided));
-            assert!((before - after).abs() < 1e-12 * before, "{what}: {} {before} {after}", boundary.name);
+            // The area of a warped facet is no polynomial: more points see it better.
+            let allowed = if mesh.dimension() == 3 && mesh.kind != other.kind { 1e-8 } else { 1e-12 };
+            assert!((before - after).abs() < allowed * before, "{what}: {} {before} {after}", boundary.name);
             named.extend(&divided.facets);
             if mesh.dimension() == 2 {
                 let ends: Vec<Vec<u32>> = divided.facets.iter().map(|&facet| other.facet_nodes(facet).collect()).collect();

@@ -28,7 +28,8 @@ impl FileProblem {
                  extruded triangles and from mixed meshes"
             }
             UnsupportedType { .. } => {
-                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4, C3D8, C3D10, C3D20 or C3D27, and T3D2 or T3D3 for lines of boundaries"
+                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4, C3D8, C3D10, C3D20 or C3D27, \
+                 and T3D2 or T3D3 for lines of boundaries"
             }
             MixedCells { .. } => {
                 "mesh with one kind: in Gmsh `Mesh.RecombineAll = 1;` with `Mesh.SubdivisionAlgorithm = 1;` leaves quadrilaterals alone, \

@@ -24,8 +24,8 @@ impl MeshError {
             TooManyCells { .. } => "use a coarser mesh".into(),
             Memory { .. } => "use a coarser mesh, or allow the program more memory".into(),
             NoConversion { .. } => {
-                "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become hex20, hex27, tet4 or tet10, tet4 \
-                 cells become tet10; make the mesh of those"
+                "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become hex20, hex27, tet4 or tet10, \
+                 tet4 cells become tet10; make the mesh of those"
                     .into()
             }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
@@ -54,17 +54,15 @@ impl MeshError {
             NotLocally { .. } => "make it of triangles of tri6, refine all of it, or mesh a region with a size of cells that varies".into(),
             Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
             Extruded { .. } => "extrude a plane mesh".into(),
-            SweptOver { .. } => "take more layers for a twist; let a path bend less, or make the section narrower where it bends".into(),
-            PathPoints { .. } => "name more points; a path that ends at its first point closes".into(),
-            PathStands { .. } => "leave out one of the two".into(),
-            PathTurns { .. } => "round the bend with more points, or make a mesh for each side of it and join them".into(),
-            ClosedChange => "leave these out, or let the way end before its start".into(),
-            Lofted { .. } => "make both with the same generator and the same counts of cells, or map one onto the other".into(),
-            Revolution { .. } => "angles are in radians".into(),
-            OnAxis { .. } => "move the mesh away from the axis: cells on it would have no volume there; solid cylinders, spheres and \
-                 rings have generators of their own, with a core of cells on the axis"
-                .into(),
-            Rounding { .. } => "choose a smaller radius".into(),
+            SweptOver { .. }
+            | PathPoints { .. }
+            | PathStands { .. }
+            | PathTurns { .. }
+            | ClosedChange
+            | Lofted { .. }
+            | Revolution { .. }
+            | OnAxis { .. }
+            | Rounding { .. } => self.hint_of_solids().into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
             NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
             UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {
@@ -95,6 +93,26 @@ impl MeshError {
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
             File(error) => error.problem.hint(),
+        }
+    }
+
+    /// The same for solids that are swept or grown.
+    fn hint_of_solids(&self) -> &'static str {
+        use MeshError::*;
+        match self {
+            SweptOver { .. } => "take more layers for a twist; let a path bend less, or make the section narrower where it bends",
+            PathPoints { .. } => "name more points; a path that ends at its first point closes",
+            PathStands { .. } => "leave out one of the two",
+            PathTurns { .. } => "round the bend with more points, or make a mesh for each side of it and join them",
+            ClosedChange => "leave these out, or let the way end before its start",
+            Lofted { .. } => "make both with the same generator and the same counts of cells, or map one onto the other",
+            Revolution { .. } => "angles are in radians",
+            OnAxis { .. } => {
+                "move the mesh away from the axis: cells on it would have no volume there; solid cylinders, spheres and \
+                 rings have generators of their own, with a core of cells on the axis"
+            }
+            Rounding { .. } => "choose a smaller radius",
+            _ => "",
         }
     }
 }

@@ -39,7 +39,8 @@ fn round_solids_have_their_volume_and_area_to_second_order() {
     let at = [0.3, -1.0, 2.0];
     type Maker<'a> = &'a dyn Fn(usize) -> Mesh;
     // volume, area, all boundaries, least scaled Jacobian
-    let solids: [(&str, Maker, f64, f64, &[&str], f64); 5] = [
+    type Solid<'a> = (&'a str, Maker<'a>, f64, f64, &'a [&'a str], f64);
+    let solids: [Solid; 5] = [
         (
             "tube",
             &|n| tube([a, b], h, [2 * n, 12 * n, 3 * n], at, [2.0, 0.5]).unwrap(),

@@ -126,11 +126,7 @@ impl Mesh {
     fn leave_out_unused(&mut self) {
         let mut numbers = vec![u32::MAX; self.points.len()];
         self.connectivity.iter().for_each(|&node| numbers[node as usize] = 0);
-        let mut next = 0;
-        for number in numbers.iter_mut().filter(|number| **number == 0) {
-            *number = next;
-            next += 1;
-        }
+        numbers.iter_mut().filter(|number| **number == 0).zip(0..).for_each(|(number, next)| *number = next);
         self.connectivity.iter_mut().for_each(|node| *node = numbers[*node as usize]);
         for boundary in &mut self.boundaries {
             boundary.nodes = boundary.nodes.iter().map(|&node| numbers[node as usize]).filter(|&node| node != u32::MAX).collect();
@@ -156,8 +152,8 @@ fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u
     (cell[local], level)
 }
 
-/// The three tetrahedra of a prism over a triangle: corners of the triangle, each with whether it is the one above. The side over an edge is
-/// cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International Meshing
+/// The three tetrahedra of a prism over a triangle: corners of the triangle, each with whether it is the one above. The side over an edge
+/// is cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International Meshing
 /// Roundtable, 1999).
 fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
     let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();

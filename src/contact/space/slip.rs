@@ -206,8 +206,8 @@ fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Ve
     z.iter().zip(vectors).map(rest).collect()
 }
 
-/// For each facet of a surface and each of its nodes cosine and sine of the angle between the facet's first axis and the first tangent of the
-/// node: that of the node's first facet, as it continues over its other ones.
+/// For each facet of a surface and each of its nodes cosine and sine of the angle between the facet's first axis and the node's first
+/// tangent: that of the node's first facet, as it continues over its other ones.
 pub fn turns(surface: &Surface, reference: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let axes = |facet: usize| {
         let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();

@@ -1,5 +1,5 @@
-//! The tangential rows of a contact pair: beside every row that presses those that friction holds, one in the plane, a group of two in space
-//! (`slip_vector.rs`), one for each component of a slip.
+//! The tangential rows of a contact pair: beside every row that presses those that friction holds, one in the plane, a group of two in
+//! space (`slip_vector.rs`), one for each component of a slip.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,15 +1,15 @@
 //! The two tangential rows beside a row that presses in space: a slip and a multiplier with two components.
 //!
-//! With the dry multiplier `s = lambda + F u` (`F` that of the film), its limit `L`, and `r` the size of the slip with which a row that slid
-//! would have no speed at the end of the step (0 for others), slips and multipliers that a step admits are
+//! With the dry multiplier `s = lambda + F u` (`F` that of the film), its limit `L`, and `r` the size of the slip with which a row that
+//! slid would have no speed at the end of the step (0 for others), slips and multipliers that a step admits are
 //!
 //! ```text
-//! |u| < r: s = 0 (turns)    |u| = r: s = -a u/r, 0 <= a <= L (stops; with r = 0: u = 0, |s| <= L, sticks)    |u| > r: s = -L u/|u| (slides)
+//! |u| < r: s = 0 (turns)    |u| = r: s = -a u/r, 0 <= a <= L (stops)    |u| > r: s = -L u/|u| (slides)
 //! ```
 //!
-//! so that `lambda . u <= 0` always. It is `s = N(z)` with the trial `z = s - c u`, whatever `c > 0` is: `N = z` up to `|z| = L` (sticks),
-//! or `0` up to `c r` (turns), `z - c r z/|z|` up to `c r + L` (stops), `L z/|z|` beyond (slides). Newton's rows are those of this equation:
-//! along `z` and across it `N` has the derivatives `n` and `m`,
+//! and with `r = 0` at `u = 0` all `|s| <= L` (sticks), so that `lambda . u <= 0` always. It is `s = N(z)` with the trial `z = s - c u`,
+//! whatever `c > 0` is: `N = z` up to `|z| = L` (sticks), or `0` up to `c r` (turns), `z - c r z/|z|` up to `c r + L` (stops), `L z/|z|`
+//! beyond (slides). Newton's rows are those of this equation: along `z` and across it `N` has the derivatives `n` and `m`,
 //!
 //! ```text
 //! (1 - N') (ds)/c + N' du = (N - s)/c,    N' = n z z/|z|^2 + m (1 - z z/|z|^2)

@@ -17,7 +17,7 @@
 
 use super::fields::{ContactFields, NodeState};
 use super::ledger::ContactTotals;
-use super::slip_memory::SlipMemory;
+use super::slip_memory::{SlipMemory, Tangential, size};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow, RowBlock};
 use crate::dynamics::parts::laws::RowState;
@@ -52,38 +52,6 @@ pub struct Loaded<'a> {
     pub active: &'a [RowState],
     /// Its tangential rows, if it has friction.
     pub tangential: Option<Tangential<'a>>,
-}
-
-/// Tangential rows of a pair.
-#[derive(Clone, Copy)]
-pub struct Tangential<'a> {
-    pub evaluation: &'a Evaluation,
-    pub lambda: &'a [f64],
-    pub active: &'a [RowState],
-    pub slipped: &'a [SlipMemory],
-    /// How many of them stand beside a row that presses.
-    pub count: usize,
-}
-
-impl Tangential<'_> {
-    /// One multiplier for each row that presses: its own, or the size of several.
-    fn multipliers(&self) -> Vec<f64> {
-        self.lambda.chunks_exact(self.count).map(size).collect()
-    }
-
-    /// What each row that presses has opposite.
-    fn coverage(&self) -> Vec<f64> {
-        self.evaluation.coverage.iter().step_by(self.count).copied().collect()
-    }
-
-    /// What is kept of the slips beside each row that presses.
-    fn memories(&self) -> impl Iterator<Item = SlipMemory> {
-        let of = |group: &[SlipMemory]| {
-            let slips: Vec<f64> = group.iter().map(|memory| memory.slip).collect();
-            SlipMemory { slip: size(&slips), path: group[0].path, heat: group.iter().map(|memory| memory.heat).sum() }
-        };
-        self.slipped.chunks_exact(self.count).map(of)
-    }
 }
 
 impl Loaded<'_> {
@@ -455,14 +423,6 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
         totals.pressure = totals.pressure.max(pressures[node]);
     }
     totals
-}
-
-/// One value per secondary node: the only row's own, or the length of several.
-fn size(rows: &[f64]) -> f64 {
-    match rows {
-        [only] => *only,
-        _ => rows.iter().map(|value| value * value).sum::<f64>().sqrt(),
-    }
 }
 
 /// Everything about a contact in a state, evaluated at its positions.

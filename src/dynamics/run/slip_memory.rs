@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::Evaluation;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::system::System;
@@ -58,4 +59,44 @@ pub fn add_heat(slipped: &mut [SlipMemory], work: &[f64]) {
 pub fn friction_work<const D: usize>(system: &System<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
     let taken = |row: usize| before[row - system.pressing].heat - after[row - system.pressing].heat;
     system.by_contact(|_, pair| pair.tangential().map(|(row, _)| taken(row)).sum())
+}
+
+/// Tangential rows of a pair.
+#[derive(Clone, Copy)]
+pub struct Tangential<'a> {
+    pub evaluation: &'a Evaluation,
+    pub lambda: &'a [f64],
+    pub active: &'a [RowState],
+    pub slipped: &'a [SlipMemory],
+    /// How many of them stand beside a row that presses.
+    pub count: usize,
+}
+
+impl Tangential<'_> {
+    /// One multiplier for each row that presses: its own, or the size of several.
+    pub fn multipliers(&self) -> Vec<f64> {
+        self.lambda.chunks_exact(self.count).map(size).collect()
+    }
+
+    /// What each row that presses has opposite.
+    pub fn coverage(&self) -> Vec<f64> {
+        self.evaluation.coverage.iter().step_by(self.count).copied().collect()
+    }
+
+    /// What is kept of the slips beside each row that presses.
+    pub fn memories(&self) -> impl Iterator<Item = SlipMemory> {
+        let of = |group: &[SlipMemory]| {
+            let slips: Vec<f64> = group.iter().map(|memory| memory.slip).collect();
+            SlipMemory { slip: size(&slips), path: group[0].path, heat: group.iter().map(|memory| memory.heat).sum() }
+        };
+        self.slipped.chunks_exact(self.count).map(of)
+    }
+}
+
+/// One value of a node's rows: the only one's own, or the length of several.
+pub fn size(rows: &[f64]) -> f64 {
+    match rows {
+        [only] => *only,
+        _ => rows.iter().map(|value| value * value).sum::<f64>().sqrt(),
+    }
 }

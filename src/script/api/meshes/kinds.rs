@@ -39,7 +39,8 @@ pub fn with_elements() -> Function {
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
         summary: "the mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6`, `tri3` as \
-                  `tri6`, `hex8` as `hex20`, `hex27`, `tet4` or `tet10`, `tet4` as `tet10`; new nodes stand on straight edges (by the option `element` generators put them on curves)",
+                  `tri6`, `hex8` as `hex20`, `hex27`, `tet4` or `tet10`, `tet4` as `tet10`; new nodes stand on straight edges \
+                  (by the option `element` generators put them on curves)",
         parameters: vec![Parameter::new("element", Kind::Choice(ALL), "the kind of its cells")],
         returns: MeshHandle::NAME,
         example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");".into(),

@@ -30,8 +30,8 @@ fn extrude() -> Function {
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
         summary: "the plane mesh drawn out as a solid one, along z or along a path: hexahedra from quadrilaterals, tetrahedra from \
-                  triangles, of second order from such cells; its boundaries become sides, with `bottom` at the start and `top` at the end (`bottom_`, `top_` where the plane mesh has these \
-                  names). Along a path the section stands across it, its origin on the path, and does not turn about it",
+                  triangles, of second order from such cells; its boundaries become sides, with `bottom` at the start and `top` \
+                  at the end (`bottom_`, `top_` where the plane mesh has these names). Along a path the section stands across it, its origin on the path, and does not turn about it",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -120,9 +120,9 @@ fn revolve() -> Function {
         name: "revolve",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "the plane mesh turned about an axis in its plane as a solid one: hexahedra from `quad4`, tetrahedra from `tri3`; its \
-                  boundaries become sides, with `start` and `end` (`start_`, `end_` where the plane mesh has these names) unless the turn is \
-                  a full one. The mesh must be on one side of the axis",
+        summary: "the plane mesh turned about an axis in its plane as a solid one: hexahedra from quadrilaterals, tetrahedra from \
+                  triangles; its boundaries become sides, with `start` and `end` (`start_`, `end_` where the plane mesh has these names) \
+                  unless the turn is a full one. The mesh must be on one side of the axis",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![

@@ -10,8 +10,8 @@ impl ScriptWords for MeshError {
                 "give both the same nodes along the common side; meshes that do not match are held together by `model.tie`".into()
             }
             MeshError::Unjoined { .. } => {
-                "make their nodes one where the mesh is made (in Gmsh `Coherence;` before it is meshed, here `join`), or take what does not \
-                 belong together as bodies of their own with `part`"
+                "make their nodes one where the mesh is made (in Gmsh `Coherence;` before it is meshed, here `join`), or take what does \
+                 not belong together as bodies of their own with `part`"
                     .into()
             }
             MeshError::CrossingSurface { .. } => {
