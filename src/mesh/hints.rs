@@ -54,15 +54,6 @@ impl MeshError {
             NotLocally { .. } => "make it of triangles of tri6, refine all of it, or mesh a region with a size of cells that varies".into(),
             Grading { .. } => "choose a ratio nearer to 1, such as 0.1 or 10".into(),
             Extruded { .. } => "extrude a plane mesh".into(),
-            SweptOver { .. }
-            | PathPoints { .. }
-            | PathStands { .. }
-            | PathTurns { .. }
-            | ClosedChange
-            | Lofted { .. }
-            | Revolution { .. }
-            | OnAxis { .. }
-            | Rounding { .. } => self.hint_of_solids().into(),
             LeavesPlane { .. } => "move plane meshes along x and y and turn them about the z axis only".into(),
             NoAxis { .. } => "give a direction with finite components that are not all 0, such as [0, 0, 1]".into(),
             UnknownPart { name, available } => match (nearest_name(name, available), available.is_empty()) {
@@ -93,6 +84,7 @@ impl MeshError {
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
             File(error) => error.problem.hint(),
+            solids => solids.hint_of_solids().into(),
         }
     }
 

@@ -31,7 +31,7 @@ fn distorted(kind: CellKind) -> Mesh {
     let mesh = match kind.dimension() {
         2 if kind.is_quadratic() => rectangle([10.0, 4.0], [5, 2], [0.3, -0.2]),
         2 => rectangle([5.0, 2.0], [5, 2], [0.3, -0.2]),
-        _ if kind.is_quadratic() => block([6.0, 6.0, 2.0], [3, 3, 1], [0.3, -0.2, 0.1]),
+        _ if kind.is_quadratic() => block([12.0, 12.0, 4.0], [3, 3, 1], [0.3, -0.2, 0.1]),
         _ => block([3.0, 3.0, 1.0], [3, 3, 1], [0.3, -0.2, 0.1]),
     };
     let mut mesh = mesh.and_then(|mesh| mesh.with_cells(kind)).expect("the mesh is sound");

@@ -218,7 +218,8 @@ fn a_solid_mesh_comes_back_as_it_was() {
 fn tetrahedra_have_their_physical_surfaces_of_triangles() {
     // a cube of five tetrahedra, its sides at x = 0 and z = 1 as physical surfaces, one tetrahedron as a volume of its own
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"wall\"\n2 2 \"roof\"\n\
-         3 3 \"rest\"\n3 4 \"core\"\n$EndPhysicalNames\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n$Elements\n9\n\
+         3 3 \"rest\"\n3 4 \"core\"\n$EndPhysicalNames\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n\
+         4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n$Elements\n9\n\
          1 2 2 1 1 1 4 5\n2 2 2 1 1 8 4 5\n3 2 2 2 2 5 7 6\n4 2 2 2 2 5 7 8\n5 4 2 3 1 1 2 4 5\n6 4 2 3 1 3 4 2 7\n\
          7 4 2 3 1 6 5 7 2\n8 4 2 3 1 8 7 5 4\n9 4 2 4 1 2 4 5 7\n$EndElements\n";
     let mesh = read_gmsh(text).unwrap_or_else(|error| panic!("{error} {:?}", error.place()));
