@@ -72,15 +72,6 @@ impl MeshError {
             DegenerateCell { .. } => "mend the mesh there: nodes of a cell must not coincide or lie on one line".into(),
             RepeatedNode { .. } => "use cells with distinct nodes; a triangle written as a collapsed cell is not a quad4".into(),
             CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
-            FoldedFacet { .. } => {
-                "mend the mesh there: every angle of a facet must be below 180 degrees; the facets of tetrahedra do not fold".into()
-            }
-            Unjoined { .. } => "make their nodes one where the mesh is made (in Gmsh `Coherence;` before it is meshed), or take what does \
-                 not belong together as bodies of their own, joined by ties or contact"
-                .into(),
-            CrossingSurface { .. } => "a body fills no place twice: mend the surface before it is meshed, or take parts that overlap as \
-                 bodies of their own"
-                .into(),
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
             File(error) => error.problem.hint(),
@@ -88,7 +79,7 @@ impl MeshError {
         }
     }
 
-    /// The same for solids that are swept or grown.
+    /// The same for solids that are swept or grown, and for surfaces of solids.
     fn hint_of_solids(&self) -> &'static str {
         use MeshError::*;
         match self {
@@ -104,6 +95,17 @@ impl MeshError {
                  rings have generators of their own, with a core of cells on the axis"
             }
             Rounding { .. } => "choose a smaller radius",
+            FoldedFacet { .. } => {
+                "mend the mesh there: every angle of a facet must be below 180 degrees; the facets of tetrahedra do not fold"
+            }
+            Unjoined { .. } => {
+                "make their nodes one where the mesh is made (in Gmsh `Coherence;` before it is meshed), or take what does \
+                 not belong together as bodies of their own, joined by ties or contact"
+            }
+            CrossingSurface { .. } => {
+                "a body fills no place twice: mend the surface before it is meshed, or take parts that overlap as \
+                 bodies of their own"
+            }
             _ => "",
         }
     }

@@ -10,7 +10,8 @@ use crate::math::tolerances::SAME_PLACE;
 impl Mesh {
     /// The plane mesh turned by `angle` `[rad]`, right-handed, about the axis through `center` `[length]` along
     /// `axis` in its plane, in `layers` of hexahedra, or of prisms cut into three tetrahedra each, of which the last is `grading` times the
-    /// first. Its boundaries become sides, `start` is the plane mesh itself and `end` where it was turned to; a full turn closes and has neither.
+    /// first. Its boundaries become sides, `start` is the plane mesh itself and `end` where it was turned to; a full turn closes and
+    /// has neither.
     ///
     /// # Errors
     /// Cells of other kinds, an angle of 0 or of more than a full turn, layers of more than 120 degrees, an axis without direction, a mesh

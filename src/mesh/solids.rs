@@ -2,8 +2,8 @@
 //!
 //! Spheres and rounded blocks have no poles. The surface of a grid of cells grows outward in layers, six blocks round a core (C. Ronchi,
 //! R. Iacono, P. Paolucci, J. Comput. Phys. 124, 1996, 93-114, section 2). A grid line has a base `b` and a slope `t = tan(a)` from -1 to
-//! 1; node `b + r t/|t|` of the surface lies on the sphere of radius `r` about `b`, where the angles `a` are even. In a sphere all bases are
-//! its center; in a rounded block they are on the block within, and `t = 0` along its flat sides.
+//! 1; node `b + r t/|t|` of the surface lies on the sphere of radius `r` about `b`, where the angles `a` are even. In a sphere all bases
+//! are its center; in a rounded block they are on the block within, and `t = 0` along its flat sides.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 

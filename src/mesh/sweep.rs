@@ -153,8 +153,8 @@ fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u
 }
 
 /// The three tetrahedra of a prism over a triangle: corners of the triangle, each with whether it is the one above. The side over an edge
-/// is cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International Meshing
-/// Roundtable, 1999).
+/// is cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International
+/// Meshing Roundtable, 1999).
 fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
     let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();
     let [a, b, c] = [0, 1, 2].map(|k| (first + k) % 3);
