@@ -13,9 +13,10 @@
 //!
 //! `r` and `g` of each edge and face are such that the sum over the points of their areas (`faces::shares`) times their shares of `d`, `D`
 //! is the integral over the faces of what goes with `d`, `D` in the shape functions. So a constant pressure on plane faces with straight
-//! edges goes to the nodes exactly as the consistent forces of the cell. On even meshes of curved surfaces `r` is 1: all points are raised
-//! alike, so that the polyhedron holds the volume of what it stands for and has no teeth. Corners of plane faces stay where their nodes
-//! are, which couples the nodes of two faces and no others.
+//! edges goes to the nodes exactly as the consistent forces of the cell. In even meshes of curved surfaces `r` is 1 away from rims:
+//! all points are raised alike, so that the polyhedron holds the volume of what it stands for; at rims corners are raised less than within
+//! (1/9 of a sagitta where it is 1/6). Corners of plane faces stay where their nodes are, which couples the nodes of two faces and no
+//! others.
 //!
 //! Multipliers are those of the nodes, linear between them on the sub-facets; a center without a node has the mean of the middles'.
 //! (Facets of first order on quadratic faces: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the forces are ours.)
