@@ -80,11 +80,11 @@ impl Combinations {
         }
     }
 
-    /// The same for vectors of the plane.
-    pub fn add_vectors_back(&self, y: &[f64], x: &mut [f64]) {
-        for (entry, value) in y.chunks_exact(2).enumerate() {
+    /// The same for vectors of so many components.
+    pub fn add_vectors_back(&self, dimension: usize, y: &[f64], x: &mut [f64]) {
+        for (entry, value) in y.chunks_exact(dimension).enumerate() {
             for &(k, share) in self.parts(entry) {
-                (0..2).for_each(|i| x[2 * k as usize + i] += share * value[i]);
+                (0..dimension).for_each(|i| x[dimension * k as usize + i] += share * value[i]);
             }
         }
     }
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(made.bounds(&[1.0, 2.0, 4.0]), [2.5, 2.0]);
         let (mut numbers, mut vectors) = ([0.0; 3], [0.0; 6]);
         made.add_values_back(&[2.0, 3.0], &mut numbers);
-        made.add_vectors_back(&[2.0, 0.0, 0.0, 3.0], &mut vectors);
+        made.add_vectors_back(2, &[2.0, 0.0, 0.0, 3.0], &mut vectors);
         assert_eq!(numbers, [1.0, -3.0, 1.0]);
         assert_eq!(vectors, [1.0, 0.0, 0.0, -3.0, 1.0, 0.0]);
     }

@@ -386,11 +386,12 @@ impl RigidObstacle for OnCurves {
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
-        let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; 2 * self.points.len()]];
+        let d = self.sides.patches.dimension();
+        let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; d * self.points.len()]];
         self.rows.values_into(before, &mut pressed);
         self.rows.values_into(lambda, &mut pressing);
         let work = self.inner.obstacle_force_into(derivative, &self.seen(q_1), &pressed, &pressing, &mut seen);
-        self.points.add_vectors_back(&seen, force);
+        self.points.add_vectors_back(d, &seen, force);
         work
     }
 }

@@ -373,7 +373,7 @@ mod tests {
         let (_, on_points) = area(&seen.secondary, &seen.reference);
         let (curves, ..) = seen.on_curves.expect("its edges are of second order");
         let mut forces = vec![0.0; q.len()];
-        curves.points.add_vectors_back(&on_points, &mut forces);
+        curves.points.add_vectors_back(2, &on_points, &mut forces);
         let mut expected = [0.0; 7];
         for k in [0, 2, 4] {
             let (l, s) = (x[k + 2] - x[k], x[k + 1] - 0.5 * (x[k] + x[k + 2]));

@@ -2,18 +2,10 @@
 //!
 //! Shape functions `N_a = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a) / 8` (Hughes, The Finite Element Method, 2000, section 3.5).
 
+use super::hex27;
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
-const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
+const CORNERS: [[f64; 3]; 8] = *hex27::PLACES.first_chunk().expect("8 of 27");
 
 const FACETS: [&[usize]; 6] = [&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
 

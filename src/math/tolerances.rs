@@ -246,6 +246,9 @@ pub const DEGENERATE_CELL: f64 = 1e-12;
 /// Distance of two nodes of meshes to be joined, relative to the largest coordinate, up to which they are at the same place.
 pub const SAME_PLACE: f64 = 1e-9;
 
+/// What the cosine of half the angle between two faces lacks of one, up to which they are one plane: normals of triangles have round-off.
+pub const COPLANAR: f64 = 1e-12;
+
 /// Share of each corner, in a point of a facet that an edge goes through, above which the point is inside and not on the facet's rim: edges
 /// that only touch meet the rim to round-off, 1e-15.
 pub const PIERCED: f64 = 1e-6;

@@ -54,7 +54,7 @@ pub use region::{layered_region, region};
 pub use round::{arc, disk, graded_ring, half_disk, ring};
 pub use selection::SelectionError;
 pub use solids::{cylinder, hollow_sphere, rounded_block, sphere, torus, tube};
-pub use topology::flat_pieces;
+pub use topology::{flat_pieces, pieces_of};
 
 use crate::elements::CellKind;
 

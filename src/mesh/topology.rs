@@ -37,6 +37,11 @@ pub fn flat_pieces(nodes: usize) -> &'static [&'static [usize]] {
     }
 }
 
+/// The pieces of a face with these nodes, between them.
+pub fn pieces_of(face: &[u32]) -> Vec<Vec<u32>> {
+    flat_pieces(face.len()).iter().map(|piece| piece.iter().map(|&k| face[k]).collect()).collect()
+}
+
 impl Mesh {
     /// Every facet of every cell, cell by cell.
     pub(super) fn facets(&self) -> impl Iterator<Item = Facet> + '_ {
@@ -82,9 +87,7 @@ impl Mesh {
 
     /// The pieces of a face in space, of three and four nodes, that stand for it: one of second order is cut at the middles of its edges.
     pub fn flat_pieces(&self, facet: Facet) -> Vec<Vec<u32>> {
-        let nodes: Vec<u32> = self.facet_nodes(facet).collect();
-        let pieces = flat_pieces(nodes.len());
-        pieces.iter().map(|piece| piece.iter().map(|&k| nodes[k]).collect()).collect()
+        pieces_of(&self.facet_nodes(facet).collect::<Vec<u32>>())
     }
 
     /// The straight pieces of the hull of a plane mesh, the body on their left.

@@ -119,84 +119,39 @@ impl Grid {
 }
 
 impl Grid {
-    /// Rigid obstacles where they are.
-    fn of_walls(walls: &[Wall]) -> Self {
-        let pieces: Vec<(usize, [[f64; 2]; 4])> =
-            walls.iter().enumerate().flat_map(|(index, wall)| wall.pieces().map(move |piece| (index, piece))).collect();
-        let points = pieces.iter().flat_map(|(_, piece)| piece.iter().map(|&[x, y]| [x, y, 0.0]));
-        let corners = 4 * pieces.len();
-        let quad = CellKind::Quad4.row().vtk_type;
+    /// Surfaces with their names, points and facets.
+    fn of_surfaces<'a>(kind: &'static str, surfaces: impl Iterator<Item = (&'a str, &'a [[f64; 3]], &'a [Vec<u32>])>) -> Self {
+        let (mut names, mut position, mut connectivity) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut offsets, mut types, mut number) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, (name, points, facets)) in surfaces.enumerate() {
+            let first = position.len() as i64;
+            names.push(name.to_string());
+            position.extend_from_slice(points);
+            for facet in facets {
+                connectivity.extend(facet.iter().map(|&node| first + i64::from(node)));
+                offsets.push(connectivity.len() as i64);
+                types.push(match facet.len() {
+                    2 => LINE,
+                    3 => CellKind::Tri3.row().vtk_type,
+                    _ => CellKind::Quad4.row().vtk_type,
+                });
+                number.push(index as i64);
+            }
+        }
         Grid {
-            kind: "obstacle",
-            names: walls.iter().map(|wall| wall.name.clone()).collect(),
-            points: corners,
-            cells: pieces.len(),
-            position: Array::doubles("Points", corners, points),
+            kind,
+            names,
+            points: position.len(),
+            cells: types.len(),
+            position: Array::doubles("Points", position.len(), position.into_iter()),
             topology: vec![
-                Array::integers("connectivity", 0..corners as i64),
-                Array::integers("offsets", (1..=pieces.len() as i64).map(|end| 4 * end)),
-                Array::new("types", "UInt8", 1, vec![quad; pieces.len()]),
+                Array::integers("connectivity", connectivity.into_iter()),
+                Array::integers("offsets", offsets.into_iter()),
+                Array::new("types", "UInt8", 1, types),
             ],
-            cellwise: vec![Array::integers("obstacle", pieces.iter().map(|&(index, _)| index as i64))],
+            cellwise: vec![Array::integers(kind, number.into_iter())],
         }
     }
-}
-
-impl Grid {
-    /// Obstacles in space where they are.
-    fn of_obstacle_surfaces(surfaces: &[ObstacleSurface]) -> Self {
-        let points = surfaces.iter().map(|surface| surface.points.len()).sum();
-        let firsts: Vec<i64> =
-            surfaces.iter().scan(0, |next, surface| Some(std::mem::replace(next, *next + surface.points.len() as i64))).collect();
-        let facets = || surfaces.iter().zip(&firsts).flat_map(|(surface, &first)| surface.facets.iter().map(move |facet| (first, facet)));
-        let number = surfaces.iter().enumerate().flat_map(|(index, surface)| std::iter::repeat_n(index as i64, surface.facets.len()));
-        Grid {
-            kind: "obstacle",
-            names: surfaces.iter().map(|surface| surface.name.clone()).collect(),
-            points,
-            cells: facets().count(),
-            position: Array::doubles("Points", points, surfaces.iter().flat_map(|surface| surface.points.iter().copied())),
-            topology: facets_of(facets),
-            cellwise: vec![Array::integers("obstacle", number)],
-        }
-    }
-
-    /// Secondary surfaces of contacts, undeformed.
-    fn of_surfaces(surfaces: &[ContactSurface]) -> Self {
-        let points = surfaces.iter().map(|surface| surface.points.len()).sum();
-        let cells = surfaces.iter().map(|surface| surface.facets.len()).sum();
-        let firsts = surfaces.iter().scan(0, |next, surface| Some(std::mem::replace(next, *next + surface.points.len() as i64)));
-        let firsts: Vec<i64> = firsts.collect();
-        let facets = || surfaces.iter().zip(&firsts).flat_map(|(surface, &first)| surface.facets.iter().map(move |facet| (first, facet)));
-        let number = surfaces.iter().enumerate().flat_map(|(index, surface)| std::iter::repeat_n(index as i64, surface.facets.len()));
-        Grid {
-            kind: "contact",
-            names: surfaces.iter().map(|surface| surface.name.clone()).collect(),
-            points,
-            cells,
-            position: Array::doubles("Points", points, surfaces.iter().flat_map(|surface| surface.points.iter().copied())),
-            topology: facets_of(facets),
-            cellwise: vec![Array::integers("contact", number)],
-        }
-    }
-}
-
-/// Connectivity, offsets and types of facets, each with the number of the first node of its surface.
-fn facets_of<'a, I: Iterator<Item = (i64, &'a Vec<u32>)>>(facets: impl Fn() -> I) -> Vec<Array> {
-    let of_facet = |nodes: usize| match nodes {
-        2 => LINE,
-        3 => CellKind::Tri3.row().vtk_type,
-        _ => CellKind::Quad4.row().vtk_type,
-    };
-    let ends = facets().scan(0, |end, (_, facet)| {
-        *end += facet.len() as i64;
-        Some(*end)
-    });
-    vec![
-        Array::integers("connectivity", facets().flat_map(|(first, facet)| facet.iter().map(move |&node| first + i64::from(node)))),
-        Array::integers("offsets", ends),
-        Array::new("types", "UInt8", 1, facets().map(|(_, facet)| of_facet(facet.len())).collect()),
-    ]
 }
 
 /// All bodies at one time as plain bytes: taking a frame is quick, and a frame can be encoded and written by another thread.
@@ -217,16 +172,24 @@ impl Frame {
 
     /// Rigid obstacles where they are at that time, drawn beside bodies that are about as large as `around`.
     pub fn of_obstacles(time: f64, obstacles: &[PlacedObstacle], around: &Surroundings) -> Self {
-        let walls: Vec<Wall> = obstacles.iter().filter_map(|obstacle| Wall::new(obstacle, around, REACH)).collect();
-        let in_space: Vec<ObstacleSurface> =
-            obstacles.iter().filter_map(|obstacle| ObstacleSurface::new(obstacle, around, REACH_IN_SPACE)).collect();
-        let grid = if in_space.is_empty() { Grid::of_walls(&walls) } else { Grid::of_obstacle_surfaces(&in_space) };
+        let of_wall = |wall: Wall| {
+            let pieces: Vec<[[f64; 2]; 4]> = wall.pieces().collect();
+            let points = pieces.as_flattened().iter().map(|&[x, y]| [x, y, 0.0]).collect();
+            let facets = (0..pieces.len() as u32).map(|piece| (4 * piece..4 * piece + 4).collect()).collect();
+            ObstacleSurface { name: wall.name, points, facets }
+        };
+        let surface = |obstacle: &PlacedObstacle| {
+            ObstacleSurface::new(obstacle, around, REACH_IN_SPACE).or_else(|| Wall::new(obstacle, around, REACH).map(of_wall))
+        };
+        let surfaces: Vec<ObstacleSurface> = obstacles.iter().filter_map(surface).collect();
+        let parts = surfaces.iter().map(|surface| (&*surface.name, &*surface.points, &*surface.facets));
+        let grid = Grid::of_surfaces("obstacle", parts);
         Frame { time, grid: Arc::new(grid), shown: "", nodal: Vec::new() }
     }
 
     /// Secondary surfaces of contacts at that time.
     pub fn of_contacts(time: f64, surfaces: &[ContactSurface]) -> Self {
-        let grid = Grid::of_surfaces(surfaces);
+        let grid = Grid::of_surfaces("contact", surfaces.iter().map(|surface| (&*surface.name, &*surface.points, &*surface.facets)));
         let count = grid.points;
         let scalars = |name, of: fn(&ContactFields) -> &[f64]| {
             Array::doubles(name, count, surfaces.iter().flat_map(move |surface| of(&surface.fields).iter().map(|&value| [value])))

@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use thiserror::Error;
 
-use crate::math::tolerances::FACING;
+use crate::math::tolerances::{COPLANAR, FACING};
 
 /// Cosine of the angle by which faces turn at an edge that parts two sides: 30 degrees.
 const SAME_SIDE: f64 = 0.866_025_403_784_438_6;
@@ -136,7 +136,9 @@ impl Face {
             Place::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
             Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
         };
-        if is_plane {
+        // An edge between faces of one plane, such as the diagonal of a side, is no edge: what is above it is as above the faces.
+        let is_flat = covered && pseudo.dot(&self.normal) >= 1.0 - COPLANAR;
+        if is_plane || is_flat {
             let gap = self.normal.dot(&(x - self.corners[0]));
             return Distance { gap, normal: self.normal, curvature: Matrix3::zeros(), covered };
         }

@@ -93,11 +93,9 @@ impl Measure {
                 }
             }
             Measure::Edges(sign) => {
-                let spread = Spread::of_edges(z);
-                let [s, t] = spread.feet(sub(z[2], z[0]));
-                let n = spread.normal.map(|n| n * sign);
-                for (node, weight) in [s - 1.0, -s, -t + 1.0, t].into_iter().enumerate() {
-                    gradient[node] = n.map(|n| n * weight);
+                let n = Spread::of_edges(z).normal.map(|n| n * -sign);
+                for (gradient, weight) in gradient.iter_mut().zip(self.weights(z)) {
+                    *gradient = n.map(|n| n * weight);
                 }
             }
         }

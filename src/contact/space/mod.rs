@@ -19,4 +19,4 @@ pub use mortar::MortarInSpace;
 pub use obstacle::ObstacleInSpace;
 pub use rigid::RigidInSpace;
 pub use round::RoundInSpace;
-pub use second_order::{SeenInSpace, between_nodes};
+pub use second_order::SeenInSpace;

@@ -31,7 +31,7 @@ use crate::contact::on_curves::OnCurves;
 use crate::contact::surface::{Sides, Surface};
 use crate::elements::face_points;
 use crate::math::tolerances;
-use crate::mesh::flat_pieces;
+use crate::mesh::{flat_pieces, pieces_of};
 
 /// Share of the edges' offsets by which corners of triangles and of quadrilaterals are raised.
 const OF_TRIANGLES: f64 = 1.0 / 4.0;
@@ -65,20 +65,23 @@ impl<'a> SeenInSpace<'a> {
         }
         let (points, homes) = proxies.combinations();
         let [secondary, primary] = sides.map(|faces| of(&faces.iter().flat_map(|face| proxies.pieces(face)).collect::<Vec<_>>()));
-        let [own, other] = sides.map(|faces| of(&faces.iter().flat_map(|face| between_nodes(face)).collect::<Vec<_>>()));
+        let [own, other] = sides.map(|faces| of(&faces.iter().flat_map(|face| pieces_of(face)).collect::<Vec<_>>()));
         let seen = points.points(3, reference);
         SeenInSpace { secondary, primary, reference: seen.into(), on_faces: Some((points, homes, Sides::of(own, other, reference))) }
     }
 
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
     /// points of either side.
-    pub fn on_nodes(self, kernel: Box<dyn ContactKernel>, is_of_surface: bool) -> Box<dyn ContactKernel> {
-        let Some((points, homes, mut sides)) = self.on_faces else { return kernel };
+    pub fn on_nodes(&self, kernel: Box<dyn ContactKernel>, is_of_surface: bool) -> Box<dyn ContactKernel> {
+        let Some((points, homes, mut sides)) = self.on_faces.clone() else { return kernel };
         let mut rows = Combinations::default();
         if is_of_surface {
+            let stride = kernel.rows_per_node() as u32;
             for &point in kernel.row_nodes() {
                 let index = |node: u32| sides.secondary.index(node).unwrap_or(0) as u32;
-                rows.push(homes.parts(point as usize).iter().map(|&(node, share)| (index(node), share)));
+                for slot in 0..stride {
+                    rows.push(homes.parts(point as usize).iter().map(|&(node, share)| (stride * index(node) + slot, share)));
+                }
             }
             let row_nodes = sides.secondary.nodes().to_vec();
             return Box::new(OnCurves::new(kernel, sides, [points, rows, homes], row_nodes));
@@ -90,11 +93,6 @@ impl<'a> SeenInSpace<'a> {
         sides.facet_size = kernel.facet_size();
         Box::new(OnCurves::new(kernel, sides, [points, rows, homes], row_nodes))
     }
-}
-
-/// The pieces of a face between its nodes.
-pub fn between_nodes(face: &[u32]) -> Vec<Vec<u32>> {
-    flat_pieces(face.len()).iter().map(|piece| piece.iter().map(|&k| face[k]).collect()).collect()
 }
 
 /// An edge of second order.

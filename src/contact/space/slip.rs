@@ -213,23 +213,23 @@ pub fn turns(surface: &Surface, reference: &[f64]) -> Vec<Vec<[f64; 2]>> {
         let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
         Frame::new(&nodes).map(|frame| frame.axes)
     };
+    let axes: Vec<Option<[Vec3<f64>; 3]>> = (0..surface.count()).map(axes).collect();
     let along: Vec<Option<Vec3<f64>>> = (0..surface.nodes().len())
         .map(|index| {
             let facets = surface.adjacent_facets(index);
             let mut normal = [0.0; 3];
-            for axes in facets.iter().filter_map(|&facet| axes(facet as usize)) {
+            for axes in facets.iter().filter_map(|&facet| axes[facet as usize]) {
                 (0..3).for_each(|i| normal[i] += axes[2][i]);
             }
-            let first = axes(*facets.first()? as usize)?[0];
+            let first = axes[*facets.first()? as usize]?[0];
             let square = dot(normal, normal);
             let out = if square > 0.0 { dot(first, normal) / square } else { 0.0 };
             Some(sub(first, scaled(normal, out)))
         })
         .collect();
     let of_facet = |facet: usize| {
-        let axes = axes(facet);
         let turn = |&node: &u32| {
-            let (Some([first, second, _]), Some(along)) = (axes, along[node as usize]) else { return [1.0, 0.0] };
+            let (Some([first, second, _]), Some(along)) = (axes[facet], along[node as usize]) else { return [1.0, 0.0] };
             let [x, y] = [dot(first, along), dot(second, along)];
             let size = x.hypot(y);
             if size > 0.0 { [x / size, y / size] } else { [1.0, 0.0] }

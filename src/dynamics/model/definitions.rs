@@ -113,10 +113,10 @@ impl Model {
         let kind = self.bodies.get(interaction.secondary.body).map(|body| body.mesh.kind);
         let lacking = match &interaction.partner {
             Partner::Tied { .. } => Some("a tie".to_string()),
-            Partner::Obstacle { .. } => None,
-            _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
             // The middles of its faces have no nodes, and with them no tangents of their own.
             _ if interaction.friction.is_some() && kind == Some(CellKind::Hex20) => Some("friction on a secondary side of `hex20`".into()),
+            Partner::Obstacle { .. } => None,
+            _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
             _ => None,
         };
         lacking.map_or(Ok(()), |what| Err(ModelError::NotInSpace { contact: interaction.name.clone(), what }))

@@ -133,7 +133,7 @@ impl Model {
 
     /// Facets of a body in space as a surface, in the numbers of its own nodes.
     fn faces_of(&self, facets: &[Facet], body: usize) -> Surface {
-        let faces: Vec<Vec<u32>> = facets.iter().map(|&facet| self.bodies[body].mesh.facet_nodes(facet).collect()).collect();
+        let faces: Vec<Vec<u32>> = facets.iter().flat_map(|&facet| self.bodies[body].mesh.flat_pieces(facet)).collect();
         Surface::in_space(faces.iter().map(|face| &face[..]))
     }
 

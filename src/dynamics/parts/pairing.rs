@@ -4,7 +4,7 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
     ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners, RigidInSpace,
-    RoundInSpace, RowsOf, SeenInSpace, Surface, Tie, between_nodes,
+    RoundInSpace, RowsOf, SeenInSpace, Tie,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach};
 use crate::dynamics::model::definitions::Model;
@@ -80,14 +80,7 @@ impl Pairing<'_> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
     }
 
-    /// A boundary in space as a surface between its nodes.
-    fn surface(&self, boundary: &BodyBoundary) -> Surface {
-        let faces = (self.faces)(boundary);
-        let pieces: Vec<Vec<u32>> = faces.iter().flat_map(|face| between_nodes(face)).collect();
-        Surface::in_space(pieces.iter().map(|piece| &piece[..]))
-    }
-
-    /// The two sides of a contact in space.
+    /// The sides of a contact in space; an obstacle is none.
     fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
         SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference)
@@ -96,8 +89,9 @@ impl Pairing<'_> {
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, .. } = partner {
-            let kernel = RigidInSpace::new(self.surface(secondary), shape, self.reference);
-            let mut pair = self.obstacle_pair(name, shape, secondary.body, Box::new(kernel));
+            let seen = self.in_space(interaction);
+            let kernel = RigidInSpace::new(seen.secondary.clone(), shape, &seen.reference);
+            let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
             pair.motion = motion.clone();
             let mut pair = self.held(pair, interaction, false);
             if matches!(shape, ObstacleInSpace::Facets(_)) && pair.is_unilateral() {
@@ -181,12 +175,12 @@ impl Pairing<'_> {
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
             if let Partner::Obstacle { shape: Obstacle::InSpace(shape), .. } = &interaction.partner {
-                let surface = self.surface(&interaction.secondary);
-                if let Some(kernel) = RigidCorners::in_space(&surface, shape, self.reference, size(of)) {
-                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, Box::new(kernel));
+                let seen = self.in_space(interaction);
+                if let Some(kernel) = RigidCorners::in_space(&seen.secondary, shape, &seen.reference, size(of)) {
+                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(Box::new(kernel), false));
                 }
-                if let Some(kernel) = RoundInSpace::new(&surface, shape, self.reference, size(of)) {
-                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, Box::new(kernel));
+                if let Some(kernel) = RoundInSpace::new(&seen.secondary, shape, &seen.reference, size(of)) {
+                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(Box::new(kernel), false));
                 }
                 continue;
             }

@@ -158,8 +158,10 @@ fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], 
                 && let Some(index) = secondary.index(node)
             {
                 (0..D).for_each(|i| friction[index][i] += force[i]);
-                (0..D).for_each(|i| of_corners[index][i] += force[i]);
-                pulled[index] += multiplier.signum() * size(&force);
+                match D {
+                    2 => pulled[index] += multiplier.signum() * size(&force),
+                    _ => (0..D).for_each(|i| of_corners[index][i] += force[i]),
+                }
             }
         });
     }
@@ -211,10 +213,7 @@ pub fn totals<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) ->
 /// Present area of each secondary node, `int N_A ds`; around an axis times the circumference `[length]`, `[length^2]`.
 fn areas(pair: &ContactPair, q: &[f64]) -> Vec<f64> {
     let secondary = pair.kernel.secondary();
-    if secondary.dimension() == 3 {
-        return secondary.weights(q);
-    }
-    let mut areas = vec![0.0; secondary.nodes().len()];
+    let mut areas = if secondary.dimension() == 3 { secondary.weights(q) } else { vec![0.0; secondary.nodes().len()] };
     for (facet, ends) in secondary.local_facets().iter().enumerate() {
         let length = secondary.facet_measure(facet, q);
         let [a, b] = secondary.facets()[facet].map(|node| pair.circumference(node, q));
@@ -374,6 +373,24 @@ fn smoothed(contact: Loaded, forces: &ContactForces, pressures: &[f64], q: &[f64
     means
 }
 
+/// Which nodes are pulled by what presses on their surface: the corners of faces of second order in space, whose consistent forces point
+/// outward under a uniform pressure.
+fn pulling(pair: &ContactPair, forces: &[[f64; 3]], q: &[f64]) -> Vec<bool> {
+    let secondary = pair.kernel.secondary();
+    if secondary.dimension() == 2 || pair.law.is_bilateral() {
+        return vec![false; forces.len()];
+    }
+    let mut outward = vec![[0.0; 3]; forces.len()];
+    for facet in 0..secondary.count() {
+        let normal = secondary.outward(facet, q);
+        for &node in secondary.local_facet(facet) {
+            (0..3).for_each(|i| outward[node as usize][i] += normal[i]);
+        }
+    }
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    forces.iter().zip(&outward).map(|(force, normal)| dot(force, normal) > 0.5 * size(force) * size(normal)).collect()
+}
+
 /// Which secondary nodes are in contact, and how many corners of the other side are.
 fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, usize) {
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
@@ -403,9 +420,11 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
     if pair.kind != PairKind::Tie {
         totals.penetration = corners.iter().map(|corners| corners.pair.kernel.deepest(q)).fold(pair.kernel.deepest(q), f64::max);
     }
-    for force in &forces.own {
+    let pulls = pulling(pair, &forces.own, q);
+    for (force, pulls) in forces.own.iter().zip(pulls) {
         (0..3).for_each(|i| totals.force[i] += force[i]);
-        totals.normal_force += force[0].hypot(force[1]).hypot(force[2]);
+        let size = force[0].hypot(force[1]).hypot(force[2]);
+        totals.normal_force += if pulls { -size } else { size };
     }
     forces.friction.iter().for_each(|force| (0..3).for_each(|i| totals.force[i] += force[i]));
     let (areas, pressures) = (areas(pair, q), pressures(contact, forces, q));
