@@ -159,6 +159,38 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
     assert_eq!(page.complaints, Vec::<Value>::new());
 }
 
+/// In space: what is toward the viewer hides what is behind it, and the ground is seen from above and not from below.
+#[test]
+fn bodies_in_space_and_the_ground_below_them_are_seen_from_where_the_viewer_is() {
+    let folder = folder("space");
+    let Some(mut page) = browser(&folder) else { return };
+    let script = r#"
+let m = model("cube");
+let cube = m.add_body("cube", block(#{ size: [1.0, 1.0, 1.0], cells: [2, 2, 2] }), neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 }));
+m.add_contact("ground", #{ secondary: cube.boundary("back"), primary: rigid_plane(#{ point: [0.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0] }) });
+let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.01 });
+sim.step(2);
+"#;
+    let out = run(&folder, script, "out");
+    page.open(&out.join("report.html"));
+    page.settle();
+    let off = "Math.max(...(() => { const [r, u, t] = conserva.scene.axes(); \
+               const x = [r[1] * u[2] - r[2] * u[1], r[2] * u[0] - r[0] * u[2], r[0] * u[1] - r[1] * u[0]]; \
+               return x.map((x, k) => Math.abs(x - t[k])); })())";
+    assert!(page.evaluate(off).as_f64().unwrap() < 1e-12, "right, up and toward the viewer make a right-handed triad");
+    // Share of the picture that has the color of obstacles, which is lit gray.
+    let gray = "(() => { const { data } = conserva.scene.image; let count = 0; \
+                for (let k = 0; k < data.length; k += 4) { \
+                  const [r, g, b] = data.slice(k, k + 3); if (r > 100 && r < 200 && r <= g && g <= b && b - r < 14) count += 1; } \
+                return 4 * count / data.length; })()";
+    let seen = page.evaluate(gray).as_f64().unwrap();
+    assert!(seen > 0.05, "the ground is seen from above: {seen}");
+    page.evaluate("conserva.scene.turn[1] = -0.5; conserva.redraw()");
+    page.settle();
+    assert!(page.evaluate(gray).as_f64().unwrap() < 0.01, "and not from below");
+    assert_eq!(page.complaints, Vec::<Value>::new());
+}
+
 /// Lines and fields of a file; no name has a comma or quote here.
 fn csv_of(path: &Path) -> Vec<Vec<String>> {
     let text = fs::read_to_string(path).unwrap();

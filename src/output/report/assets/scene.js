@@ -49,7 +49,7 @@ class Scene {
   axes() {
     if (!this.isSpace) return [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
     const [a, b] = this.turn, ca = Math.cos(a), sa = Math.sin(a), cb = Math.cos(b), sb = Math.sin(b);
-    return [[ca, sa, 0], [-sb * -sa, -sb * ca, cb], [cb * sa, -cb * ca, sb]];
+    return [[ca, sa, 0], [-sb * sa, sb * ca, cb], [cb * sa, -cb * ca, sb]];
   }
 
   size() {
