@@ -166,7 +166,8 @@ fn bodies_in_space_and_the_ground_below_them_are_seen_from_where_the_viewer_is()
     let Some(mut page) = browser(&folder) else { return };
     let script = r#"
 let m = model("cube");
-let cube = m.add_body("cube", block(#{ size: [1.0, 1.0, 1.0], cells: [2, 2, 2] }), neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 }));
+let rubber = neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 });
+let cube = m.add_body("cube", block(#{ size: [1.0, 1.0, 1.0], cells: [2, 2, 2] }), rubber);
 m.add_contact("ground", #{ secondary: cube.boundary("back"), primary: rigid_plane(#{ point: [0.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0] }) });
 let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.01 });
 sim.step(2);
