@@ -69,6 +69,10 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("strsim", &["mesh", "script", "cli"]),
     ("toml", &["studies"]),
     ("thiserror", &[]),
+    // for their features
+    ("bitflags", &[]),
+    ("nix", &[]),
+    ("once_cell", &[]),
     ("tiny-skia", &["output"]),
     ("ttf-parser", &["output"]),
 ];
