@@ -144,8 +144,11 @@ pub mod dynamics;
 
 pub mod output;
 
+#[cfg(feature = "scripts")]
 pub mod script;
 
+#[cfg(feature = "scripts")]
 pub mod studies;
 
+#[cfg(feature = "command-line")]
 pub mod cli;

@@ -12,6 +12,7 @@ mod counted;
 mod csv_text;
 mod drawing;
 mod energies;
+#[cfg(feature = "formats")]
 mod export;
 mod file_record;
 mod files;
@@ -20,9 +21,11 @@ mod inputs;
 pub mod journal;
 mod markup;
 mod movie;
+#[cfg(feature = "formats")]
 mod node_table;
 mod obstacle_surfaces;
 mod obstacles;
+#[cfg(feature = "formats")]
 mod parquet;
 mod picture;
 mod plot;
@@ -37,8 +40,10 @@ mod run_lock;
 mod summary;
 mod table;
 mod vtu;
+#[cfg(feature = "formats")]
 mod vtu_text;
 mod writer;
+#[cfg(feature = "formats")]
 mod xdmf;
 
 #[cfg(test)]
@@ -50,6 +55,7 @@ pub use counted::CountedFile;
 pub use csv_text::{field as csv_field, line as csv_line, meant as csv_text};
 pub use drawing::{Drawing, png, svg};
 pub use energies::{ENERGIES, above_lowest_potential, energies};
+#[cfg(feature = "formats")]
 pub use export::{ExportError, ExportFormat, export};
 pub use files::{OutputError, RunFiles, Stream};
 pub use history_csv::HistoryCsv;
@@ -57,6 +63,7 @@ pub use inputs::Inputs;
 pub use markup::escaped;
 pub use movie::{MovieFormat, movie};
 pub use obstacles::Surroundings;
+#[cfg(feature = "formats")]
 pub use parquet::{Field as TableField, parquet, parquet_of};
 pub use picture::{Component, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, sight};
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
@@ -67,6 +74,7 @@ pub use reading::error::ReadError;
 pub use reading::fields::{ArrayRead, FieldsRead, Numbers, Section, read_fields};
 pub use reading::folder::{RunFolder, read_summary, runs_below};
 pub use reading::frames::{ListedFrame, read_frames};
+#[cfg(feature = "formats")]
 pub use reading::parquet_table::read_parquet;
 pub use reading::table::{TableRead, read_table};
 pub use recording::{Recording, Skin, Still, shapes};

@@ -6,6 +6,7 @@ pub mod error;
 pub mod fields;
 pub mod folder;
 pub mod frames;
+#[cfg(feature = "formats")]
 pub mod parquet_table;
 pub mod table;
 pub mod tags;
