@@ -86,7 +86,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
     ("momentum_drift", "the same for the linear momentum, less what supports explain"),
     ("angular_momentum_drift", "the same for the angular momentum"),
-    ("worst_energy_defect", "the largest energy defect of a step, relative to the largest total energy of the run"),
+    ("worst_energy_defect", "the largest energy defect of a step, relative to the largest kinetic + strain + |potential| of the run"),
     (
         "energy_changes",
         "an object: what changed the energy beyond round-off (`loads`, `contact`, `friction`, `viscosity`, `integrator`, `settling`), each \
@@ -273,7 +273,7 @@ pub struct Drifts {
     pub momentum: Option<f64>,
     /// The same for the angular momentum, with `radius` times the scale of the momentum.
     pub angular_momentum: Option<f64>,
-    /// Largest `|energy_defect|` of a step, over the largest total energy of the run.
+    /// Largest `|energy_defect|` of a step, over the largest `kinetic + strain + |potential|` of the run.
     pub worst_energy_defect: Option<f64>,
 }
 
@@ -285,7 +285,7 @@ pub fn drifts(rows: &[LedgerRow], loads_ended: f64, inertia: Option<Inertia>) ->
     // Unlike `f64::max` this keeps a NaN: a broken run must not look like a perfect one.
     let largest =
         |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most });
-    let scale = largest(&mut rows.iter().map(|row| row.total().abs()));
+    let scale = largest(&mut rows.iter().map(LedgerRow::energy_scale));
     let worst_energy_defect = relative(largest(&mut rows.iter().map(|row| row.energy_defect.abs())), scale);
     let worst_energy_defect = Some(worst_energy_defect).filter(|_| rows.len() > 1);
 
@@ -296,7 +296,7 @@ pub fn drifts(rows: &[LedgerRow], loads_ended: f64, inertia: Option<Inertia>) ->
     };
     let since = &free[0];
     let energy = largest(&mut free.iter().map(|row| (row.total() - since.total()).abs()));
-    let energy_scale = largest(&mut free.iter().map(|row| row.kinetic + row.strain + row.potential.abs()));
+    let energy_scale = largest(&mut free.iter().map(LedgerRow::energy_scale));
     let mut booked = 0.0;
     let unexplained = largest(&mut free[1..].iter().map(|row| {
         booked += row.energy_defect;

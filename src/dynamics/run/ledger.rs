@@ -153,6 +153,11 @@ impl LedgerRow {
         self.kinetic + self.strain + self.potential
     }
 
+    /// What defects are related to: `kinetic + strain + |potential|`, which does not vanish where the potential cancels the others `[energy]`.
+    pub fn energy_scale(&self) -> f64 {
+        self.kinetic + self.strain + self.potential.abs()
+    }
+
     /// Names of the columns of `history.csv` for a space dimension, in order.
     pub fn columns(dimension: usize) -> Vec<&'static str> {
         let mut names = vec!["step", "time", "dt", "kinetic", "strain", "potential", "total", "load_work", "contact_work", "energy_defect"];

@@ -16,7 +16,7 @@ pub struct Progress<'a> {
     pub until: Option<f64>,
     /// The step.
     pub row: &'a LedgerRow,
-    /// Largest total energy so far, to relate the defect to.
+    /// Largest `kinetic + strain + |potential|` so far, to relate the defect to.
     pub scale: f64,
     /// Space dimension, by which the row has its columns.
     pub dimension: usize,

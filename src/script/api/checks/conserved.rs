@@ -129,7 +129,7 @@ fn worst_drift(quantity: &str, window: &[LedgerRow], rows: &[LedgerRow], inertia
     let bound = (2.0 * inertia.mass * kinetic).max(0.0).sqrt();
     let first = &window[0];
     let difference = |a: [f64; 3], b: [f64; 3]| length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
-    let energy = largest(&mut window.iter().map(|row| row.kinetic + row.strain + row.potential.abs()));
+    let energy = largest(&mut window.iter().map(LedgerRow::energy_scale));
     let (scale, value, change): (f64, f64, Vec<f64>) = match quantity {
         "energy" => (energy, first.total(), window.iter().map(|row| (row.total() - first.total()).abs()).collect()),
         "momentum" => (

@@ -62,7 +62,7 @@ pub struct SimulationData {
     pub callbacks: RefCell<Vec<Callback>>,
     /// Number of causes of halvings when they were last looked at.
     pub causes_seen: Cell<usize>,
-    /// Largest total energy so far.
+    /// Largest energy so far that defects are related to.
     pub scale: Cell<f64>,
     /// How often equilibrium was asked for since anything has changed.
     pub standing: Cell<u32>,

@@ -143,7 +143,7 @@ impl SimulationHandle {
         let row = data.script_row(data.simulation.borrow().row().clone());
         self.tell_settled(call.host, &row, &report);
         self.note_contact();
-        data.scale.set(data.scale.get().max(row.total().abs()));
+        data.scale.set(data.scale.get().max(row.energy_scale()));
         let mut rows = data.history.borrow().clone();
         // The first row gives way when it is that of the start, which was no equilibrium, or of an equilibrium at the same time.
         if rows.len() == 1 && (rows[0].time == 0.0 || rows[0].time == row.time) {

@@ -278,7 +278,7 @@ pub fn create(
         closed_since: RefCell::new(vec![None; simulation.closed_nodes().len()]),
         motion,
         spent: Cell::new(spent),
-        scale: Cell::new(simulation.row().total().abs()),
+        scale: Cell::new(simulation.row().energy_scale()),
         standing: Cell::new(0),
         overlaps: RefCell::default(),
         accepts_overlap: Cell::default(),

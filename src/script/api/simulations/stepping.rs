@@ -251,7 +251,7 @@ impl SimulationHandle {
     fn accept(&self, call: &Call, row: LedgerRow, from: f64, until: Option<f64>) -> Result<(), Failure> {
         let data = &self.0;
         let row = data.script_row(row);
-        data.scale.set(data.scale.get().max(row.total().abs()));
+        data.scale.set(data.scale.get().max(row.energy_scale()));
         self.tell_contacts(call.host, &row);
         let dimension = data.model.model.dimension();
         call.host.observer.advanced(&Progress { model: &data.name, from, until, row: &row, scale: data.scale.get(), dimension });
