@@ -59,8 +59,8 @@ impl ScriptWords for RunFinding {
             }
             RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
             RunFindingKind::CoarseCells => {
-                "use smaller cells, or cells of second order (`mesh.with_elements(\"quad8\")`); `sim.field(\"stress_error\", body)` \
-                 shows where"
+                "use smaller cells, or cells of second order (`mesh.with_elements(\"quad8\")`, in space `\"hex20\"` or `\"tet10\"`); \
+                 `sim.field(\"stress_error\", body)` shows where"
             }
             _ => self.hint(),
         };
