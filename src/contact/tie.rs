@@ -13,7 +13,8 @@
 //! 0`: linear constraints that hold at both ends of a step hold in its middle, where the moment is taken. Energy and both momenta are exact
 //! wherever a scheme evaluates its forces, with nothing to correct.
 //!
-//! Each secondary node has two rows. Nodes with (nearly) no overlap are not tied. For the plane: in space the offset needs a facet's frame.
+//! Each secondary node has a row for each direction. Nodes with (nearly) no overlap are not tied. This is the plane; the pairs of space,
+//! where three directions need a node within the primary body, are made in `space/tied.rs`.
 
 use super::pair::{invariants, offsets, overlaps};
 use super::patches::Evaluation;
@@ -22,9 +23,6 @@ use super::surface::Sides;
 use super::{CandidateSearch, Outlook, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SLIVER;
-
-/// Rows of a secondary node.
-const ROWS: usize = 2;
 
 /// Tied surfaces.
 #[derive(Clone, Debug)]
@@ -35,56 +33,67 @@ pub struct Tie {
     start_gap: Vec<f64>,
 }
 
-/// The constant gradient of a pair: four rows over `(x_1, x_2, y_1, y_2)`.
+/// What a pair of facets that is tied has.
 #[derive(Clone, Debug)]
-struct TiedPair {
-    nodes: [u32; 4],
-    secondary: [u32; 2],
-    gradient: [[f64; 8]; 4],
+pub(super) struct TiedPair {
+    /// Its nodes, secondary ones first.
+    pub nodes: Vec<u32>,
+    /// Indices of the secondary nodes.
+    pub secondary: Vec<u32>,
+    /// The constant gradient, a row for each secondary node and direction over the coordinates of the nodes.
+    pub gradient: Vec<f64>,
+    /// What is covered of each secondary node.
+    pub covered: Vec<f64>,
 }
 
 impl Tie {
     /// Ties what lies within `reach` `[length]` of each other in the reference positions; surfaces by their facets (node numbers of the
     /// model, the body on the left).
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], reach: f64) -> Self {
-        let mut sides = Sides::new(secondary, primary, reference);
-        let (secondary, primary, nodal) = (&sides.secondary, &sides.primary, &sides.weights);
+        let sides = Sides::new(secondary, primary, reference);
+        let (secondary, primary) = (&sides.secondary, &sides.primary);
         let mut candidates = Candidates::new(0.0);
         candidates.update(secondary, primary, reference, reach);
-        let mut pairs = Vec::new();
-        let mut covered = vec![0.0; nodal.len()];
-        for &[own, other] in candidates.pairs() {
+        let tied = |&[own, other]: &[u32; 2]| {
             let (x, y) = (secondary.facets()[own as usize], primary.facets()[other as usize]);
             let nodes = [x[0], x[1], y[0], y[1]];
-            if let Some((gradient, lengths)) = pair_gradient(nodes, reference, reach) {
-                let rows = secondary.local_facets()[own as usize];
-                for (row, length) in rows.into_iter().zip(lengths) {
-                    covered[row as usize] += length;
-                }
-                pairs.push(TiedPair { nodes, secondary: rows, gradient });
-            }
+            let (gradient, lengths) = pair_gradient(nodes, reference, reach)?;
+            let rows = secondary.local_facets()[own as usize];
+            Some(TiedPair {
+                nodes: nodes.to_vec(),
+                secondary: rows.to_vec(),
+                gradient: gradient.as_flattened().to_vec(),
+                covered: lengths.to_vec(),
+            })
+        };
+        let pairs = candidates.pairs().iter().filter_map(tied).collect();
+        Tie::of(sides, pairs)
+    }
+
+    /// Surfaces tied by these pairs.
+    pub(super) fn of(mut sides: Sides, pairs: Vec<TiedPair>) -> Self {
+        let (nodal, rows) = (&sides.weights, sides.secondary.dimension());
+        let mut covered = vec![0.0; nodal.len()];
+        for pair in &pairs {
+            pair.secondary.iter().zip(&pair.covered).for_each(|(&node, part)| covered[node as usize] += part);
         }
         let share = |node: usize| if covered[node] > SLIVER * nodal[node] { covered[node] / nodal[node] } else { 0.0 };
-        let coverage = (0..ROWS * nodal.len()).map(|row| share(row / ROWS)).collect();
-        let start_gap = vec![0.0; ROWS * nodal.len()];
-        sides.weights = (0..ROWS * nodal.len()).map(|row| nodal[row / ROWS]).collect();
+        let coverage = (0..rows * nodal.len()).map(|row| share(row / rows)).collect();
+        let start_gap = vec![0.0; rows * nodal.len()];
+        sides.weights = (0..rows * nodal.len()).map(|row| nodal[row / rows]).collect();
         Tie { sides, pairs, coverage, start_gap }
     }
 
     /// Secondary nodes (numbers in the model) that are not tied: nothing lies opposite within reach.
     pub fn untied(&self) -> Vec<u32> {
-        let nodes = self.sides.secondary.nodes().iter().enumerate();
-        nodes.filter(|(index, _)| self.coverage[ROWS * index] == 0.0).map(|(_, &node)| node).collect()
-    }
-
-    fn positions(nodes: &[u32; 4], q: &[f64]) -> [f64; 8] {
-        std::array::from_fn(|i| q[2 * nodes[i / 2] as usize + i % 2])
+        let nodes = self.sides.secondary.nodes().iter().zip(self.coverage.iter().step_by(self.rows_per_node()));
+        nodes.filter(|(_, coverage)| **coverage == 0.0).map(|(&node, _)| node).collect()
     }
 }
 
 /// Gradient of a pair's four rows and the covered length of each secondary node; `None` where nothing lies opposite within reach.
 fn pair_gradient(nodes: [u32; 4], reference: &[f64], reach: f64) -> Option<([[f64; 8]; 4], [f64; 2])> {
-    let z = Tie::positions(&nodes, reference);
+    let z: [f64; 8] = std::array::from_fn(|i| reference[2 * nodes[i / 2] as usize + i % 2]);
     let at = |node: usize| [z[2 * node], z[2 * node + 1]];
     let pi = invariants(&offsets(at(0), at(1), at(2), at(3)));
     if !overlaps(&pi) {
@@ -140,7 +149,7 @@ impl PatchFunctions for Tie {
     }
 
     fn rows_per_node(&self) -> usize {
-        ROWS
+        self.sides.secondary.dimension()
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -155,9 +164,8 @@ impl PatchFunctions for Tie {
         out.prepare(&self.sides.patches, self.sides.weights.len());
         for (p, pair) in self.pairs.iter().enumerate().take(self.sides.patches.len()) {
             out.live[p] = true;
-            let rows = pair.gradient.as_flattened();
-            out.gradient_end[self.sides.patches.gradient_range(p)].copy_from_slice(rows);
-            out.gradient_bar[self.sides.patches.gradient_range(p)].copy_from_slice(rows);
+            out.gradient_end[self.sides.patches.gradient_range(p)].copy_from_slice(&pair.gradient);
+            out.gradient_bar[self.sides.patches.gradient_range(p)].copy_from_slice(&pair.gradient);
         }
         out.gap = self.gap(q_1);
         out.coverage.copy_from_slice(&self.coverage);
@@ -165,11 +173,13 @@ impl PatchFunctions for Tie {
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
+        let (rows, mut z) = (self.rows_per_node(), Vec::<f64>::new());
         for pair in &self.pairs {
-            let z = Tie::positions(&pair.nodes, q);
-            for (k, line) in pair.gradient.iter().enumerate() {
-                let row = ROWS * pair.secondary[k / ROWS] as usize + k % ROWS;
-                gaps[row] += line.iter().zip(z).map(|(g, z)| g * z).sum::<f64>();
+            z.clear();
+            z.extend(pair.nodes.iter().flat_map(|&node| &q[rows * node as usize..rows * (node as usize + 1)]));
+            for (k, line) in pair.gradient.chunks_exact(z.len()).enumerate() {
+                let row = rows * pair.secondary[k / rows] as usize + k % rows;
+                gaps[row] += line.iter().zip(&z).map(|(g, z)| g * z).sum::<f64>();
             }
         }
         gaps
@@ -184,9 +194,10 @@ impl CandidateSearch for Tie {
     fn update_candidates(&mut self, _outlook: &Outlook) -> bool {
         let first = self.sides.patches.is_empty() && !self.pairs.is_empty();
         if first {
+            let count = self.rows_per_node() as u32;
             for pair in &self.pairs {
-                let [a, b] = pair.secondary.map(|node| ROWS as u32 * node);
-                self.sides.patches.push(&pair.nodes, &[a, a + 1, b, b + 1]);
+                let rows: Vec<u32> = pair.secondary.iter().flat_map(|&node| (0..count).map(move |i| count * node + i)).collect();
+                self.sides.patches.push(&pair.nodes, &rows);
             }
         }
         first

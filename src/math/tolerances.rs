@@ -243,6 +243,10 @@ pub const LINEAR_UNSOLVED: f64 = 1e-3;
 /// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).
 pub const DEGENERATE_CELL: f64 = 1e-12;
 
+/// Part of a tie's offset that a node within the body carries, over the weight of a node, below which it is round-off of positions and the
+/// tie joins the surfaces alone.
+pub const TIE_OFFSET: f64 = 1e-12;
+
 /// Distance of two nodes of meshes to be joined, relative to the largest coordinate, up to which they are at the same place.
 pub const SAME_PLACE: f64 = 1e-9;
 

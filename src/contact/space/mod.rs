@@ -11,6 +11,7 @@ mod rigid;
 mod round;
 mod second_order;
 mod slip;
+mod tied;
 mod vectors;
 
 pub use corners::CornersInSpace;

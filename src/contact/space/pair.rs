@@ -227,6 +227,14 @@ impl<T: Number> Pair<T> {
         covered
     }
 
+    /// Largest distance of the facets, on either side, along the normal.
+    pub fn farthest(&self) -> f64 {
+        let gaps = |polygon: &Polygon<T>| {
+            polygon.vertices[..polygon.count].iter().fold(0.0, |largest: f64, vertex| largest.max(self.gap(polygon, vertex).re().abs()))
+        };
+        self.polygons.iter().map(gaps).fold(0.0, f64::max)
+    }
+
     /// Axes of the secondary facet.
     pub fn axes(&self) -> [Vec3<T>; 3] {
         self.axes

@@ -48,18 +48,25 @@ pub struct SeenInSpace<'a> {
     pub primary: Surface,
     /// Reference positions of the nodes or points `[length]`.
     pub reference: Cow<'a, [f64]>,
+    /// A node within the body behind each primary facet, where they were asked for.
+    pub inner: Vec<u32>,
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
 impl<'a> SeenInSpace<'a> {
     /// Two surfaces given by the nodes of their faces: three, four, six, eight or nine.
     pub fn new(sides: [&[Vec<u32>]; 2], reference: &'a [f64]) -> Self {
+        Self::with_inner(sides, &[], reference)
+    }
+
+    /// The same with a node within the body behind each primary face.
+    pub fn with_inner(sides: [&[Vec<u32>]; 2], inner: &[u32], reference: &'a [f64]) -> Self {
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
-            return SeenInSpace { secondary, primary, reference: reference.into(), on_faces: None };
+            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), on_faces: None };
         }
-        let mut proxies = Proxies::new(sides, reference);
+        let mut proxies = Proxies::new(sides, inner, reference);
         for _ in 0..ROUNDS {
             proxies.adjust(reference);
         }
@@ -67,7 +74,10 @@ impl<'a> SeenInSpace<'a> {
         let [secondary, primary] = sides.map(|faces| of(&faces.iter().flat_map(|face| proxies.pieces(face)).collect::<Vec<_>>()));
         let [own, other] = sides.map(|faces| of(&faces.iter().flat_map(|face| pieces_of(face)).collect::<Vec<_>>()));
         let seen = points.points(3, reference);
-        SeenInSpace { secondary, primary, reference: seen.into(), on_faces: Some((points, homes, Sides::of(own, other, reference))) }
+        let behind = |(face, node): (&Vec<u32>, &u32)| vec![proxies.point_of[node]; proxies.pieces(face).len()];
+        let inner = sides[1].iter().zip(inner).flat_map(behind).collect();
+        let on_faces = Some((points, homes, Sides::of(own, other, reference)));
+        SeenInSpace { secondary, primary, reference: seen.into(), inner, on_faces }
     }
 
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
@@ -166,7 +176,8 @@ fn corners(face: &[u32]) -> usize {
 }
 
 impl Proxies {
-    fn new(sides: [&[Vec<u32>]; 2], q: &[f64]) -> Self {
+    /// The points of faces, and those of other nodes beside them.
+    fn new(sides: [&[Vec<u32>]; 2], others: &[u32], q: &[f64]) -> Self {
         let faces: BTreeSet<Vec<u32>> = sides.into_iter().flatten().cloned().collect();
         let mut made = Proxies {
             edges: Vec::new(),
@@ -200,7 +211,7 @@ impl Proxies {
             edges.iter().filter(|_| share > 0.0).map(|&edge| (edge, share * made.edges[edge].by)).collect()
         };
         let scaled = |corner: u32, by: f64| raising(corner).into_iter().map(move |(edge, share)| (edge, by * share));
-        let nodes: BTreeSet<u32> = made.faces.iter().flatten().copied().collect();
+        let nodes: BTreeSet<u32> = made.faces.iter().flatten().chain(others).copied().collect();
         let centers: BTreeMap<u32, &Vec<u32>> = made.faces.iter().filter(|face| face.len() == 9).map(|face| (face[8], face)).collect();
         let central = |face: &[u32]| {
             let edges: Vec<usize> = face[4..8].iter().map(|middle| made.edge_of[middle]).collect();

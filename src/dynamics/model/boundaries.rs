@@ -1,8 +1,11 @@
 //! Boundaries in the node numbers of the model.
 
+use nalgebra::Vector3;
+
 use super::definitions::Model;
 use super::interactions::BodyBoundary;
-use crate::contact::{ProxyNodes, Surface};
+use crate::contact::{ProxyNodes, SeenInSpace, Surface, Tie};
+use crate::mesh::Facet;
 
 /// Facets of a boundary in the plane, whose body's nodes are numbered from `first_node`; a quadratic edge is two of them.
 pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
@@ -15,6 +18,19 @@ pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> V
 pub fn boundary_faces(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<Vec<u32>> {
     let mesh = &model.bodies[on.body].mesh;
     on.boundary.facets.iter().map(|&facet| mesh.facet_nodes(facet).map(|node| node + first_node as u32).collect()).collect()
+}
+
+/// A node within the body behind each facet of a boundary in space, in their order: that of its cell which lies deepest below the facet.
+pub fn inner_nodes(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<u32> {
+    let mesh = &model.bodies[on.body].mesh;
+    let deepest = |&facet: &Facet| {
+        let corners: Vec<Vector3<f64>> = mesh.facet_nodes(facet).take(3).map(|node| mesh.points[node as usize].into()).collect();
+        let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+        let height = |node: u32| (Vector3::from(mesh.points[node as usize]) - corners[0]).dot(&normal);
+        let nodes = mesh.cell(facet.cell as usize).iter().copied();
+        nodes.min_by(|&a, &b| height(a).total_cmp(&height(b))).map_or(0, |node| node + first_node as u32)
+    };
+    on.boundary.facets.iter().map(deepest).collect()
 }
 
 /// The middle nodes of edges of second order on the hulls of plane bodies, whose nodes are numbered from where `first` says.
@@ -38,6 +54,23 @@ pub fn facets_of_all<F: Clone + Ord>(boundaries: &[BodyBoundary], facets: impl F
 }
 
 /// Distance within which a tie holds when none is given: half of the shortest secondary facet.
-pub fn tie_reach(secondary: &[[u32; 2]], reference: &[f64]) -> f64 {
-    0.5 * Surface::new(secondary).shortest_facet(reference)
+pub fn tie_reach(secondary: &Surface, reference: &[f64]) -> f64 {
+    0.5 * secondary.shortest_facet(reference)
+}
+
+/// Two boundaries in space that are tied, on the points of [`SeenInSpace`], and the reach. Bodies' nodes are numbered from where `first`
+/// says.
+pub fn tied_in_space<'a>(
+    model: &Model,
+    [secondary, to]: [&BodyBoundary; 2],
+    reach: Option<f64>,
+    first: impl Fn(usize) -> usize,
+    reference: &'a [f64],
+) -> (SeenInSpace<'a>, Tie, f64) {
+    let faces = [secondary, to].map(|on| boundary_faces(model, on, first(on.body)));
+    let inner = inner_nodes(model, to, first(to.body));
+    let seen = SeenInSpace::with_inner(faces.each_ref().map(|faces| &faces[..]), &inner, reference);
+    let reach = reach.unwrap_or_else(|| tie_reach(&seen.secondary, &seen.reference));
+    let tie = Tie::in_space(seen.secondary.clone(), seen.primary.clone(), &seen.inner, &seen.reference, reach);
+    (seen, tie, reach)
 }

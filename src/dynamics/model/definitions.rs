@@ -112,7 +112,7 @@ impl Model {
     fn check_in_space(&self, interaction: &Interaction) -> Result<(), ModelError> {
         let kind = self.bodies.get(interaction.secondary.body).map(|body| body.mesh.kind);
         let lacking = match &interaction.partner {
-            Partner::Tied { .. } => Some("a tie".to_string()),
+            Partner::Tied { .. } => None,
             // The middles of its faces have no nodes, and with them no tangents of their own.
             _ if interaction.friction.is_some() && kind == Some(CellKind::Hex20) => Some("friction on a secondary side of `hex20`".into()),
             Partner::Obstacle { .. } => None,

@@ -2,24 +2,25 @@
 //!
 //! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
 
-use super::boundaries::{boundary_facets, facets_of_all, tie_reach};
+use super::boundaries::{boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
-use crate::contact::{Finding, NamedSurface, Surface, Tie, check_surfaces, interlocking};
+use crate::contact::{Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, interlocking};
 
 impl Model {
-    /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; empty for a
-    /// model of bodies in space.
+    /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; of bodies in
+    /// space about ties alone.
     pub fn findings(&self) -> Vec<(String, Finding)> {
-        if self.dimension() != 2 {
-            return Vec::new();
-        }
+        let dimension = self.dimension();
         let mut first = Vec::with_capacity(self.bodies.len());
         let mut reference: Vec<f64> = Vec::new();
         for body in &self.bodies {
-            first.push(reference.len() / 2);
-            reference.extend(body.mesh.points.iter().flat_map(|point| [point[0], point[1]]));
+            first.push(reference.len() / dimension);
+            reference.extend(body.mesh.points.iter().flat_map(|point| &point[..dimension]));
+        }
+        if dimension != 2 {
+            return self.untied_in_space(&first, &reference);
         }
         let facets = |on: &BodyBoundary| boundary_facets(self, on, first[on.body]);
         let check = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
@@ -57,13 +58,9 @@ impl Model {
             }
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
-            let reach = reach.unwrap_or_else(|| tie_reach(&secondary, &reference));
+            let reach = reach.unwrap_or_else(|| tie_reach(&Surface::new(&secondary), &reference));
             let tied = Tie::new(&secondary, &facets(to), &reference, reach);
-            let nodes = tied.untied().len();
-            if nodes > 0 {
-                let of = Surface::new(&secondary).nodes().len();
-                add(name, vec![Finding::Untied { tie: name.clone(), nodes, of, reach }]);
-            }
+            add(name, untied(name, &tied, reach));
         }
         // A boundary in several contacts is reported once.
         let mut unique: Vec<(String, Finding)> = Vec::new();
@@ -74,6 +71,22 @@ impl Model {
         }
         unique
     }
+
+    /// Ties in space that leave nodes out.
+    fn untied_in_space(&self, first: &[usize], reference: &[f64]) -> Vec<(String, Finding)> {
+        let of = |Interaction { name, secondary, partner, .. }: &Interaction| {
+            let Partner::Tied { to, reach } = partner else { return Vec::new() };
+            let (_, tied, reach) = tied_in_space(self, [secondary, to], *reach, |body| first[body], reference);
+            untied(name, &tied, reach).into_iter().map(|finding| (name.clone(), finding)).collect()
+        };
+        self.interactions.iter().flat_map(of).collect()
+    }
+}
+
+/// What a tie leaves out, if anything.
+fn untied(name: &str, tied: &Tie, reach: f64) -> Vec<Finding> {
+    let (nodes, of) = (tied.untied().len(), tied.sides().secondary.nodes().len());
+    if nodes == 0 { Vec::new() } else { vec![Finding::Untied { tie: name.into(), nodes, of, reach }] }
 }
 
 #[cfg(test)]

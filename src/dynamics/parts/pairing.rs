@@ -4,9 +4,9 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
     ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners, RigidInSpace,
-    RoundInSpace, RowsOf, SeenInSpace, Tie,
+    RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
 };
-use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach};
+use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use crate::dynamics::model::update_rules::UpdateRule;
@@ -24,7 +24,8 @@ pub fn contact_pairs(
 ) -> Vec<ContactPair> {
     let facets = |on: &BodyBoundary| boundary_facets(model, on, first(on.body));
     let faces = |on: &BodyBoundary| boundary_faces(model, on, first(on.body));
-    let made = Pairing { model, facets: &facets, faces: &faces, middles, reference, reach: largest_size(reference), default_rule };
+    let made =
+        Pairing { model, first: &first, facets: &facets, faces: &faces, middles, reference, reach: largest_size(reference), default_rule };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     pairs.extend(corners);
@@ -47,6 +48,8 @@ const SLACK_IN_SPACE: f64 = 0.05;
 /// What pairs are made from.
 struct Pairing<'a> {
     model: &'a Model,
+    /// First node of each body.
+    first: &'a dyn Fn(usize) -> usize,
     /// Facets of a boundary in the numbering of the model.
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
     /// The same in space.
@@ -100,6 +103,10 @@ impl Pairing<'_> {
             }
             return pair;
         }
+        if let (3, Partner::Tied { to, reach }) = (self.model.dimension(), partner) {
+            let (seen, tie, _) = tied_in_space(self.model, [secondary, to], *reach, self.first, self.reference);
+            return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie), true));
+        }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
             let seen = self.in_space(interaction);
             let kernel = kernel(seen.secondary.clone(), seen.primary.clone(), &seen.reference);
@@ -132,7 +139,7 @@ impl Pairing<'_> {
                 pair
             }
             Partner::Tied { to, reach } => {
-                let reach = reach.unwrap_or_else(|| tie_reach(&facets, self.reference));
+                let reach = reach.unwrap_or_else(|| tie_reach(&Surface::new(&facets), self.reference));
                 let others = (self.facets)(to);
                 let seen = self.middles.seen([&facets, &others], self.reference, RowsOf::Facets);
                 let tie = Tie::new(&seen.secondary, &seen.primary, &seen.reference, reach);
