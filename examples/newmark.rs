@@ -7,7 +7,7 @@ use std::error::Error;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use conserva::dynamics::{Model, Options, Simulation, SpringDefinition};
+use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringLaw};
 use conserva::integrators::{Affine, Derivative, History, Promises, Scheme};
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
@@ -51,7 +51,8 @@ pub fn oscillator() -> Result<Model, Box<dyn Error>> {
     }
     // From the right end of the wall's lower edge to the left end of the block's.
     let ends = [(0, 1), (1, 0)];
-    model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, stiffness: STIFFNESS, rest_length: Some(2.0 - AMPLITUDE) }));
+    let (ends, law) = (ends.map(End::from), SpringLaw::linear(STIFFNESS));
+    model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, law, rest_length: Some(2.0 - AMPLITUDE) }));
     Ok(model)
 }
 

@@ -15,6 +15,10 @@ pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Re
 pub use model::prescription::{PrescribedMotion, Prescription, Turn};
 pub use model::remedy::{Ease, Remedy};
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY, default_rule};
+pub use parts::chamber::{ChamberDefinition, Gas};
+pub use parts::damper::DamperDefinition;
+pub use parts::force_laws::{Elastic, Sides, SpringLaw, Viscous};
+pub use parts::line::End;
 pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
 pub use run::energy_account::EnergyAccount;
@@ -23,7 +27,7 @@ pub use run::fields::{
     pressure, von_mises,
 };
 pub use run::halvings::Halving;
-pub use run::ledger::{ContactTotals, LedgerRow, ProbeValues, Reaction};
+pub use run::ledger::{ContactTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 pub use run::options::{Options, SettleReport, Statistics};
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use run::run_findings::{RunFinding, RunFindingKind};

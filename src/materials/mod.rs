@@ -33,7 +33,7 @@ mod volume;
 mod yeoh;
 
 pub use batched::{BatchedLaw, Components, IncrementResponse, Response};
-pub use energy::{EnergyError, EnergyText, StoredEnergy, functions_of_energies, quantities_of_energies};
+pub use energy::{EnergyError, EnergyText, Jet, ScalarText, StoredEnergy, functions_of_energies, quantities_of_energies};
 pub use fit::{Fit, FitError, Measured, fit, incompressible_stress};
 pub use homogeneous::{Homogeneous, Piece, path};
 pub use law::{Increment, Law};

@@ -73,6 +73,10 @@ pub const INVARIANT_INCREMENT: f64 = 1e-5;
 /// dropped: its numerator is round-off (1e-16) there, which would give a force of 1e-9 of the contact force, as much as Newton notices.
 pub const PROJECTED_INCREMENT: f64 = 1e-7;
 
+/// Change of a gas's volume in a step, relative to it, above which the slope of its mean pressure is a quotient with relative round-off
+/// 1e-16/1e-5; below it is that in the middle, which is wrong by the square of the change.
+pub const VOLUME_CHANGE: f64 = 1e-5;
+
 /// Round-off of differences of positions, relative to these: where surfaces stick to each other, invariants hardly change, and what their
 /// round-off makes of a function is no remainder.
 pub const POSITION: f64 = 4e-16;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use conserva::dynamics::{PERSISTENCY, PointMassDefinition, SpringDefinition, VELOCITY};
+use conserva::dynamics::{End, PERSISTENCY, PointMassDefinition, SpringDefinition, SpringLaw, VELOCITY};
 use conserva::integrators::{CATALOGUE, ENERGY_MOMENTUM};
 use conserva::mesh::rectangle;
 
@@ -42,7 +42,8 @@ fn masses_swing_with_their_period() {
     for node in ends {
         builder.model.parts.push(Arc::new(PointMassDefinition { name: format!("mass {}", node.0), node, mass: 0.999 }));
     }
-    builder.model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, stiffness, rest_length: Some(1.8) }));
+    let (ends, law) = (ends.map(End::from), SpringLaw::linear(stiffness));
+    builder.model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, law, rest_length: Some(1.8) }));
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, dt);
     let turn = 2.0 * (0.5 * (2.0 * stiffness).sqrt() * dt).atan();
     for row in &run(&mut sim, 2.0)[1..] {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use conserva::dynamics::SpringDefinition;
+use conserva::dynamics::{End, SpringDefinition, SpringLaw};
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::mesh::{Mesh, block, rectangle};
 
@@ -19,7 +19,12 @@ fn joined(meshes: [Mesh; 2], modulus: f64, rest_length: Option<f64>) -> Builder 
         let node = mesh.points.iter().position(is_end).expect("a node is there");
         (builder.body(name, mesh, &steel), node as u32)
     });
-    builder.model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, stiffness: STIFFNESS, rest_length }));
+    builder.model.parts.push(Arc::new(SpringDefinition {
+        name: "spring".into(),
+        ends: ends.map(End::from),
+        law: SpringLaw::linear(STIFFNESS),
+        rest_length,
+    }));
     builder
 }
 

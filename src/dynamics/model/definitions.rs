@@ -181,7 +181,8 @@ impl Model {
             self.interactions.iter().filter(|one| matches!(one.partner, Partner::Obstacle { .. })).map(|one| one.secondary.body);
         let touching = self.interactions.iter().map(|one| std::iter::once(&one.secondary).chain(one.primary()).map(|on| on.body).collect());
         let joined: Vec<Vec<usize>> = touching.chain(self.parts.iter().map(|part| part.bodies())).collect();
-        let mut kept: BTreeSet<usize> = held.chain(on_obstacles).collect();
+        let grounded = self.parts.iter().filter(|part| part.is_grounded()).flat_map(|part| part.bodies());
+        let mut kept: BTreeSet<usize> = held.chain(on_obstacles).chain(grounded).collect();
         while let Some(group) = joined.iter().find(|group| {
             let count = group.iter().filter(|body| kept.contains(body)).count();
             count > 0 && group.iter().any(|body| !kept.contains(body))

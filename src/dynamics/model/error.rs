@@ -112,6 +112,22 @@ pub enum ModelError {
         /// Name of the spring.
         spring: String,
     },
+    /// A chamber whose surface has a rim.
+    #[error("the surface of chamber \"{chamber}\" is open at ({}, {}, {})", three_digits(place[0]), three_digits(place[1]), three_digits(place[2]))]
+    OpenChamber {
+        /// Name of the chamber.
+        chamber: String,
+        /// A point of the rim.
+        place: [f64; 3],
+    },
+    /// A chamber that encloses nothing.
+    #[error("chamber \"{chamber}\" encloses the volume {}", three_digits(*volume))]
+    ChamberOfNoVolume {
+        /// Name of the chamber.
+        chamber: String,
+        /// Its volume.
+        volume: f64,
+    },
     /// A mass that is negative or no number.
     #[error("the mass of \"{part}\" is {mass}")]
     NoMass {
@@ -214,6 +230,10 @@ impl ModelError {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
+            ModelError::OpenChamber { .. } => {
+                "name all boundaries around the gas, or where symmetry closes it a point in the planes of all its rims".into()
+            }
+            ModelError::ChamberOfNoVolume { .. } => "name the boundaries that face the gas: it is outside their bodies".into(),
             ModelError::NoMass { .. } => "give a mass of 0 or more".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::Formulation { source, .. } => source.hint(),

@@ -93,6 +93,16 @@ pub trait Part: Send {
     /// What it stores where the nodes are, remembering `memory` `[energy]`; 0 for what pushes from outside.
     fn energy(&self, at: Pose, memory: &[f64]) -> f64;
 
+    /// Whether its forces come from outside the model, such as from the ground: then they change the momenta.
+    fn is_outside(&self) -> bool {
+        false
+    }
+
+    /// What the history tells of it where the nodes are and move so, by the names of [`PartDefinition::readings`].
+    fn readings(&self, _at: Pose, _velocity: &[f64], _memory: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Masses of its own at nodes, which move and weigh as those of bodies do: node and mass `[mass]`, per thickness in the plane and of
     /// the whole circumference around an axis.
     fn point_masses(&self) -> Vec<(u32, f64)> {
@@ -147,6 +157,21 @@ pub trait PartDefinition: Send + Sync {
 
     /// The bodies that it joins.
     fn bodies(&self) -> Vec<usize>;
+
+    /// Names of what the history tells of it: columns `name.reading`.
+    fn readings(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether it turns energy into heat, which the history then tells as a column `name.dissipation`.
+    fn dissipates(&self) -> bool {
+        false
+    }
+
+    /// Whether it joins its bodies to something that stays where it is.
+    fn is_grounded(&self) -> bool {
+        false
+    }
 
     /// Checks what can be said without computing, nothing by itself; the argument is where a node of a body is at rest.
     ///

@@ -3,9 +3,13 @@
 //! A [`Part`](super::model::part::Part) pushes on nodes; a [`ContactPair`](contact_pair::ContactPair) constrains them.
 
 pub mod body;
+pub mod chamber;
 pub mod contact_pair;
+pub mod damper;
+pub mod force_laws;
 pub mod friction_rows;
 pub mod laws;
+pub mod line;
 pub mod loads;
 pub mod nodal;
 pub mod nodes;

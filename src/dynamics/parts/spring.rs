@@ -1,30 +1,34 @@
-//! A linear spring between two nodes.
+//! A spring between two ends: nodes, means of boundaries, points of the ground.
 //!
-//! `V = k/2 (l - L)^2` of the distance `l = |r|`, `r = x_b - x_a`. It is a function of the quadratic invariant `pi = r.r`, so its discrete
-//! gradient is the quotient `g = (V_1 - V_0) / (pi_1 - pi_0)`, in which nothing cancels:
+//! `V(x)` of the elongation `x = l - L`, with the distance `l = |r|`, `r = x_b - x_a`. It is a function of the quadratic invariant
+//! `pi = r.r`, so its discrete gradient is the quotient `g = (V_1 - V_0) / (pi_1 - pi_0) = F / (l_0 + l_1)`, with the mean force `F` over
+//! the step ([`super::force_laws`]). Of a linear spring, `V = k/2 x^2`,
 //!
 //! ```text
 //! g = k/2 (1 - 2 L / (l_0 + l_1)),    f = 2 g r_mid,    df/dr_1 = g I + 4 T r_mid r_1^T,    T = k L / (2 l_1 (l_0 + l_1)^2)
 //! ```
 //!
-//! It does exactly the work by which `V` changes, pulls both nodes with opposite forces along the line of `r_mid`, and keeps both momenta.
+//! It does exactly the work by which `V` changes, pulls both ends with opposite forces along the line of `r_mid`, and keeps both momenta,
+//! but for an end on the ground.
 
 use std::sync::Arc;
 
+use super::force_laws::SpringLaw;
+use super::line::{End, Line, bodies_of, is_grounded};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
 use crate::integrators::{Configuration, Derivative};
-use crate::linear::{Block, Pattern};
+use crate::linear::Pattern;
 
-/// A spring between two nodes of a model.
+/// A spring between two ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpringDefinition {
     /// Name, unique among the parts.
     pub name: String,
-    /// Its ends: body and node of the body's mesh.
-    pub ends: [(usize, u32); 2],
-    /// Stiffness `k` `[force/length]` (per thickness in the plane).
-    pub stiffness: f64,
+    /// Its ends.
+    pub ends: [End; 2],
+    /// What it stores (per thickness in the plane).
+    pub law: SpringLaw,
     /// Length `L` at which it does not pull `[length]`; `None`: its length in the undeformed bodies.
     pub rest_length: Option<f64>,
 }
@@ -35,122 +39,160 @@ impl PartDefinition for SpringDefinition {
     }
 
     fn bodies(&self) -> Vec<usize> {
-        self.ends.map(|(body, _)| body).to_vec()
+        bodies_of(&self.ends)
+    }
+
+    fn is_grounded(&self) -> bool {
+        is_grounded(&self.ends)
+    }
+
+    fn readings(&self) -> &'static [&'static str] {
+        &["length", "force", "energy"]
     }
 
     fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
-        let [a, b] = self.ends.map(|(body, node)| point(body, node));
+        let [a, b] = [0, 1].map(|k| self.ends[k].place(point));
         if a == b { Err(ModelError::SpringOfNoLength { spring: self.name.clone() }) } else { Ok(()) }
     }
 
     fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
-        let nodes = self.ends.map(|(body, node)| numbering.first[body] as u32 + node);
-        let mut spring =
-            Spring { dimension: numbering.dimension, nodes, stiffness: self.stiffness, rest_length: 0.0, places: Default::default() };
-        spring.rest_length = self.rest_length.unwrap_or_else(|| spring.vector(numbering.reference).1);
-        Box::new(spring)
+        let line = Line::new(&self.ends, numbering);
+        let rest_length = self.rest_length.unwrap_or_else(|| line.vector(numbering.reference).1);
+        Box::new(Spring { line, law: self.law.clone(), rest_length, is_outside: self.is_grounded() })
     }
 
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
         let [mass, length, time] = change.units;
+        let thickness = if change.is_plane { length } else { 1.0 };
+        let (stiffness, force) = (mass / (time * time) / thickness, mass * length / (time * time) / thickness);
         Arc::new(SpringDefinition {
-            stiffness: self.stiffness * mass / (time * time) / if change.is_plane { length } else { 1.0 },
+            name: self.name.clone(),
+            ends: [0, 1].map(|k| self.ends[k].changed(change)),
+            law: self.law.changed([length, force, stiffness]),
             rest_length: self.rest_length.map(|rest| length * rest),
-            ..self.clone()
         })
     }
 
     fn describe(&self) -> String {
         let rest = self.rest_length.map_or("its length at the start".into(), |length| format!("{length}"));
-        format!("spring \"{}\": stiffness {}, at rest at {rest}", self.name, self.stiffness)
+        format!("spring \"{}\": {}, at rest at {rest}", self.name, self.law.describe())
     }
 }
 
 /// A spring in the numbering of the model.
 struct Spring {
-    dimension: usize,
-    nodes: [u32; 2],
-    stiffness: f64,
+    line: Line,
+    law: SpringLaw,
     rest_length: f64,
-    /// Blocks of the nodes, row by row.
-    places: [Block; 4],
+    is_outside: bool,
+}
+
+/// A force `pull r_test`, and its derivative `isotropic I + along r_test r_trial^T` with respect to `r_1`.
+struct Pull {
+    pull: f64,
+    isotropic: f64,
+    along: f64,
+    test: [f64; 3],
+    trial: [f64; 3],
 }
 
 impl Spring {
-    /// `r` and its length; in the plane the third component is zero.
-    fn vector(&self, q: &[f64]) -> ([f64; 3], f64) {
-        let [a, b] = self.nodes.map(|node| node as usize * self.dimension);
-        let mut r = [0.0; 3];
-        (0..self.dimension).for_each(|i| r[i] = q[b + i] - q[a + i]);
-        (r, r[0].hypot(r[1]).hypot(r[2]))
-    }
-
-    /// `1 - L/l`, where two nodes have come together as in a spring without a length at rest.
+    /// `1 - L/l`, where two ends have come together as in a spring without a length at rest.
     fn stretch(&self, length: f64) -> f64 {
         if length > 0.0 { 1.0 - self.rest_length / length } else { 1.0 }
     }
-}
 
-impl Part for Spring {
-    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
-        visit(&self.nodes);
-    }
-
-    fn place(&mut self, pattern: &Pattern) {
-        self.places = std::array::from_fn(|k| pattern.block(self.nodes[k / 2], self.nodes[k % 2]));
-    }
-
-    fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
-        let ((r_0, l_0), (r_1, l_1)) = (self.vector(at.q_0), self.vector(at.q_1));
+    /// Of a spring with that stiffness.
+    fn linear(&self, k: f64, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
-        let k = self.stiffness;
-        // f = force r_test, df/dr_1 = isotropic I + along r_test r_trial^T
-        let (force, isotropic, along, r_test, r_trial) = match at.derivative {
+        match derivative {
             Derivative::DiscreteGradient => {
                 let (sum, g) = (l_0 + l_1, 0.5 * k * self.stretch(0.5 * (l_0 + l_1)));
                 let slope = if l_1 > 0.0 { 0.5 * k * self.rest_length / (l_1 * sum * sum) } else { 0.0 };
-                (2.0 * g, g, 4.0 * slope, middle, r_1)
+                Pull { pull: 2.0 * g, isotropic: g, along: 4.0 * slope, test: middle, trial: r_1 }
             }
             Derivative::Gradient(configuration) => {
                 let r = if configuration == Configuration::Middle { middle } else { r_1 };
                 let l = r[0].hypot(r[1]).hypot(r[2]);
                 let (pull, share) = (k * self.stretch(l), configuration.share());
-                (pull, share * pull, if l > 0.0 { share * k * self.rest_length / l.powi(3) } else { 0.0 }, r, r)
+                let along = if l > 0.0 { share * k * self.rest_length / l.powi(3) } else { 0.0 };
+                Pull { pull, isotropic: share * pull, along, test: r, trial: r }
+            }
+        }
+    }
+
+    /// Of any spring: where its ends have come together it has no direction.
+    fn general(&self, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
+        let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
+        let (share, test, trial, length, (force, slope)) = match derivative {
+            Derivative::DiscreteGradient => {
+                // F / ((l_0 + l_1)/2) r_mid, whose distance depends on l_1 by a half.
+                let mean = self.law.mean(l_0 - self.rest_length, l_1 - self.rest_length);
+                (0.5, middle, r_1, 0.5 * (l_0 + l_1), (mean.0, 2.0 * mean.1))
+            }
+            Derivative::Gradient(configuration) => {
+                let r = if configuration == Configuration::Middle { middle } else { r_1 };
+                let l = r[0].hypot(r[1]).hypot(r[2]);
+                (configuration.share(), r, r, l, self.law.force(l - self.rest_length))
             }
         };
-        let [a, b] = self.nodes.map(|node| node as usize * self.dimension);
-        for i in 0..self.dimension {
-            let f = at.weight * force * r_test[i];
-            sums.internal[a + i] -= f;
-            sums.internal[b + i] += f;
+        let along_by = if derivative == Derivative::DiscreteGradient { l_1 } else { length };
+        if length == 0.0 || along_by == 0.0 {
+            return Pull { pull: slope, isotropic: share * slope, along: 0.0, test, trial };
         }
-        let Some(values) = sums.tangent.as_deref_mut() else { return Ok(()) };
-        for (block, sign) in self.places.iter().zip([1.0, -1.0, -1.0, 1.0]) {
-            for i in 0..self.dimension {
-                for j in 0..self.dimension {
-                    let slope = along * r_test[i] * r_trial[j] + if i == j { isotropic } else { 0.0 };
-                    values[block.at(i, j)] += sign * at.weight * slope;
-                }
-            }
-        }
+        let pull = force / length;
+        Pull { pull, isotropic: share * pull, along: share * (slope - pull) / (length * along_by), test, trial }
+    }
+}
+
+impl Part for Spring {
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(&self.line.nodes());
+    }
+
+    fn place(&mut self, pattern: &Pattern) {
+        self.line.place(pattern);
+    }
+
+    fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
+        let vectors = [at.q_0, at.q_1].map(|q| self.line.vector(q));
+        let Pull { pull, isotropic, along, test, trial } = match self.law.constant_stiffness() {
+            Some(stiffness) => self.linear(stiffness, at.derivative, vectors),
+            None => self.general(at.derivative, vectors),
+        };
+        let slope = |i: usize, j: usize| along * test[i] * trial[j] + if i == j { isotropic } else { 0.0 };
+        let force = test.map(|r| pull * r);
+        self.line.add(at.weight, force, slope, sums);
         Ok(())
     }
 
     fn energy(&self, at: Pose, _memory: &[f64]) -> f64 {
-        0.5 * self.stiffness * (self.vector(at.q).1 - self.rest_length).powi(2)
+        self.law.energy(self.line.vector(at.q).1 - self.rest_length)
+    }
+
+    fn is_outside(&self) -> bool {
+        self.is_outside
+    }
+
+    fn readings(&self, at: Pose, _velocity: &[f64], memory: &[f64]) -> Vec<f64> {
+        let length = self.line.vector(at.q).1;
+        vec![length, self.law.force(length - self.rest_length).0, self.energy(at, memory)]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamics::parts::force_laws::{Elastic, Sides};
     use crate::linear::Vertex;
     use crate::math::workers::Workers;
 
-    /// Force and tangent (row by row of both nodes) of a spring of stiffness 3 and rest length 0.7 in a step.
-    fn linearized(dimension: usize, derivative: Derivative, q_0: &[f64], q_1: &[f64]) -> (Vec<f64>, Vec<f64>, Spring) {
+    /// Force and tangent (row by row of both nodes) of a spring of rest length 0.7 in a step.
+    fn linearized(law: &SpringLaw, dimension: usize, derivative: Derivative, q_0: &[f64], q_1: &[f64]) -> (Vec<f64>, Vec<f64>, Spring) {
         let pattern = Pattern::new(&[Vertex::coordinates(dimension as u8); 2], [&[0u32, 1][..]].into_iter());
-        let mut spring = Spring { dimension, nodes: [0, 1], stiffness: 3.0, rest_length: 0.7, places: Default::default() };
+        let numbering = Numbering { dimension, first: &[0], reference: q_0 };
+        let line = Line::new(&[End::Node(0, 0), End::Node(0, 1)], &numbering);
+        let mut spring = Spring { line, law: law.clone(), rest_length: 0.7, is_outside: false };
         spring.place(&pattern);
         let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);
         let (u_0, u_1, inertia) = (q_0, q_1, &[][..]);
@@ -170,13 +212,19 @@ mod tests {
 
     #[test]
     fn a_discrete_gradient_does_the_work_of_the_potential_and_every_tangent_is_its_derivative() {
+        let table = Elastic::Table(Arc::new(vec![(-0.5, -2.0), (0.2, 0.1), (0.5, 3.0), (0.6, 4.0)]));
+        let laws = [SpringLaw::linear(3.0), SpringLaw { elastic: table, sides: Sides::Tension }];
+        laws.iter().for_each(check_law);
+    }
+
+    fn check_law(law: &SpringLaw) {
         let q_0 = [0.1, -0.2, 0.3, 1.0, 0.4, -0.5];
         for dimension in [2, 3] {
             for size in [1e-9, 1e-3, 0.4] {
                 let q_0 = &q_0[..2 * dimension];
                 let q_1: Vec<f64> = q_0.iter().enumerate().map(|(k, q)| q + size * (1.7 * k as f64).sin()).collect();
                 for derivative in Derivative::ALL {
-                    let (force, tangent, spring) = linearized(dimension, derivative, q_0, &q_1);
+                    let (force, tangent, spring) = linearized(law, dimension, derivative, q_0, &q_1);
                     let work: f64 = force.iter().zip(q_1.iter().zip(q_0)).map(|(f, (b, a))| f * (b - a)).sum();
                     let gained = spring.energy(Pose { q: &q_1, u: &q_1 }, &[]) - spring.energy(Pose { q: q_0, u: q_0 }, &[]);
                     assert!(derivative != Derivative::DiscreteGradient || (work - gained).abs() < 1e-15, "{work} {gained}");
@@ -185,7 +233,7 @@ mod tests {
                         let moved = |h: f64| {
                             let mut q = q_1.clone();
                             q[column] += h;
-                            linearized(dimension, derivative, q_0, &q).0
+                            linearized(law, dimension, derivative, q_0, &q).0
                         };
                         let (up, down) = (moved(1e-6), moved(-1e-6));
                         for row in 0..count {

@@ -16,14 +16,14 @@ use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
 use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::scheme_memory::SchemeMemory;
-use crate::dynamics::step::start::{Motion, StepStart};
+use crate::dynamics::step::start::{Motion, StepKind, StepStart};
 use crate::integrators::History;
 
 /// What pushed from outside in a step.
 struct Outside {
     /// Loads.
     load: Vec<f64>,
-    /// Rigid obstacles, and the work that they do where they move.
+    /// Rigid obstacles and the ground, and the work that they do where they move.
     obstacles: Vec<f64>,
     obstacle_work: f64,
     /// Work of supports that move, and the angular momentum that they give besides that of their reactions.
@@ -96,8 +96,10 @@ where
             ..LedgerRow::default()
         };
         let others = !system.others.is_empty();
-        let (memory, dissipation) = if others { system.memory_after(start, &at) } else { (self.state.memory.clone(), 0.0) };
-        row.dissipation = dissipation;
+        let (memory, dissipated) = if others { system.memory_after(start, &at) } else { (self.state.memory.clone(), Vec::new()) };
+        row.dissipation = dissipated.iter().sum::<f64>() + 0.0;
+        row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
+        row.damping = row.parts.iter().map(|part| part.dissipated).sum::<f64>() + 0.0;
         row.potential = system.nodes.potential_energy(&at.q_1)
             + system.penalty_energy(&penalty_gap)
             + system.stored_energy(at.pose(), &memory)
@@ -199,6 +201,7 @@ where
             load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += before * n);
         }
         let (mut obstacles, mut obstacle_work) = (vec![0.0; unknowns], 0.0);
+        self.ground_into(start, motion, at, &mut obstacles, &mut load)?;
         for pair in &system.pairs {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
             let (lambda_n, lambda) = (shares(&self.state.lambda, before), shares(lambda, scheme.weight));
@@ -218,6 +221,31 @@ where
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
         Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment })
+    }
+
+    /// Adds what the ground and others outside exert through parts, and the loads of parts at the start; those of the step are there.
+    fn ground_into(
+        &self,
+        start: &StepStart,
+        motion: &Motion,
+        at: &Linearization,
+        ground: &mut [f64],
+        load: &mut [f64],
+    ) -> Result<(), StepError> {
+        let (system, scheme) = (&self.system, motion.scheme);
+        let add = |sum: &mut [f64], share: f64, forces: &[f64]| sum.iter_mut().zip(forces).for_each(|(sum, force)| *sum += share * force);
+        let Some([internal, _]) = system.outside_of(start, [&at.q_1, &at.u_1, &at.moved])? else { return Ok(()) };
+        add(ground, -scheme.weight, &internal);
+        if scheme.remembers(History::Force) {
+            let (undamped, nowhere) = (vec![0.0; system.bodies.len()], vec![0.0; at.q_1.len()]);
+            let kind = StepKind::Rest { damping: &undamped, velocities: Some(motion.v_0) };
+            let before = StepStart { kind, ..*start };
+            if let Some([internal, loads]) = system.outside_of(&before, [start.q_0, start.u_0, &nowhere])? {
+                add(ground, scheme.weight - 1.0, &internal);
+                add(load, 1.0 - scheme.weight, &loads);
+            }
+        }
+        Ok(())
     }
 
     /// Work of friction with these multipliers, contact by contact `[energy]`.

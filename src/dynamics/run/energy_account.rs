@@ -21,6 +21,8 @@ pub struct EnergyAccount {
     pub friction: f64,
     /// What viscous materials turned into heat, negative.
     pub viscosity: f64,
+    /// What dampers and drag turned into heat, negative.
+    pub damping: f64,
     /// What the time integrator added: the sum of the energy defects.
     pub integrator: f64,
     /// What came otherwise: by `settle`, or by going back to another state.
@@ -35,11 +37,13 @@ impl EnergyAccount {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return EnergyAccount::default() };
         let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
         let friction = sum(|row| row.friction_work);
-        let (loads, contact, viscosity) = (sum(|row| row.load_work), sum(|row| row.contact_work), -sum(|row| row.dissipation));
+        let (loads, contact) = (sum(|row| row.load_work), sum(|row| row.contact_work));
+        let (viscosity, damping) = (-sum(|row| row.dissipation - row.damping), -sum(|row| row.damping));
         let integrator = sum(|row| row.energy_defect);
         let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max);
-        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - integrator;
-        EnergyAccount { start: first.total(), end: last.total(), loads, contact, friction, viscosity, integrator, otherwise, scale }
+        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - damping - integrator;
+        let (start, end) = (first.total(), last.total());
+        EnergyAccount { start, end, loads, contact, friction, viscosity, damping, integrator, otherwise, scale }
     }
 
     /// What changed the energy beyond round-off, each with its amount.
@@ -49,6 +53,7 @@ impl EnergyAccount {
             ("contact", self.contact),
             ("friction", self.friction),
             ("viscosity", self.viscosity),
+            ("dampers", self.damping),
             ("the integrator", self.integrator),
             ("settling", self.otherwise),
         ];

@@ -89,6 +89,7 @@ where
             potential: system.nodes.potential_energy(&positions) + system.stored_energy(Pose { q: &positions, u: &displacements }, &memory),
             momentum,
             angular_momentum,
+            parts: system.part_totals(Pose { q: &positions, u: &displacements }, &velocities, &memory, &[]),
             ..LedgerRow::default()
         };
         let state = State {

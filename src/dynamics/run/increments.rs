@@ -61,6 +61,7 @@ where
             contact_work: 0.0,
             friction_work: frictional.iter().sum::<f64>() + 0.0,
             dissipation: 0.0,
+            damping: 0.0,
             energy_defect: 0.0,
             momentum_defect: 0.0,
             angular_momentum_defect: 0.0,

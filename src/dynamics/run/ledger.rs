@@ -2,6 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::part::{Part, PartDefinition, Pose};
+use crate::dynamics::step::system::System;
+
 /// One accepted step in numbers; a row of `history.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LedgerRow {
@@ -25,8 +29,10 @@ pub struct LedgerRow {
     pub contact_work: f64,
     /// Work of friction in this step `[energy]`, never positive: what it turns into heat.
     pub friction_work: f64,
-    /// What viscous materials turned into heat in this step `[energy]`, never negative.
+    /// What viscous materials, dampers and drag turned into heat in this step `[energy]`, never negative.
     pub dissipation: f64,
+    /// The part of it that is not of viscous materials `[energy]`.
+    pub damping: f64,
     /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
     /// conserves.
     pub energy_defect: f64,
@@ -54,6 +60,8 @@ pub struct LedgerRow {
     /// One for each boundary that supports hold or move, in the order of [`Model::support_names`](crate::dynamics::Model::support_names);
     /// none before the first step.
     pub reactions: Vec<Reaction>,
+    /// One for each part of [`Model::parts`](crate::dynamics::Model::parts), in their order.
+    pub parts: Vec<PartTotals>,
     /// One for each node that is watched ([`Simulation::watch`](crate::dynamics::Simulation::watch)), in the order in which they were
     /// asked for.
     pub probes: Vec<ProbeValues>,
@@ -96,6 +104,27 @@ impl ContactTotals {
         let counts = [self.active, self.sliding].map(|count| count as f64);
         let further = [self.normal_force, self.area, self.pressure, counts[0], self.penetration, self.friction_work, counts[1]];
         self.force[..dimension].iter().copied().chain(further).collect()
+    }
+}
+
+/// What the history tells of a part.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartTotals {
+    /// By the names of [`PartDefinition::readings`](crate::dynamics::PartDefinition::readings), at the end of the step.
+    pub readings: Vec<f64>,
+    /// What it turned into heat in the step `[energy]`.
+    pub dissipated: f64,
+}
+
+impl PartTotals {
+    /// Names of the columns of a part.
+    pub fn columns(part: &dyn PartDefinition) -> impl Iterator<Item = &'static str> {
+        part.readings().iter().copied().chain(part.dissipates().then_some("dissipation"))
+    }
+
+    /// Its columns' values, in their order.
+    pub fn values(&self, part: &dyn PartDefinition) -> impl Iterator<Item = f64> {
+        self.readings.iter().copied().chain(part.dissipates().then_some(self.dissipated))
     }
 }
 
@@ -144,6 +173,22 @@ impl ProbeValues {
     /// Its columns' values, in their order.
     pub fn values(&self, dimension: usize) -> Vec<f64> {
         self.displacement[..dimension].iter().chain(&self.velocity[..dimension]).copied().collect()
+    }
+}
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// What the history tells of the model's own parts, `dissipated` by every part in the step before; none after a rest.
+    pub(super) fn part_totals(&self, at: Pose, velocity: &[f64], memory: &[Vec<f64>], dissipated: &[f64]) -> Vec<PartTotals> {
+        let before = self.bodies.len() + self.loads.len();
+        let heat = |index: usize| dissipated.get(before + index).copied().unwrap_or(0.0);
+        let totals = |(index, (part, memory)): (usize, (&dyn Part, &Vec<f64>))| PartTotals {
+            readings: part.readings(at, velocity, memory),
+            dissipated: heat(index),
+        };
+        self.own_parts(memory).enumerate().map(totals).collect()
     }
 }
 

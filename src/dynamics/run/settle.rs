@@ -200,6 +200,7 @@ where
         row.active = self.system.touching(active);
         row.max_penetration = contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
         (row.contacts, row.reactions, row.probes) = (contacts, reactions, probes);
+        row.parts = self.system.part_totals(Pose { q, u }, v, memory, &[]);
         self.check_overlaps(&progress.closing)?;
         Ok(SettleReport {
             steps: progress.steps,

@@ -11,7 +11,8 @@ use super::start::{StepStart, Stopping, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep};
-use crate::dynamics::model::part::{Remembered, Sums};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::part::{Iterate, Refusal, Remembered, Sums};
 use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::norms::largest_size;
@@ -140,18 +141,41 @@ where
         start.visit(q_1, moved, &self.supports.prescribed, [others || !self.loads.is_empty(), others], told);
     }
 
-    /// What the parts remember after a step that ends at an iterate, and what they have dissipated in it `[energy]`.
-    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> (Arc<Vec<Vec<f64>>>, f64) {
+    /// What the parts remember after a step that ends at an iterate, and what each has dissipated in it `[energy]`.
+    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> (Arc<Vec<Vec<f64>>>, Vec<f64>) {
         let mut told = Told::default();
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
-        let mut dissipated = 0.0;
+        let mut dissipated = Vec::with_capacity(start.memory.len());
         let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
             let Remembered { memory, dissipated: more } = part.remembered(&iterate, memory);
-            dissipated += more;
+            dissipated.push(more);
             memory
         });
         (Arc::new(remembered.collect()), dissipated)
+    }
+
+    /// What parts exert on nodes at an iterate from outside the model, through potentials and dampers (against the motion that they drive)
+    /// and as loads `[force]`; nothing where there is no such part.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn outside_of(&self, start: &StepStart, [q_1, u_1, moved]: [&[f64]; 3]) -> Result<Option<[Vec<f64>; 2]>, StepError> {
+        if !self.others.iter().any(|part| part.is_outside()) {
+            return Ok(None);
+        }
+        let mut told = Told::default();
+        self.visit(start, q_1, moved, &mut told);
+        let iterate = Iterate { weight: 1.0, ..start.iterate(q_1, u_1, &told) };
+        let (mut internal, mut load) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()]);
+        let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: None, workers: &self.workers };
+        for (part, memory) in self.own_parts(start.memory).filter(|(part, _)| part.is_outside()) {
+            // Where one has no forces, the step had none either.
+            if let Err(Refusal::Load(error)) = part.linearize(&iterate, memory, &mut sums) {
+                return Err(error);
+            }
+        }
+        Ok(Some([internal, load]))
     }
 
     /// Contact functions of all pairs and their forces.

@@ -49,6 +49,8 @@ pub struct System<const D: usize> {
     pub loads: Vec<NodalLoad<D>>,
     /// What pushes on nodes besides.
     pub others: Vec<Box<dyn Part>>,
+    /// How many of these, the first, are the model's own parts.
+    pub own_parts: usize,
     /// Masses that these have at nodes.
     pub(super) point_masses: Vec<PointInertia>,
     /// Contacts, obstacles and ties, then the corners that belong to them.
@@ -122,6 +124,7 @@ where
             bodies,
             loads,
             others,
+            own_parts: model.parts.len(),
             point_masses: masses.into_iter().map(|(node, mass)| PointInertia { node, mass, place: Block::default() }).collect(),
             pairs,
             multipliers,
@@ -152,6 +155,11 @@ where
     /// What the parts remember at the start, and at rest.
     pub fn memory_at_rest(&self) -> Arc<Vec<Vec<f64>>> {
         Arc::new(self.parts().map(|part| part.memory()).collect())
+    }
+
+    /// The model's own parts with what each remembers.
+    pub fn own_parts<'a>(&'a self, memory: &'a [Vec<f64>]) -> impl Iterator<Item = (&'a dyn Part, &'a Vec<f64>)> {
+        self.parts().zip(memory).skip(self.bodies.len() + self.loads.len()).take(self.own_parts)
     }
 
     /// Strain energy `[energy]`.

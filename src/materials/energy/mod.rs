@@ -9,6 +9,7 @@ mod law;
 mod meaning;
 #[cfg(test)]
 mod property_tests;
+mod scalar;
 mod spectrum;
 mod state;
 mod stored;
@@ -19,4 +20,5 @@ mod tests;
 mod variable;
 
 pub use error::EnergyError;
+pub use scalar::{Jet, ScalarText};
 pub use stored::{EnergyText, StoredEnergy, functions_of_energies, quantities_of_energies};

@@ -75,7 +75,7 @@ fn text_of(argument: &Argument) -> Result<EnergyText, Failure> {
 }
 
 /// The failure of a text with a mistake: points into the text where it stands in the script as it is.
-pub(super) fn refused(argument: &Argument, error: &EnergyError) -> Failure {
+pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
     let failure = argument.fail(error.title.clone()).label(error.label.clone());
     let place = argument.call().place(&argument.target()).and_then(|place| inside(place, error));
     let failure = if place.is_some() {

@@ -1,7 +1,7 @@
 //! Materials in scripts: laws of the catalogue, energies as text, what they do, how they are fitted.
 
 mod behavior;
-mod energies;
+pub mod energies;
 mod fitting;
 mod handle;
 mod laws;

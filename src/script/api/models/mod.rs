@@ -5,9 +5,12 @@ use crate::script::language::function::Function;
 pub mod arguments;
 pub mod bodies;
 pub mod building;
+pub mod chambers;
 pub mod change;
+pub mod dampers;
 pub mod data;
 pub mod description;
+pub mod ends;
 pub mod handle;
 pub mod loads;
 pub mod masses;
@@ -29,7 +32,7 @@ pub fn functions() -> Vec<Function> {
     ];
     all.extend(properties::functions());
     all.extend(loads::functions());
-    all.extend([springs::add_spring(), masses::add_mass()]);
+    all.extend([springs::add_spring(), dampers::add_damper(), chambers::add_chamber(), masses::add_mass()]);
     all.extend(bodies::functions());
     all.extend(bodies::boundary_functions());
     all

@@ -13,6 +13,11 @@ impl ScriptWords for ModelError {
             ModelError::PointBoundary { .. } => {
                 "points can be held (`fix`), moved (`prescribe`) and loaded with a `force`; other loads and contacts need facets".into()
             }
+            ModelError::OpenChamber { .. } => {
+                "name all boundaries around the gas in `boundaries`, or where symmetry closes it give `rim_point`, a point in the planes of \
+                 all its rims"
+                    .into()
+            }
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets as `secondary` and `primary`, or use `add_self_contact` for a surface that folds"
                     .into()

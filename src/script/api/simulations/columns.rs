@@ -1,6 +1,7 @@
-//! The columns of a simulation's history behind those of the ledger: totals of contact pairs, reactions of supports, values of probes.
+//! The columns of a simulation's history behind those of the ledger: totals of contact pairs, reactions of supports, readings of springs
+//! and other parts, values of probes.
 
-use crate::dynamics::{ContactTotals, LedgerRow, Model, ProbeValues, Reaction};
+use crate::dynamics::{ContactTotals, LedgerRow, Model, PartTotals, ProbeValues, Reaction};
 
 /// A material point that is followed.
 #[derive(Clone)]
@@ -13,13 +14,14 @@ pub struct Probe {
     pub node: usize,
 }
 
-/// Names of the history's columns of all contact pairs, then of the boundaries that supports hold.
+/// Names of the history's columns of all contact pairs, then of the boundaries that supports hold, then of parts such as springs.
 pub fn model_columns(model: &Model) -> Vec<String> {
     let contacts = ContactTotals::columns(model.dimension());
     let mut names: Vec<String> =
         model.contact_names().iter().flat_map(|name| contacts.iter().map(move |column| format!("{name}.{column}"))).collect();
     let reactions = Reaction::columns(model.dimension());
     names.extend(model.support_names().iter().flat_map(|name| reactions.iter().map(move |column| format!("{name}.reaction.{column}"))));
+    names.extend(model.parts.iter().flat_map(|part| PartTotals::columns(&**part).map(|column| format!("{}.{column}", part.name()))));
     names
 }
 
@@ -38,6 +40,7 @@ pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     values.resize(contacts, f64::NAN);
     values.extend(row.reactions.iter().flat_map(|reaction| reaction.values(dimension)));
     values.resize(contacts + model.support_names().len() * Reaction::columns(dimension).len(), f64::NAN);
+    values.extend(model.parts.iter().zip(&row.parts).flat_map(|(part, totals)| totals.values(&**part)));
     values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
     values
 }

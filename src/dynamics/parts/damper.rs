@@ -1,0 +1,199 @@
+//! A damper between two ends: nodes, means of boundaries, points of the ground.
+//!
+//! It pulls against the speed `s = e.w` at which its ends part, `e` along the line between them and `w` their relative velocity, both where
+//! forces act in the step, with `F(s) e`. Both ends feel opposite forces along their line, so momenta are kept, but for an end on the
+//! ground; the heat is `dt F(s) s`, never negative, and exactly the work of the forces where velocities are the change of positions over
+//! the step. With `k` the share of the step and `c` the derivative of velocities with respect to positions,
+//!
+//! ```text
+//! df/dr_1 = (F' e (x) (c e + k (w - s e)/|r|)) + F k (I - e (x) e)/|r|
+//! ```
+
+use std::sync::Arc;
+
+use super::force_laws::Viscous;
+use super::line::{End, Line, bodies_of, is_grounded};
+use crate::dynamics::model::error::ModelError;
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::linear::Pattern;
+
+/// A damper between two ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DamperDefinition {
+    /// Name, unique among the parts.
+    pub name: String,
+    /// Its ends.
+    pub ends: [End; 2],
+    /// Force by speed (per thickness in the plane).
+    pub law: Viscous,
+}
+
+impl PartDefinition for DamperDefinition {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn bodies(&self) -> Vec<usize> {
+        bodies_of(&self.ends)
+    }
+
+    fn is_grounded(&self) -> bool {
+        is_grounded(&self.ends)
+    }
+
+    fn readings(&self) -> &'static [&'static str] {
+        &["speed", "force"]
+    }
+
+    fn dissipates(&self) -> bool {
+        true
+    }
+
+    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
+        let [a, b] = [0, 1].map(|k| self.ends[k].place(point));
+        if a == b { Err(ModelError::SpringOfNoLength { spring: self.name.clone() }) } else { Ok(()) }
+    }
+
+    fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
+        Box::new(Damper { line: Line::new(&self.ends, numbering), law: self.law.clone(), is_outside: self.is_grounded() })
+    }
+
+    fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
+        let [mass, length, time] = change.units;
+        let force = mass * length / (time * time) / if change.is_plane { length } else { 1.0 };
+        Arc::new(DamperDefinition {
+            name: self.name.clone(),
+            ends: [0, 1].map(|k| self.ends[k].changed(change)),
+            law: self.law.changed([length / time, force]),
+        })
+    }
+
+    fn describe(&self) -> String {
+        format!("damper \"{}\": {}", self.name, self.law.describe())
+    }
+}
+
+/// A damper in the numbering of the model.
+struct Damper {
+    line: Line,
+    law: Viscous,
+    is_outside: bool,
+}
+
+/// What a damper does.
+struct Stroke {
+    /// Direction from its tail to its head, and their distance.
+    direction: [f64; 3],
+    length: f64,
+    /// Relative velocity, and its component in that direction.
+    velocity: [f64; 3],
+    speed: f64,
+}
+
+impl Damper {
+    /// Nothing where both ends are at one place: there is no direction.
+    fn stroke(&self, q: &[f64], v: &[f64]) -> Option<Stroke> {
+        let ((r, length), velocity) = (self.line.vector(q), self.line.velocity(v));
+        let direction = r.map(|r| r / length);
+        let speed = direction.iter().zip(velocity).map(|(e, w)| e * w).sum();
+        (length > 0.0).then_some(Stroke { direction, length, velocity, speed })
+    }
+}
+
+impl Part for Damper {
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(&self.line.nodes());
+    }
+
+    fn place(&mut self, pattern: &Pattern) {
+        self.line.place(pattern);
+    }
+
+    fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
+        let Some(Stroke { direction: e, length, velocity, speed }) = self.stroke(at.q_test, at.velocity) else { return Ok(()) };
+        let ((force, slope), share) = (self.law.force(speed), at.derivative.placement().share);
+        let turning = share * force / length;
+        let slope = |i: usize, j: usize| {
+            let of_speed = at.velocity_slope * e[j] + share * (velocity[j] - speed * e[j]) / length;
+            slope * e[i] * of_speed - turning * e[i] * e[j] + if i == j { turning } else { 0.0 }
+        };
+        self.line.add(at.weight, e.map(|e| force * e), slope, sums);
+        Ok(())
+    }
+
+    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
+        0.0
+    }
+
+    fn is_outside(&self) -> bool {
+        self.is_outside
+    }
+
+    fn readings(&self, at: Pose, velocity: &[f64], _memory: &[f64]) -> Vec<f64> {
+        let speed = self.stroke(at.q, velocity).map_or(0.0, |stroke| stroke.speed);
+        vec![speed, self.law.force(speed).0]
+    }
+
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Remembered {
+        let power = self.stroke(at.q_test, at.velocity).map_or(0.0, |stroke| stroke.speed * self.law.force(stroke.speed).0);
+        Remembered { memory: Vec::new(), dissipated: at.dt * power }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrators::Derivative;
+    use crate::linear::{Pattern, Vertex};
+    use crate::math::workers::Workers;
+
+    #[test]
+    fn its_tangent_is_its_derivative_and_its_heat_the_work() {
+        let numbering = Numbering { dimension: 3, first: &[0], reference: &[] };
+        let ends = [End::Mean(0, vec![(0, 0.25), (1, 0.75)]), End::Ground([0.2, 1.5, -0.3])];
+        let law = Viscous::Power { coefficient: 2.0, exponent: 1.7, smoothing: 0.0 };
+        let mut damper = Damper { line: Line::new(&ends, &numbering), law, is_outside: true };
+        let pattern = Pattern::new(&[Vertex::coordinates(3); 2], [&[0u32, 1][..]].into_iter());
+        damper.place(&pattern);
+        let (dt, q_0) = (0.1, [0.1, -0.2, 0.3, 1.0, 0.4, -0.5]);
+        let linearized = |q_1: &[f64]| {
+            let q_test: Vec<f64> = q_0.iter().zip(q_1).map(|(a, b)| 0.5 * (a + b)).collect();
+            let velocity: Vec<f64> = q_0.iter().zip(q_1).map(|(a, b)| (b - a) / dt).collect();
+            let at = Iterate {
+                derivative: Derivative::DiscreteGradient,
+                weight: 1.0,
+                time: 0.0,
+                dt,
+                q_0: &q_0,
+                q_1,
+                u_0: &q_0,
+                u_1: q_1,
+                q_test: &q_test,
+                velocity: &velocity,
+                velocity_slope: 1.0 / dt,
+                inertia: &[],
+            };
+            let (mut internal, mut load, mut values) = (vec![0.0; 6], vec![0.0; 6], vec![0.0; pattern.values()]);
+            let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
+            assert!(damper.linearize(&at, &[], &mut sums).is_ok());
+            let heat = damper.remembered(&at, &[]).dissipated;
+            (internal, values, heat)
+        };
+        let q_1: Vec<f64> = q_0.iter().enumerate().map(|(k, q)| q + 0.1 * (1.7 * k as f64).sin()).collect();
+        let (force, values, heat) = linearized(&q_1);
+        let work: f64 = force.iter().zip(q_1.iter().zip(q_0)).map(|(f, (b, a))| f * (b - a)).sum();
+        assert!(heat > 0.0 && (work - heat).abs() < 1e-15);
+        for column in 0..6 {
+            let moved = |h: f64| {
+                let mut q = q_1.clone();
+                q[column] += h;
+                linearized(&q).0
+            };
+            let (up, down) = (moved(1e-6), moved(-1e-6));
+            for row in 0..6 {
+                let entry = values[pattern.block(row as u32 / 3, column as u32 / 3).at(row % 3, column % 3)];
+                assert!(((up[row] - down[row]) / 2e-6 - entry).abs() < 1e-7, "[{row}][{column}]");
+            }
+        }
+    }
+}

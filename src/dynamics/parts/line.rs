@@ -1,0 +1,150 @@
+//! The line between two ends, along which springs and dampers pull.
+//!
+//! An end is a node, the weighted mean of the nodes of a boundary, or a point of the ground. The vector from one to the other is linear in
+//! the positions, `r = sum s_i q_i + ground`, and a force `f` on its head acts on node `i` as `s_i f`.
+
+use crate::dynamics::model::part::{Change, Numbering, Sums};
+use crate::linear::{Block, Pattern};
+
+/// An end of a spring or a damper.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// A node: body, and node of the body's mesh.
+    Node(usize, u32),
+    /// The mean of nodes of a body with these weights, which add up to 1.
+    Mean(usize, Vec<(u32, f64)>),
+    /// A point that does not move `[length]`.
+    Ground([f64; 3]),
+}
+
+impl From<(usize, u32)> for End {
+    fn from((body, node): (usize, u32)) -> Self {
+        End::Node(body, node)
+    }
+}
+
+impl End {
+    /// The mean over a boundary whose nodes have these shares of its measure.
+    pub fn mean(body: usize, shares: &[(u32, f64)]) -> Self {
+        let whole: f64 = shares.iter().map(|(_, share)| share).sum();
+        End::Mean(body, shares.iter().map(|&(node, share)| (node, share / whole)).collect())
+    }
+
+    /// The body that it is of.
+    pub fn body(&self) -> Option<usize> {
+        match self {
+            End::Node(body, _) | End::Mean(body, _) => Some(*body),
+            End::Ground(_) => None,
+        }
+    }
+
+    /// Where it is while the bodies are undeformed, by where their nodes are.
+    pub fn place(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> [f64; 3] {
+        match self {
+            End::Node(body, node) => point(*body, *node),
+            End::Mean(body, shares) => {
+                let mut sum = [0.0; 3];
+                for &(node, share) in shares {
+                    let x = point(*body, node);
+                    (0..3).for_each(|i| sum[i] += share * x[i]);
+                }
+                sum
+            }
+            End::Ground(place) => *place,
+        }
+    }
+
+    /// The same in a model that is moved.
+    pub fn changed(&self, change: &Change) -> Self {
+        match self {
+            End::Ground(place) => End::Ground((change.point)(*place)),
+            of_body => of_body.clone(),
+        }
+    }
+}
+
+/// The bodies of two ends, each once.
+pub fn bodies_of(ends: &[End; 2]) -> Vec<usize> {
+    let mut bodies: Vec<usize> = ends.iter().filter_map(End::body).collect();
+    bodies.dedup();
+    bodies
+}
+
+/// Whether one of two ends is the ground.
+pub fn is_grounded(ends: &[End; 2]) -> bool {
+    ends.iter().any(|end| end.body().is_none())
+}
+
+/// A line in the numbering of the model, from its first to its second end.
+pub struct Line {
+    dimension: usize,
+    /// Nodes with their factors in `r`.
+    nodes: Vec<(u32, f64)>,
+    ground: [f64; 3],
+    /// Blocks of the nodes, row by row.
+    places: Vec<Block>,
+}
+
+impl Line {
+    /// The line between two ends.
+    pub fn new(ends: &[End; 2], numbering: &Numbering) -> Self {
+        let mut line = Line { dimension: numbering.dimension, nodes: Vec::new(), ground: [0.0; 3], places: Vec::new() };
+        for (end, sign) in ends.iter().zip([-1.0, 1.0]).rev() {
+            let node = |body: usize, node: u32| numbering.first[body] as u32 + node;
+            match end {
+                End::Node(body, one) => line.nodes.push((node(*body, *one), sign)),
+                End::Mean(body, shares) => line.nodes.extend(shares.iter().map(|&(one, share)| (node(*body, one), sign * share))),
+                End::Ground(place) => (0..numbering.dimension).for_each(|i| line.ground[i] += sign * place[i]),
+            }
+        }
+        line
+    }
+
+    /// Its nodes.
+    pub fn nodes(&self) -> Vec<u32> {
+        self.nodes.iter().map(|(node, _)| *node).collect()
+    }
+
+    /// Finds its places.
+    pub fn place(&mut self, pattern: &Pattern) {
+        let nodes = self.nodes();
+        self.places = nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| pattern.block(a, b))).collect();
+    }
+
+    /// `r` and its length; in the plane the third component is zero.
+    pub fn vector(&self, q: &[f64]) -> ([f64; 3], f64) {
+        let r = self.combined(q, self.ground);
+        (r, r[0].hypot(r[1]).hypot(r[2]))
+    }
+
+    /// Velocity of the head relative to the tail, of velocities of the nodes.
+    pub fn velocity(&self, v: &[f64]) -> [f64; 3] {
+        self.combined(v, [0.0; 3])
+    }
+
+    fn combined(&self, x: &[f64], start: [f64; 3]) -> [f64; 3] {
+        let mut sum = start;
+        for &(node, factor) in &self.nodes {
+            (0..self.dimension).for_each(|i| sum[i] += factor * x[node as usize * self.dimension + i]);
+        }
+        sum
+    }
+
+    /// Adds a force on the head, which stands against the motion, and its derivative with respect to `r` at the end of the step.
+    pub fn add(&self, weight: f64, force: [f64; 3], slope: impl Fn(usize, usize) -> f64, sums: &mut Sums) {
+        for &(node, factor) in &self.nodes {
+            for i in 0..self.dimension {
+                sums.internal[node as usize * self.dimension + i] += factor * (weight * force[i]);
+            }
+        }
+        let Some(values) = sums.tangent.as_deref_mut() else { return };
+        let pairs = self.nodes.iter().flat_map(|(_, a)| self.nodes.iter().map(move |(_, b)| a * b));
+        for (block, factor) in self.places.iter().zip(pairs) {
+            for i in 0..self.dimension {
+                for j in 0..self.dimension {
+                    values[block.at(i, j)] += factor * weight * slope(i, j);
+                }
+            }
+        }
+    }
+}

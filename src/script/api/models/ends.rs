@@ -1,0 +1,130 @@
+//! What springs and dampers have in common in scripts: their ends, and laws as text with constants.
+
+use rhai::Map;
+
+use super::arguments::{body_boundary, body_of, node_at};
+use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
+use crate::bodies::nodal_areas;
+use crate::dynamics::End;
+use crate::materials::ScalarText;
+use crate::script::api::materials::energies::refused;
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::{as_number, describe};
+use crate::script::language::wording::did_you_mean;
+
+/// The word for what does not move.
+const GROUND: &str = "ground";
+
+/// The keys of two ends.
+pub fn end_parameters() -> Vec<Parameter> {
+    let end = |name, which: &'static str| Parameter::new(name, Kind::Either("a Body, a boundary of one, or \"ground\""), which);
+    let point = |name| {
+        let what = "a point of the body while it is undeformed: the nearest node; of the ground that point; none for a boundary";
+        Parameter::new(name, Kind::Vector, what).of("length").or(Absent::Means("the centroid of the boundary, which then is the end"))
+    };
+    vec![end("from", "what is at one end"), point("from_point"), end("to", "what is at the other end"), point("to_point")]
+}
+
+/// The two ends.
+///
+/// # Errors
+/// What is no end, or a point that is missing or outside.
+pub fn ends_of(options: &Options, model: &ModelHandle) -> Result<[End; 2], Failure> {
+    let ends = [end_of(options, model, "from", "from_point")?, end_of(options, model, "to", "to_point")?];
+    match ends.iter().all(|end| end.body().is_none()) {
+        true => Err(options.argument("to").fail("both ends are on the ground").hint("give a body or a boundary for one of them")),
+        false => Ok(ends),
+    }
+}
+
+fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) -> Result<End, Failure> {
+    let (argument, point) = (options.argument(key), options.argument(point_key));
+    if !argument.is_given() {
+        return Err(argument.missing());
+    }
+    let value = argument.value();
+    if value.is::<BoundaryHandle>() {
+        let on = body_boundary(&argument, argument.handle()?, model)?;
+        if point.is_given() {
+            let failure = point.fail(format!("`{point_key}` is given beside a boundary, whose centroid is the end"));
+            return Err(failure.hint(format!("leave it out, or give the body as `{key}`")));
+        }
+        let data = model.0.borrow();
+        let body = &data.model.bodies[on.body];
+        let shares = nodal_areas(&body.mesh, &on.boundary, body.formulation.plane);
+        if shares.is_empty() {
+            return Err(argument.fail(format!("boundary \"{}\" is empty", on.boundary.name)).hint("choose a boundary that has facets"));
+        }
+        return Ok(End::mean(on.body, &shares));
+    }
+    if !(value.is::<BodyHandle>() || value.read_lock::<rhai::ImmutableString>().is_some_and(|word| *word == GROUND)) {
+        return Err(argument.wrong_type().hint(format!("write `{key}: body, {point_key}: [x, y]`, a boundary, or \"{GROUND}\"")));
+    }
+    if !point.is_given() {
+        return Err(point
+            .fail(format!("`{point_key}` is missing"))
+            .hint(format!("give the point at which the end is, `{point_key}: [x, y]`")));
+    }
+    if value.is::<BodyHandle>() {
+        let body = body_of(&argument, model)?;
+        return Ok(End::Node(body.index, node_at(&point, &body)?));
+    }
+    let dimension = model.0.borrow().model.dimension();
+    Ok(End::Ground(point.vector(dimension)?))
+}
+
+/// The key of the constants of a text.
+pub fn constants_parameter() -> Parameter {
+    Parameter::new("constants", Kind::Either("an object map of numbers"), "values of the names in the text").or(Absent::Means("none"))
+}
+
+/// A function of one variable that an argument writes as text, with the constants of the options; `what` it is, such as `the energy`.
+///
+/// # Errors
+/// A text with a mistake, shown in the text, or constants that are none.
+pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &str) -> Result<ScalarText, Failure> {
+    let text = argument.text()?;
+    let names: Vec<String> = ScalarText::constants_of(&text, variable).into_iter().map(|(name, _)| name).collect();
+    let (given, mut constants) = (options.argument("constants"), Vec::new());
+    if given.is_given() {
+        let map = given.value();
+        let map = map.read_lock::<Map>().map(|map| map.clone()).ok_or_else(|| given.wrong_type().hint("write `constants: #{ k: 3.0 }`"))?;
+        for (name, value) in map {
+            let number = as_number(&value).filter(|number| number.is_finite());
+            let Some(number) = number else {
+                let failure = given.fail(format!("the constant `{name}` must be a finite number"));
+                return Err(failure.label(format!("it is {}", describe(argument.call().engine(), &value))));
+            };
+            if !names.iter().any(|known| *known == *name) {
+                let failure = given.fail(format!("{what} names no constant `{name}`"));
+                let suggestion = did_you_mean(&name, names.iter().map(String::as_str)).unwrap_or_else(|| "remove it".into());
+                return Err(failure.hint(suggestion));
+            }
+            constants.push((name.to_string(), number));
+        }
+    }
+    let function = ScalarText::new(&text, variable, &constants, what).map_err(|error| refused(argument, &error))?;
+    match function.is_undefined_at(&[0.0]) {
+        Some(_) => Err(argument.fail(format!("{what} has no finite value and slope at `{variable}` = 0")).hint("check the text there")),
+        None => Ok(function),
+    }
+}
+
+/// Exactly one of these keys must be given: its place among them.
+///
+/// # Errors
+/// None or two are given.
+pub fn one_of(options: &Options, keys: &[&str]) -> Result<usize, Failure> {
+    let listed = keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
+    let given: Vec<usize> = (0..keys.len()).filter(|&k| options.argument(keys[k]).is_given()).collect();
+    match given[..] {
+        [one] => Ok(one),
+        [] => Err(options.argument(keys[0]).fail(format!("one of {listed} is missing")).hint("give one of them")),
+        [first, second, ..] => {
+            let failure = options.argument(keys[second]).fail(format!("`{}` and `{}` are both given", keys[first], keys[second]));
+            Err(failure.hint(format!("give one of {listed}")))
+        }
+    }
+}
