@@ -25,6 +25,15 @@ pub enum PairKind {
     Obstacle,
     /// Two surfaces that stay together: no contact at all.
     Tie,
+    /// Points that rigidity or joints hold: no contact of the model at all.
+    Points,
+}
+
+impl PairKind {
+    /// Whether it holds what it joins in both directions, and is no contact.
+    pub fn is_bilateral(self) -> bool {
+        matches!(self, PairKind::Tie | PairKind::Points)
+    }
 }
 
 /// What a pair adds to the contact of a pair before it: constraints of the corners that its weighted gaps do not see.
@@ -132,7 +141,7 @@ impl ContactPair {
             motion: [None, None, None],
             turn: None,
             obstacle_velocity: [0.0; 3],
-            law: if kind == PairKind::Tie { &Bilateral } else { &Unilateral },
+            law: if kind.is_bilateral() { &Bilateral } else { &Unilateral },
             update: &GAP,
             augmentation: None,
             is_axisymmetric: false,

@@ -210,7 +210,7 @@ const CROSSINGS: f64 = 1e9;
 
 /// Warns of bodies so light that no choice of `dt` explains it.
 fn warn_of_units(call: &Call, model: &Model, dt: f64) {
-    for body in &model.bodies {
+    for body in model.bodies.iter().filter(|body| body.rigid.is_none()) {
         let (density, modulus) = (body.material.density(), body.material.youngs_modulus());
         let extent = |i: usize| {
             let ends =
