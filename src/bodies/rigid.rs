@@ -124,9 +124,8 @@ impl Frame {
         let mut directions: Vec<Vector3<f64>> = Vec::new();
         let origin = point(masters[0]);
         for _ in 0..dimension {
-            let off = |node: usize| {
-                directions.iter().fold(point(node) - origin, |rest, direction| rest - *direction * direction.dot(&rest))
-            };
+            let off =
+                |node: usize| directions.iter().fold(point(node) - origin, |rest, direction| rest - *direction * direction.dot(&rest));
             let next = farthest(&|node| off(node).norm())?;
             let length = off(next).norm();
             if length <= FLAT * (origin - mean).norm() {
@@ -263,9 +262,11 @@ mod tests {
         let frame = Frame::new(&mesh).unwrap();
         let masses = frame.masses(&inertia);
         let points: Vec<Vector3<f64>> = frame.masters.iter().map(|&node| mesh.points[node as usize].into()).collect();
-        let (total, first) = masses.iter().flatten().zip((0..4).flat_map(|_| &points)).fold((0.0, Vector3::zeros()), |(m, s), (value, x)| {
-            (m + value, s + x * *value)
-        });
+        let (total, first) = masses
+            .iter()
+            .flatten()
+            .zip((0..4).flat_map(|_| &points))
+            .fold((0.0, Vector3::zeros()), |(m, s), (value, x)| (m + value, s + x * *value));
         assert!((total - 12.0).abs() < 1e-12 && (first / total - Vector3::from(inertia.center)).norm() < 1e-12);
         let again = Inertia::of_moments(12.0, inertia.center, [[13.0, 0.0, 0.0], [0.0, 10.0, 0.0], [0.0, 0.0, 5.0]]);
         assert!((0..3).all(|i| (again.euler[i][i] - inertia.euler[i][i]).abs() < 1e-12));

@@ -250,3 +250,61 @@ impl RigidObstacle for PointConstraints {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A distance, and two directions across each other, of four nodes in space.
+    fn joint() -> PointConstraints {
+        let vector = |parts: &[(u32, f64)]| PointVector { parts: parts.to_vec(), offset: [0.0; 3] };
+        let vectors = vec![vector(&[(0, 0.5), (1, 0.5), (3, -1.0)]), vector(&[(0, 1.0), (1, -1.0)]), vector(&[(2, 1.0), (3, -1.0)])];
+        let functions = vec![
+            PointFunction { products: vec![(0, 0, 0.5)], linear: Vec::new(), constant: -0.2 },
+            PointFunction { products: vec![(1, 2, 0.7)], linear: vec![(0, [0.1, 0.0, -0.3])], constant: 0.0 },
+        ];
+        let mut kernel = PointConstraints::new(3, 1.0);
+        kernel.add(vectors, functions, None, false);
+        let q: Vec<f64> = (0..12).map(|k| (1.7 * k as f64).sin()).collect();
+        kernel.update_candidates(&Outlook::within(&q, 0.0));
+        kernel.begin_step(&q);
+        kernel
+    }
+
+    #[test]
+    fn the_gradient_in_the_middle_is_discrete_and_tangents_are_derivatives() {
+        let kernel = joint();
+        let (q_1, lambda): (Vec<f64>, _) = ((0..12).map(|k| (1.9 * k as f64).cos()).collect(), [0.8, -1.3]);
+        let evaluated = |derivative, q: &[f64]| {
+            let mut out = Evaluation::default();
+            kernel.evaluate(derivative, q, &lambda, &mut out);
+            out
+        };
+        let at = evaluated(Derivative::DiscreteGradient, &q_1);
+        for row in 0..2 {
+            let moved = q_1.iter().zip(&kernel.q_0).map(|(a, b)| a - b);
+            let work: f64 = at.gradient_bar[12 * row..12 * (row + 1)].iter().zip(moved).map(|(g, moved)| g * moved).sum();
+            assert!((work - (at.gap[row] - kernel.start[row])).abs() < 1e-14);
+        }
+        for derivative in Derivative::ALL {
+            let at = evaluated(derivative, &q_1);
+            for k in 0..12 {
+                let mut sides = [1e-6, -1e-6].map(|step| {
+                    let mut q = q_1.clone();
+                    q[k] += step;
+                    evaluated(derivative, &q)
+                });
+                let [up, down] = &mut sides;
+                for row in 0..2 {
+                    let slope = (up.gap[row] - down.gap[row]) / 2e-6;
+                    assert!((slope - at.gradient_end[12 * row + k]).abs() < 1e-8);
+                }
+                for i in 0..12 {
+                    let force = |at: &Evaluation| lambda[0] * at.gradient_bar[i] + lambda[1] * at.gradient_bar[12 + i];
+                    let slope = (force(up) - force(down)) / 2e-6;
+                    assert!((slope - at.tangent[12 * i + k]).abs() < 1e-8);
+                }
+            }
+        }
+    }
+}

@@ -20,8 +20,8 @@ pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
 pub use run::energy_account::EnergyAccount;
 pub use run::fields::{
-    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, NodeState, PlacedObstacle, RedundantConstraints,
-    pressure, von_mises,
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, NodeState, PlacedObstacle,
+    RedundantConstraints, pressure, von_mises,
 };
 pub use run::halvings::Halving;
 pub use run::ledger::{ContactTotals, LedgerRow, ProbeValues, Reaction};

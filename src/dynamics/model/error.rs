@@ -239,8 +239,12 @@ impl ModelError {
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }
-            ModelError::NotRigid { .. } => "give it the mass and the moments of inertia of a body, and a mesh with an area or a volume".into(),
-            ModelError::UnsoundJoint { .. } => "join a body to another one or to the ground, and give a direction where one is needed".into(),
+            ModelError::NotRigid { .. } => {
+                "give it the mass and the moments of inertia of a body, and a mesh with an area or a volume".into()
+            }
+            ModelError::UnsoundJoint { .. } => {
+                "join a body to another one or to the ground, and give a direction where one is needed".into()
+            }
             ModelError::JointApart { .. } => "give points that are in the same place in the bodies at rest".into(),
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
             ModelError::NoMass { .. } => "give a mass of 0 or more".into(),

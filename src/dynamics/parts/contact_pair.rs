@@ -25,14 +25,21 @@ pub enum PairKind {
     Obstacle,
     /// Two surfaces that stay together: no contact at all.
     Tie,
-    /// Points that rigidity or joints hold: no contact of the model at all.
-    Points,
+    /// The masters and the carried nodes of a rigid body.
+    Rigidity,
+    /// What a joint holds.
+    Joint,
 }
 
 impl PairKind {
     /// Whether it holds what it joins in both directions, and is no contact.
     pub fn is_bilateral(self) -> bool {
-        matches!(self, PairKind::Tie | PairKind::Points)
+        matches!(self, PairKind::Tie | PairKind::Rigidity | PairKind::Joint)
+    }
+
+    /// Whether it is what a rigid body or a joint is made of, and none of the model's interactions.
+    pub fn is_of_points(self) -> bool {
+        matches!(self, PairKind::Rigidity | PairKind::Joint)
     }
 }
 

@@ -87,23 +87,23 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
 pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference: &[f64]) -> Vec<ContactPair> {
     let mut pairs = Vec::new();
     let reach = largest_size(reference);
-    let mut add = |name: &str, body: usize, size: f64, kernel: PointConstraints| {
+    let mut add = |name: &str, kind: PairKind, body: usize, size: f64, kernel: PointConstraints| {
         if !kernel.is_empty() {
-            let mut pair = ContactPair::new(name, PairKind::Points, Box::new(kernel), model.modulus(body), reach);
+            let mut pair = ContactPair::new(name, kind, Box::new(kernel), model.modulus(body), reach);
             pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
             pairs.push(pair);
         }
     };
     for body in bodies {
         let Some(rigid) = &body.rigid else { continue };
-        add(&body.name, body.number, rigid.size, rigidity::<D>(rigid, reference));
-        add(&body.name, body.number, rigid.size, ties::<D>(rigid));
+        add(&body.name, PairKind::Rigidity, body.number, rigid.size, rigidity::<D>(rigid, reference));
+        add(&body.name, PairKind::Rigidity, body.number, rigid.size, ties::<D>(rigid));
     }
     let extent = model.extent();
     for joint in &model.joints {
         let body = joint.bodies().next().unwrap_or(0);
         let size = joint.bodies().filter_map(|body| bodies[body].rigid.as_ref()).map(|rigid| rigid.size).fold(extent, f64::min);
-        add(&joint.name, body, size, joint_constraints(model, bodies, joint, size));
+        add(&joint.name, PairKind::Joint, body, size, joint_constraints(model, bodies, joint, size));
     }
     pairs
 }

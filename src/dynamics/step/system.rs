@@ -200,12 +200,13 @@ where
     for (number, body) in model.bodies.iter().enumerate() {
         let first = reference.len() / D;
         let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
-        let elements = match &frame {
-            Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
-            None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first).map_err(
-                |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
-            )?,
-        };
+        let elements =
+            match &frame {
+                Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
+                None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first).map_err(
+                    |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
+                )?,
+            };
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
         let nodes = first..reference.len() / D;
         let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));
@@ -323,14 +324,14 @@ impl<const D: usize> System<D> {
     /// Sums what each pair has over the contact that it belongs to.
     pub fn by_contact(&self, of: impl Fn(usize, &ContactPair) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.contacts().count()];
-        let pairs = self.pairs.iter().enumerate().filter(|(_, pair)| pair.kind != PairKind::Points);
+        let pairs = self.pairs.iter().enumerate().filter(|(_, pair)| !pair.kind.is_of_points());
         pairs.for_each(|(index, pair)| sums[self.contact_of(index)] += of(index, pair));
         sums
     }
 
     /// The pairs that are contacts of the model, with their indices.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &ContactPair)> {
-        self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none() && pair.kind != PairKind::Points)
+        self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none() && !pair.kind.is_of_points())
     }
 
     /// The pairs that belong to a contact besides.

@@ -26,7 +26,8 @@ pub fn describe_model(data: &ModelData) -> String {
         lines.push(format!("  gravity {}", vector_text(&model.gravity[..model.dimension()])));
     }
     lines.extend(model.joints.iter().map(|joint| {
-        let names = joint.ends.iter().rev().map(|end| end.body.map_or("the ground".into(), |body| format!("\"{}\"", model.bodies[body].name)));
+        let names =
+            joint.ends.iter().rev().map(|end| end.body.map_or("the ground".into(), |body| format!("\"{}\"", model.bodies[body].name)));
         let at = vector_text(&joint.ends[1].point[..model.dimension()]);
         format!("  joint \"{}\": {} of {} at {at}", joint.name, joint.kind.name(), joined(&names.collect::<Vec<_>>(), "and"))
     }));

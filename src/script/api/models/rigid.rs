@@ -94,7 +94,9 @@ fn mass_of(options: &Options, mesh: &Mesh) -> Result<(Material, Inertia), Failur
     let density = match (density, mass) {
         (None, None) => {
             let failure = argument.fail("a rigid body needs a mass");
-            return Err(failure.hint("give `density`, with which its mesh is weighed, or `mass` and, if it is not that of the mesh, `inertia`"));
+            return Err(
+                failure.hint("give `density`, with which its mesh is weighed, or `mass` and, if it is not that of the mesh, `inertia`")
+            );
         }
         (Some(_), Some(_)) => {
             let failure = argument.fail("`density` and `mass` say the same thing twice");
