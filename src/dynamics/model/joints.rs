@@ -29,6 +29,8 @@ pub enum JointKind {
     Weld,
     /// All but the distance of both points.
     Link,
+    /// All, up to this distance of both points `[length]`: a cable that is slack or taut.
+    Cable(f64),
 }
 
 impl JointKind {
@@ -41,6 +43,7 @@ impl JointKind {
             JointKind::Slot(_) => "slot",
             JointKind::Weld => "weld",
             JointKind::Link => "link",
+            JointKind::Cable(_) => "cable",
         }
     }
 
@@ -48,7 +51,7 @@ impl JointKind {
     pub fn direction(self) -> Option<[f64; 3]> {
         match self {
             JointKind::Hinge(direction) | JointKind::Slider(direction) | JointKind::Slot(direction) => Some(direction),
-            JointKind::Point | JointKind::Weld | JointKind::Link => None,
+            JointKind::Point | JointKind::Weld | JointKind::Link | JointKind::Cable(_) => None,
         }
     }
 
@@ -58,14 +61,14 @@ impl JointKind {
             JointKind::Hinge(direction) => JointKind::Hinge(turned(direction)),
             JointKind::Slider(direction) => JointKind::Slider(turned(direction)),
             JointKind::Slot(direction) => JointKind::Slot(turned(direction)),
-            JointKind::Point | JointKind::Weld | JointKind::Link => self,
+            JointKind::Point | JointKind::Weld | JointKind::Link | JointKind::Cable(_) => self,
         }
     }
 
     /// Whether an end must have directions, which a node of a deformable body has not.
     fn turns(self, end: usize) -> bool {
         match self {
-            JointKind::Point | JointKind::Link => false,
+            JointKind::Point | JointKind::Link | JointKind::Cable(_) => false,
             JointKind::Slot(_) => end == 0,
             JointKind::Hinge(_) | JointKind::Slider(_) | JointKind::Weld => true,
         }
@@ -186,6 +189,11 @@ impl Model {
         if apart > tolerances::JOINT_APART * self.extent() {
             return Err(ModelError::JointApart { joint: name(), place: joint.ends[0].point, distance: apart });
         }
+        if let JointKind::Cable(longest) = joint.kind
+            && !(longest.is_finite() && longest > 0.0)
+        {
+            return unsound(format!("a cable has a length, and this one has {longest}"));
+        }
         if joint.kind == JointKind::Link && length(joint.distance()) <= tolerances::JOINT_APART * self.extent() {
             return unsound("both of its points are the same, and a link has a length".into());
         }
@@ -202,6 +210,7 @@ impl Model {
         let distance = joint.distance();
         let between = match joint.kind {
             JointKind::Link => 0.0,
+            JointKind::Cable(longest) => (length(distance) - longest).max(0.0),
             JointKind::Slider(direction) | JointKind::Slot(direction) => {
                 let along: f64 = (0..3).map(|i| distance[i] * direction[i]).sum::<f64>() / length(direction).powi(2);
                 length(std::array::from_fn(|i| distance[i] - along * direction[i]))

@@ -87,6 +87,8 @@ pub struct ContactPair {
     pub penalties: Vec<f64>,
     /// Weighted gap that counts as closed for Newton's method.
     pub gap_tolerance: f64,
+    /// Weighted gap at the start of a step that counts as closed.
+    pub closed: f64,
     places: Places,
 }
 
@@ -141,6 +143,7 @@ impl ContactPair {
     /// secondary body and `reach` the largest coordinate of the model.
     pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
         let (size, dimension) = (kernel.facet_size(), kernel.patches().dimension() as i32);
+        let gap_tolerance = (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1));
         ContactPair {
             name: name.into(),
             kind,
@@ -156,7 +159,8 @@ impl ContactPair {
             friction: None,
             c: modulus / size.powi(dimension),
             penalties: Vec::new(),
-            gap_tolerance: (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1)),
+            gap_tolerance,
+            closed: (tolerances::CLOSED * size.powi(dimension)).max(10.0 * gap_tolerance),
             kernel,
             places: Places::default(),
         }
@@ -206,11 +210,6 @@ impl ContactPair {
     /// Whether multipliers hold it that may press and not pull.
     pub fn is_unilateral(&self) -> bool {
         self.law.has_multiplier() && !self.law.is_bilateral()
-    }
-
-    /// Weighted gap at the start of a step that counts as closed.
-    pub fn closed(&self) -> f64 {
-        (tolerances::CLOSED * self.kernel.facet_size().powi(self.kernel.patches().dimension() as i32)).max(10.0 * self.gap_tolerance)
     }
 
     /// Whether open nodes may come through the other side within a step.

@@ -9,11 +9,13 @@ use std::collections::BTreeSet;
 
 use super::body::Body;
 use super::contact_pair::{ContactPair, PairKind};
+use super::laws::Unilateral;
 use crate::bodies::Frame;
 use crate::contact::{PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::BodyBoundary;
 use crate::dynamics::model::joints::{Anchor, JointDefinition, JointKind};
+use crate::dynamics::model::update_rules::PERSISTENCY;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -89,8 +91,14 @@ pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference:
     let reach = largest_size(reference);
     let mut add = |name: &str, kind: PairKind, body: usize, size: f64, kernel: PointConstraints| {
         if !kernel.is_empty() {
+            let is_one_sided = |joint: &JointDefinition| joint.name == name && matches!(joint.kind, JointKind::Cable(_));
             let mut pair = ContactPair::new(name, kind, Box::new(kernel), model.modulus(body), reach);
             pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
+            pair.closed = (tolerances::CLOSED * size).max(10.0 * pair.gap_tolerance);
+            if kind == PairKind::Joint && model.joints.iter().any(is_one_sided) {
+                // What is taut gives back what it took.
+                (pair.law, pair.update) = (&Unilateral, &PERSISTENCY);
+            }
             pairs.push(pair);
         }
     };
@@ -224,6 +232,9 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
         JointKind::Link => {
             let length = size_of(joint.distance());
             functions.push(PointFunction { constant: -0.5 * length, ..product(0, 0, 0.5 / length) });
+        }
+        JointKind::Cable(longest) => {
+            functions.push(PointFunction { constant: 0.5 * longest, ..product(0, 0, -0.5 / longest) });
         }
         JointKind::Point => functions.extend(components(D)),
         JointKind::Weld => {

@@ -115,7 +115,7 @@ where
                     if solution.active[row].is_closed() {
                         let closing = conditions.gap_n[row] - conditions.targets[row];
                         rows.reserve[row] += solution.at.lambda[row] * closing;
-                        rows.is_closing |= !state.active[row].is_closed() || closing.abs() > pair.closed();
+                        rows.is_closing |= !state.active[row].is_closed() || closing.abs() > pair.closed;
                     }
                 }
             }

@@ -22,7 +22,7 @@ impl<const D: usize> System<D> {
             return redundant;
         }
         let mut pivots: BTreeMap<usize, Row> = BTreeMap::new();
-        for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral()) {
+        for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
             for (number, row) in self.rows_of(pair, &evaluation) {

@@ -150,7 +150,7 @@ fn number_of(value: &Dynamic) -> Option<f64> {
 }
 
 /// Words for [`JointKind`].
-const KINDS: [&str; 6] = ["point", "hinge", "slider", "slot", "weld", "link"];
+const KINDS: [&str; 7] = ["point", "hinge", "slider", "slot", "weld", "link", "cable"];
 
 /// `add_joint`.
 pub fn add_joint() -> Function {
@@ -169,7 +169,8 @@ pub fn add_joint() -> Function {
                         Kind::Choice(&KINDS),
                         "what it leaves free: turning about a point (`point`: a hinge in the plane, a ball joint in space), turning about an \
                          axis in space (`hinge`), moving along a line without turning (`slider`), moving along a line of `to` and turning \
-                         (`slot`), nothing (`weld`), or all but the distance of two points (`link`)",
+                         (`slot`), nothing (`weld`), all but the distance of two points (`link`), or \
+                         all as long as they are not farther apart than `length` (`cable`)",
                     ),
                     Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the body that it holds"),
                     Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the body that it holds it to").or(Absent::Means("the ground")),
@@ -181,6 +182,8 @@ pub fn add_joint() -> Function {
                     Parameter::new("axis", Kind::Vector, "the axis of a hinge, or the direction of a slider or a slot, at rest")
                         .of("length")
                         .or(Absent::Means("the kind needs none")),
+                    Parameter::number("length", "length", Interval::Positive, "the length of a cable, at which it is taut")
+                        .or(Absent::Means("the distance of both points at rest")),
                 ]),
                 "what it joins, and how",
             ),
@@ -207,7 +210,8 @@ pub fn add_joint() -> Function {
             for (end, argument) in ends.iter_mut().zip(["to_point", "point"]) {
                 snap(&options.argument(argument), &model.0.borrow().model, end)?;
             }
-            let joint = JointDefinition { name, kind, ends };
+            let mut joint = JointDefinition { name, kind, ends };
+            set_length(&options, &mut joint)?;
             change(call, &model, |data| data.model.joints.push(joint))?;
             Ok(Dynamic::UNIT)
         }),
@@ -236,8 +240,24 @@ fn kind_of(options: &Options, model: &Model) -> Result<JointKind, Failure> {
         "slot" => JointKind::Slot(direction),
         "weld" => JointKind::Weld,
         "link" => JointKind::Link,
+        "cable" => JointKind::Cable(0.0),
         _ => JointKind::Point,
     })
+}
+
+/// Gives a cable its length.
+fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Failure> {
+    let given = options.optional_number("length")?;
+    let argument = options.argument("length");
+    match joint.kind {
+        JointKind::Cable(_) => {
+            let distance = joint.distance().iter().map(|x| x * x).sum::<f64>().sqrt();
+            joint.kind = JointKind::Cable(given.unwrap_or(distance));
+            Ok(())
+        }
+        _ if given.is_none() => Ok(()),
+        _ => Err(argument.fail("only a cable has a `length`").hint("leave it out: a link keeps the distance of its points at rest")),
+    }
 }
 
 /// Puts an end on the node that it means, if its body deforms.
