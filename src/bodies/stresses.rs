@@ -17,7 +17,8 @@ pub struct Stresses {
 }
 
 impl Stresses {
-    fn zeros(count: usize) -> Self {
+    /// None, at so many places.
+    pub fn zeros(count: usize) -> Self {
         Stresses { stress: vec![[0.0; 6]; count], strain: vec![[0.0; 6]; count] }
     }
 

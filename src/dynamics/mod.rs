@@ -9,6 +9,7 @@ pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunc
 pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
+pub use model::joints::{Anchor, JointDefinition, JointKind};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
@@ -23,8 +24,8 @@ pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
 pub use run::energy_account::EnergyAccount;
 pub use run::fields::{
-    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, NodeState, PlacedObstacle, RedundantConstraints,
-    pressure, von_mises,
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, NodeState, PlacedObstacle,
+    RedundantConstraints, pressure, von_mises,
 };
 pub use run::halvings::Halving;
 pub use run::ledger::{ContactTotals, LedgerRow, PartTotals, ProbeValues, Reaction};

@@ -386,3 +386,16 @@ pub const SUM_OF_LENGTHS: f64 = 1e-12;
 /// Distance of the last points of a search for the least value, as a share of the range between bounds, by default: six digits of what is
 /// searched for, as many as a simulation that is not exact itself can tell.
 pub const MINIMIZED: f64 = 1e-6;
+
+/// Distance of a node of a rigid body from the plane of the other masters over the size of the body, below which its nodes count as flat:
+/// shares of masters would be larger than its inverse.
+pub const FLAT_FRAME: f64 = 1e-6;
+
+/// What is missing in a constraint between points over the size of what they join (Newton's target): joints hold to 1e-12 of the length.
+pub const JOINT: f64 = 2e-13;
+
+/// Distance of two points that a joint makes one, over the size of the model, from which they are apart.
+pub const JOINT_APART: f64 = 1e-9;
+
+/// Distance of a point from a node over the size of a cell up to which a joint means that node.
+pub const SAME_NODE: f64 = 1e-6;

@@ -442,7 +442,8 @@ mod tests {
             let mut bytes = Vec::new();
             pack_into(&mut bytes, &fields, &skin);
             let material = crate::materials::NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 1.0 }.material().unwrap();
-            let body = BodyDefinition { name: "a".into(), mesh: fields.mesh.clone(), material, formulation: Default::default() };
+            let body =
+                BodyDefinition { name: "a".into(), mesh: fields.mesh.clone(), material, formulation: Default::default(), rigid: None };
             let back = unpack(&mut &bytes[..], &body, &skin);
             for &node in &skin.nodes {
                 let node = node as usize;

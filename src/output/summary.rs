@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 
-use crate::dynamics::{EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
+use crate::dynamics::{BodyDefinition, EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
 
 /// Name of the file.
 pub const SUMMARY: &str = "summary.json";
@@ -254,7 +254,7 @@ impl Inertia {
         let bodies = || model.bodies.iter();
         let points = bodies().flat_map(|body| &body.mesh.points);
         Inertia {
-            mass: bodies().map(|body| body.material.density() * body.mesh.measure()).sum(),
+            mass: bodies().map(BodyDefinition::mass).sum(),
             radius: points.map(|[x, y, z]| x.hypot(*y).hypot(*z)).fold(0.0, f64::max),
         }
     }
@@ -487,6 +487,7 @@ mod tests {
             mesh: body.mesh,
             material: material.clone(),
             formulation: Default::default(),
+            rigid: None,
         };
         let bodies = vec![definition(block([3, 2, 2], [3.0, 1.0, 0.5])), definition(block([1, 1, 1], [1.0, 1.0, 1.0]))];
         let found = Inertia::of(&Model { bodies, ..Model::default() });

@@ -23,7 +23,7 @@ impl Model {
 
     /// Adds a body with a formulation; returns its index.
     pub fn add_formulated_body(&mut self, name: &str, mesh: Mesh, material: &Material, formulation: Formulation) -> usize {
-        self.bodies.push(BodyDefinition { name: name.into(), mesh: Arc::new(mesh), material: material.clone(), formulation });
+        self.bodies.push(BodyDefinition { name: name.into(), mesh: Arc::new(mesh), material: material.clone(), formulation, rigid: None });
         self.bodies.len() - 1
     }
 

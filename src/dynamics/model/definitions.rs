@@ -6,15 +6,16 @@ use std::sync::Arc;
 use super::amplitude::Amplitude;
 use super::error::ModelError;
 use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+use super::joints::JointDefinition;
 use super::part::PartDefinition;
 use super::prescription::Prescription;
-use crate::bodies::{Formulation, Plane};
+use crate::bodies::{Formulation, Inertia, Plane};
 use crate::contact::Obstacle;
 use crate::elements::CellKind;
 use crate::materials::Material;
 use crate::mesh::Mesh;
 
-/// A deformable body: a mesh with a material and a name.
+/// A body: a mesh with a material and a name.
 #[derive(Clone, Debug)]
 pub struct BodyDefinition {
     /// Name, unique in the model.
@@ -25,6 +26,8 @@ pub struct BodyDefinition {
     pub material: Material,
     /// How it is completed to space and takes the change of volume.
     pub formulation: Formulation,
+    /// Mass and inertia of a rigid body, of whose material only the density is used; `None`: it deforms.
+    pub rigid: Option<Inertia>,
 }
 
 /// Nodes that do not move in some directions.
@@ -101,6 +104,8 @@ pub struct Model {
     pub interactions: Vec<Interaction>,
     /// What pushes on nodes besides, such as springs.
     pub parts: Vec<Arc<dyn PartDefinition>>,
+    /// Exact joints between bodies, and to the ground.
+    pub joints: Vec<JointDefinition>,
     /// Displacements of the nodes of bodies at the start `[length]`; a later one of the same body replaces an earlier one.
     pub initial_displacements: Vec<InitialDisplacement>,
     /// Initial velocities; a later one of the same body replaces an earlier one.
@@ -180,8 +185,12 @@ impl Model {
         let on_obstacles =
             self.interactions.iter().filter(|one| matches!(one.partner, Partner::Obstacle { .. })).map(|one| one.secondary.body);
         let touching = self.interactions.iter().map(|one| std::iter::once(&one.secondary).chain(one.primary()).map(|on| on.body).collect());
-        let joined: Vec<Vec<usize>> = touching.chain(self.parts.iter().map(|part| part.bodies())).collect();
-        let grounded = self.parts.iter().filter(|part| part.is_grounded()).flat_map(|part| part.bodies());
+        let joined: Vec<Vec<usize>> = touching
+            .chain(self.parts.iter().map(|part| part.bodies()))
+            .chain(self.joints.iter().map(|joint| joint.bodies().collect()))
+            .collect();
+        let parts = self.parts.iter().filter(|part| part.is_grounded()).flat_map(|part| part.bodies());
+        let grounded = self.joints.iter().filter(|joint| joint.is_grounded()).flat_map(|joint| joint.bodies()).chain(parts);
         let mut kept: BTreeSet<usize> = held.chain(on_obstacles).chain(grounded).collect();
         while let Some(group) = joined.iter().find(|group| {
             let count = group.iter().filter(|body| kept.contains(body)).count();
@@ -323,6 +332,7 @@ impl Model {
                 return Err(ModelError::SelfContact { contact: name.clone(), boundary: self.boundary_name(secondary) });
             }
         }
+        self.check_joints()?;
         self.check_repeated()
     }
 

@@ -26,6 +26,32 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// A rigid body that cannot be one.
+    #[error("body \"{body}\" cannot be rigid: {reason}")]
+    NotRigid {
+        /// Name of the body.
+        body: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A joint that joins nothing, or has no direction where it needs one.
+    #[error("joint \"{joint}\" is none: {reason}")]
+    UnsoundJoint {
+        /// Name of the joint.
+        joint: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A joint whose points are not in the same place.
+    #[error("joint \"{joint}\" at {place:?} is open: what it joins is {distance:.3e} apart")]
+    JointApart {
+        /// Name of the joint.
+        joint: String,
+        /// Where its first point is at rest `[length]`.
+        place: [f64; 3],
+        /// Distance `[length]`.
+        distance: f64,
+    },
     /// Bodies of different dimension.
     #[error("body \"{first}\" is {first_dimension}-dimensional, but body \"{second}\" is {second_dimension}-dimensional")]
     MixedDimensions {
@@ -229,6 +255,13 @@ impl ModelError {
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }
+            ModelError::NotRigid { .. } => {
+                "give it the mass and the moments of inertia of a body, and a mesh with an area or a volume".into()
+            }
+            ModelError::UnsoundJoint { .. } => {
+                "join a body to another one or to the ground, and give a direction where one is needed".into()
+            }
+            ModelError::JointApart { .. } => "give points that are in the same place in the bodies at rest".into(),
             ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
             ModelError::OpenChamber { .. } => {
                 "name all boundaries around the gas, or where symmetry closes it a point in the planes of all its rims".into()

@@ -105,7 +105,13 @@ mod tests {
             let mesh = rectangle([1.0, 1.0], [cells, 1], [0.0, height]).expect("the mesh is sound");
             let material =
                 NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 1.0 }.material().expect("the constants are in their ranges");
-            model.bodies.push(BodyDefinition { name: name.into(), mesh: Arc::new(mesh), material, formulation: Default::default() });
+            model.bodies.push(BodyDefinition {
+                name: name.into(),
+                mesh: Arc::new(mesh),
+                material,
+                formulation: Default::default(),
+                rigid: None,
+            });
         }
         model
     }

@@ -74,6 +74,6 @@ impl Model {
                 has_mean,
             })
         };
-        self.bodies.iter().filter_map(of).collect()
+        self.bodies.iter().filter(|body| body.rigid.is_none()).filter_map(of).collect()
     }
 }

@@ -196,6 +196,7 @@ mod tests {
             mesh: Arc::new(mesh),
             material: rubber.clone(),
             formulation: Default::default(),
+            rigid: None,
         };
         Model { bodies: meshes.into_iter().enumerate().map(body).collect(), ..Model::default() }
     }

@@ -122,7 +122,13 @@ mod tests {
         let mut model = Model::default();
         for (name, size, at) in [("table", [6.0, 1.0], [0.0, -1.0]), ("cube", [1.0, 1.0], [1.0, 0.5]), ("die", [1.0, 1.0], [4.0, 0.5])] {
             let mesh = Arc::new(rectangle(size, [3, 2], at).expect("the mesh is sound"));
-            model.bodies.push(BodyDefinition { name: name.into(), mesh, material: rubber.clone(), formulation: Default::default() });
+            model.bodies.push(BodyDefinition {
+                name: name.into(),
+                mesh,
+                material: rubber.clone(),
+                formulation: Default::default(),
+                rigid: None,
+            });
         }
         model.supports.push(Support { on: boundary(&model, 0, "bottom"), components: [true; 3] });
         model

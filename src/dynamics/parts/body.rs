@@ -1,13 +1,14 @@
-//! A deformable body in the numbering of the model.
+//! A body, deformable or rigid, in the numbering of the model.
 
 use std::ops::Range;
 use std::sync::OnceLock;
 
+use super::rigid_bodies::Carried;
 use crate::bodies::{ElementLoop, Recovery, Step};
 use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
 use crate::linear::Pattern;
 
-/// A deformable body. Bodies come first among the parts: they set the sums of their nodes, the others add.
+/// A body. Bodies come first among the parts: they set the sums of their nodes, the others add.
 pub struct Body<const D: usize> {
     /// Its name.
     pub name: String,
@@ -19,6 +20,8 @@ pub struct Body<const D: usize> {
     pub elements: Box<dyn ElementLoop<D>>,
     /// How values of its cells become such of its nodes, once it is known.
     pub recovery: OnceLock<Recovery>,
+    /// Which of its nodes its masters carry, if it is rigid.
+    pub rigid: Option<Carried>,
 }
 
 impl<const D: usize> Part for Body<D> {

@@ -25,6 +25,22 @@ pub enum PairKind {
     Obstacle,
     /// Two surfaces that stay together: no contact at all.
     Tie,
+    /// The masters and the carried nodes of a rigid body.
+    Rigidity,
+    /// What a joint holds.
+    Joint,
+}
+
+impl PairKind {
+    /// Whether it holds what it joins in both directions, and is no contact.
+    pub fn is_bilateral(self) -> bool {
+        matches!(self, PairKind::Tie | PairKind::Rigidity | PairKind::Joint)
+    }
+
+    /// Whether it is what a rigid body or a joint is made of, and none of the model's interactions.
+    pub fn is_of_points(self) -> bool {
+        matches!(self, PairKind::Rigidity | PairKind::Joint)
+    }
 }
 
 /// What a pair adds to the contact of a pair before it: constraints of the corners that its weighted gaps do not see.
@@ -71,6 +87,8 @@ pub struct ContactPair {
     pub penalties: Vec<f64>,
     /// Weighted gap that counts as closed for Newton's method.
     pub gap_tolerance: f64,
+    /// Weighted gap at the start of a step that counts as closed.
+    pub closed: f64,
     places: Places,
 }
 
@@ -125,6 +143,7 @@ impl ContactPair {
     /// secondary body and `reach` the largest coordinate of the model.
     pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
         let (size, dimension) = (kernel.facet_size(), kernel.patches().dimension() as i32);
+        let gap_tolerance = (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1));
         ContactPair {
             name: name.into(),
             kind,
@@ -132,7 +151,7 @@ impl ContactPair {
             motion: [None, None, None],
             turn: None,
             obstacle_velocity: [0.0; 3],
-            law: if kind == PairKind::Tie { &Bilateral } else { &Unilateral },
+            law: if kind.is_bilateral() { &Bilateral } else { &Unilateral },
             update: &GAP,
             augmentation: None,
             is_axisymmetric: false,
@@ -140,7 +159,8 @@ impl ContactPair {
             friction: None,
             c: modulus / size.powi(dimension),
             penalties: Vec::new(),
-            gap_tolerance: (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1)),
+            gap_tolerance,
+            closed: (tolerances::CLOSED * size.powi(dimension)).max(10.0 * gap_tolerance),
             kernel,
             places: Places::default(),
         }
@@ -190,11 +210,6 @@ impl ContactPair {
     /// Whether multipliers hold it that may press and not pull.
     pub fn is_unilateral(&self) -> bool {
         self.law.has_multiplier() && !self.law.is_bilateral()
-    }
-
-    /// Weighted gap at the start of a step that counts as closed.
-    pub fn closed(&self) -> f64 {
-        (tolerances::CLOSED * self.kernel.facet_size().powi(self.kernel.patches().dimension() as i32)).max(10.0 * self.gap_tolerance)
     }
 
     /// Whether open nodes may come through the other side within a step.

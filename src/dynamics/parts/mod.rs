@@ -15,6 +15,7 @@ pub mod nodal;
 pub mod nodes;
 pub mod pairing;
 pub mod point_mass;
+pub mod rigid_bodies;
 pub mod slip_group;
 pub mod slip_vector;
 pub mod spring;

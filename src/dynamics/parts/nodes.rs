@@ -1,5 +1,6 @@
 //! The nodes of all bodies: where they are at rest, what they weigh, which of them hang together, and the sizes that errors are judged by.
 
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use super::body::Body;
@@ -37,12 +38,22 @@ pub struct Nodes<const D: usize> {
 }
 
 impl<const D: usize> Nodes<D> {
-    /// The nodes of a model's bodies, at rest at `reference`; `masses` are those of other parts at nodes.
-    pub fn new(model: &Model, bodies: &[Body<D>], reference: Vec<f64>, fixed: &[bool], pattern: &Pattern, masses: &[(u32, f64)]) -> Self {
+    /// The nodes of a model's bodies, at rest at `reference`, of which some components are fixed, those of followers of rigid bodies among
+    /// them; `masses` are those of other parts at nodes.
+    pub fn new(
+        model: &Model,
+        bodies: &[Body<D>],
+        reference: Vec<f64>,
+        (fixed, followers): (&[bool], &BTreeSet<u32>),
+        pattern: &Pattern,
+        masses: &[(u32, f64)],
+    ) -> Self {
         let count = reference.len() / D;
-        let (pieces, number) = connected_pieces(count, bodies.iter().flat_map(|body| body.elements.cliques()));
+        let rigid = bodies.iter().filter_map(|body| body.rigid.as_ref()).map(|rigid| &rigid.nodes);
+        let (pieces, number) = connected_pieces(count, bodies.iter().flat_map(|body| body.elements.cliques()).chain(rigid));
         let mut piece_is_free = vec![true; number];
-        for (unknown, _) in fixed.iter().enumerate().filter(|(_, fixed)| **fixed) {
+        let is_held = |unknown: usize| fixed[unknown] && !followers.contains(&((unknown / D) as u32));
+        for unknown in (0..fixed.len()).filter(|&unknown| is_held(unknown)) {
             piece_is_free[pieces[unknown / D] as usize] = false;
         }
         let along = |i: usize| {
@@ -67,7 +78,7 @@ impl<const D: usize> Nodes<D> {
             weight: (0..reference.len()).map(|k| if is_constant { nodal_mass[k / D] * model.gravity[k % D] } else { 0.0 }).collect(),
             nodal_mass,
             lumped_mass,
-            modulus: model.bodies.iter().map(|body| body.material.stiffness()).fold(0.0, f64::max),
+            modulus: model.bodies.iter().filter(|body| body.rigid.is_none()).map(|body| body.material.stiffness()).fold(0.0, f64::max),
             extent: (0..D).map(along).fold(0.0, f64::max),
             pieces,
             is_axisymmetric: model.is_axisymmetric(),

@@ -14,13 +14,14 @@ use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// All pairs of a model, whose bodies' nodes are numbered from where `first` says, `middles` those of edges of second order;
-/// `default_rule` is that of contacts that name none.
+/// `default_rule` is that of contacts that name none. Constraints of `points` come last.
 pub fn contact_pairs(
     model: &Model,
     first: impl Fn(usize) -> usize,
     middles: &ProxyNodes,
     reference: &[f64],
     default_rule: &'static UpdateRule,
+    points: Vec<ContactPair>,
 ) -> Vec<ContactPair> {
     let facets = |on: &BodyBoundary| boundary_facets(model, on, first(on.body));
     let faces = |on: &BodyBoundary| boundary_faces(model, on, first(on.body));
@@ -29,6 +30,7 @@ pub fn contact_pairs(
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     pairs.extend(corners);
+    pairs.extend(points);
     let mut first = 0;
     for pair in &mut pairs {
         pair.rows = first..first + pair.rows.end;
@@ -66,7 +68,7 @@ struct Pairing<'a> {
 
 impl Pairing<'_> {
     fn pair(&self, name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
-        let modulus = self.model.bodies[body].material.youngs_modulus();
+        let modulus = self.model.modulus(body);
         let mut pair = ContactPair::new(name, kind, kernel, modulus, self.reach);
         pair.is_axisymmetric = self.model.is_axisymmetric();
         pair

@@ -405,7 +405,8 @@ mod tests {
             };
             rest.iter().map(|_| random()).collect::<Vec<f64>>()
         });
-        let mut body = ViscousBody::new(&BodyDefinition { name: "b".into(), mesh: Arc::new(mesh), material, formulation }, 0).unwrap();
+        let mut body =
+            ViscousBody::new(&BodyDefinition { name: "b".into(), mesh: Arc::new(mesh), material, formulation, rigid: None }, 0).unwrap();
         let pattern =
             Pattern::new(&vec![Vertex::coordinates(dimension as u8); rest.len() / dimension], body.cells.iter().map(|cell| &cell[..]));
         body.place(&pattern);

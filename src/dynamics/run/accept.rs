@@ -69,7 +69,9 @@ where
         jump: Option<VelocityCorrection>,
     ) -> Result<State, StepError> {
         let lambda = solution.multipliers();
-        let Solution { at, active, preferred } = solution;
+        let Solution { mut at, active, preferred } = solution;
+        self.system.lead(&mut at.moved);
+        self.system.lead_positions(&mut at.u_1, &mut at.q_1);
         let search = self.system.search();
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
         let penalty_gap = penalty_gaps(&at, conditions);
@@ -81,6 +83,7 @@ where
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
             outside.obstacle_work += jump.work;
         }
+        system.lead(&mut v_1);
         let momenta = system.nodes.momenta_of(&v_1);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
         let old = &self.state.row;

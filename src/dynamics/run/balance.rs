@@ -90,7 +90,9 @@ impl Balance {
                 let number = system.nodes.pieces[node];
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
                     numbers.push(number);
-                    let (modulus, stiffness) = (definition.material.youngs_modulus(), aspect * definition.material.stiffness());
+                    let modulus = model.modulus(body);
+                    let own = if definition.rigid.is_some() { modulus } else { definition.material.stiffness() };
+                    let stiffness = aspect * own;
                     pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0, radius: 0.0 });
                     numbers.len() - 1
                 });

@@ -67,7 +67,7 @@ impl Closing {
     /// Brings the targets of the step that has begun at `q` as near to its gaps as it closes them; returns whether any was farther.
     pub fn limit<const D: usize>(&self, system: &System<D>, q: &[f64], conditions: &mut Conditions) -> bool {
         let mut is_part = false;
-        for pair in system.pairs.iter().filter(|pair| pair.kind != PairKind::Tie && pair.has_multipliers()) {
+        for pair in system.pairs.iter().filter(|pair| !pair.kind.is_bilateral() && pair.has_multipliers()) {
             let closing = self.facets * pair.kernel.facet_size();
             let (gaps, coverage) = (pair.kernel.start_gap(), pair.kernel.coverage(q));
             for (local, row) in pair.rows.clone().enumerate() {

@@ -179,5 +179,6 @@ fn initial_velocities<const D: usize>(system: &System<D>, model: &Model, positio
             velocities[prescribed.unknown] = rate;
         }
     }
+    system.lead(&mut velocities);
     velocities
 }

@@ -118,19 +118,30 @@ pub struct PlacedObstacle {
     pub translation: [f64; 3],
 }
 
-/// Constraints of a tie that follow from others and from supports, and are left out.
+/// What a joint exerts on the body that it holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLoad {
+    /// The force `[force]`.
+    pub force: [f64; 3],
+    /// The moment about the joint's point on that body `[force * length]`; in the plane the third component.
+    pub moment: [f64; 3],
+    /// Where that point is `[length]`.
+    pub place: [f64; 3],
+}
+
+/// Constraints of a tie or a joint that follow from others and from supports, and are left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RedundantConstraints {
-    /// Name of the tie.
-    pub tie: String,
+    /// Name of the tie or joint.
+    pub name: String,
+    /// Whether it is a joint.
+    pub is_joint: bool,
     /// How many of its constraints.
     pub count: usize,
     /// How many it has.
     pub of: usize,
-    /// Body of the first node that has one, and its number there.
-    pub node: (String, usize),
-    /// Where that node is at rest `[length]`.
-    pub place: [f64; 3],
+    /// Body of the first node that has one, its number there, and where it is at rest `[length]`; of joints none.
+    pub node: Option<(String, usize, [f64; 3])>,
 }
 
 /// What friction makes of a node.

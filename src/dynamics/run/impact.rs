@@ -92,7 +92,7 @@ where
         let work = self.friction_work(&solution.at, &shear, Some(jump));
         let mut is_any = false;
         let pairs = self.system.pairs.iter().enumerate();
-        for (_, pair) in pairs.filter(|(index, _)| work[self.system.contact_of(*index)] > 0.0) {
+        for (_, pair) in pairs.filter(|(index, pair)| pair.friction.is_some() && work[self.system.contact_of(*index)] > 0.0) {
             pair.tangential().for_each(|(row, _)| is_any |= std::mem::take(&mut ratios[row]) != 0.0);
         }
         is_any
@@ -115,7 +115,7 @@ where
                     if solution.active[row].is_closed() {
                         let closing = conditions.gap_n[row] - conditions.targets[row];
                         rows.reserve[row] += solution.at.lambda[row] * closing;
-                        rows.is_closing |= !state.active[row].is_closed() || closing.abs() > pair.closed();
+                        rows.is_closing |= !state.active[row].is_closed() || closing.abs() > pair.closed;
                     }
                 }
             }

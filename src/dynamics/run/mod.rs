@@ -12,6 +12,7 @@ pub mod fields;
 pub mod halvings;
 pub mod impact;
 pub mod increments;
+pub mod joint_loads;
 pub mod ledger;
 pub mod options;
 pub mod quantities;

@@ -97,6 +97,9 @@ where
 
     /// Stress and strain at the nodes of a body.
     fn stresses_at(&self, u: &[f64], body: &Body<D>) -> Stresses {
+        if body.rigid.is_some() {
+            return Stresses::zeros(body.nodes.len());
+        }
         let recovery = body.recovery.get_or_init(|| Recovery::new(&self.model.bodies[body.number].mesh));
         Stresses::at_nodes(&*body.elements, u, body.nodes.clone(), recovery)
     }
@@ -166,18 +169,21 @@ where
         placed
     }
 
-    /// The ties of which some constraints follow from others.
+    /// The ties and joints of which some constraints follow from others.
     pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
         let system = &self.system;
         let of = |pair: &ContactPair| {
             let mut rows = pair.rows.clone().filter(|&row| system.redundant[row]);
-            let node = pair.node_of(rows.next()?)? as usize;
-            let (body, number) = system.owner(node);
-            let place = std::array::from_fn(|i| if i < D { system.nodes.reference[node * D + i] } else { 0.0 });
-            let (tie, count, of) = (pair.name.clone(), rows.count() + 1, pair.rows.len());
-            Some(RedundantConstraints { tie, count, of, node: (body.into(), number), place })
+            let node = pair.node_of(rows.next()?).map(|node| {
+                let (body, number) = system.owner(node as usize);
+                let place = std::array::from_fn(|i| if i < D { system.nodes.reference[node as usize * D + i] } else { 0.0 });
+                (body.to_string(), number, place)
+            });
+            let (name, count, of) = (pair.name.clone(), rows.count() + 1, pair.rows.len());
+            Some(RedundantConstraints { name, is_joint: pair.kind == PairKind::Joint, count, of, node })
         };
-        system.pairs.iter().filter_map(of).collect()
+        // Supports of a rigid body hold more nodes than it has motions.
+        system.pairs.iter().filter(|pair| pair.kind != PairKind::Rigidity).filter_map(of).collect()
     }
 
     pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {

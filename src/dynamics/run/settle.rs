@@ -175,7 +175,9 @@ where
             self.step_to_rest(&balance, &present, &mut progress)?;
             self.system.recycle(present.at);
         };
-        Arc::make_mut(&mut self.state).search = self.system.search();
+        let state = Arc::make_mut(&mut self.state);
+        state.search = self.system.search();
+        self.system.lead_positions(&mut state.displacements, &mut state.positions);
         let State { positions: q, lambda, active, slipped, .. } = &*self.state;
         let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
         let contacts = self.contact_totals(q, &touching);

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
+use super::fields::{
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
+};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -203,6 +205,11 @@ impl Simulation {
     /// The ties of which some constraints follow from others and from supports, and are left out.
     pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
         self.steps.redundant_constraints()
+    }
+
+    /// What the joint of that name exerts on the body that it holds; `None` when there is none.
+    pub fn joint(&self, name: &str) -> Option<JointLoad> {
+        self.steps.joint(name)
     }
 
     /// Every rigid obstacle where it is now.

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
+use super::fields::{
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
+};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -37,6 +39,7 @@ pub trait Steps: Send {
     fn excesses(&self) -> Vec<Excess>;
     fn redundant_constraints(&self) -> Vec<RedundantConstraints>;
     fn stress_errors(&self) -> Vec<(&str, f64)>;
+    fn joint(&self, name: &str) -> Option<JointLoad>;
     fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;
     fn contact_surfaces(&self) -> Vec<ContactSurface>;

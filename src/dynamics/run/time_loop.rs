@@ -7,7 +7,9 @@ use std::sync::Arc;
 use super::closing::Closing;
 use super::engine::Engine;
 use super::failed::tried;
-use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
+use super::fields::{
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
+};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
 use super::options::{Options, SettleReport, Statistics};
@@ -172,6 +174,10 @@ where
 
     fn stress_errors(&self) -> Vec<(&str, f64)> {
         self.system.bodies.iter().enumerate().map(|(index, body)| (body.name.as_str(), self.estimated_error(index))).collect()
+    }
+
+    fn joint(&self, name: &str) -> Option<JointLoad> {
+        self.joint_load(name)
     }
 
     fn obstacles(&self) -> Vec<PlacedObstacle> {

@@ -44,6 +44,7 @@ where
         let mut found = Vec::new();
         for (body, definition) in self.system.bodies.iter().zip(&self.model.bodies) {
             let kind = match definition.material.kinematics() {
+                _ if body.rigid.is_some() => continue,
                 Kinematics::Linear => ExcessKind::Turned,
                 _ if definition.material.name() == SOFTENS => ExcessKind::Crushed,
                 Kinematics::GreenLagrange => continue,

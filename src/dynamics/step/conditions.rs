@@ -143,7 +143,7 @@ impl<const D: usize> System<D> {
         let mut shift = vec![0.0; gap_n.len()];
         let end_point = start.derivative() == Derivative::AT_END;
         for pair in &self.pairs {
-            let (closed, keeps) = (pair.closed(), pair.update.holds == Holds::AsItIs);
+            let (closed, keeps) = (pair.closed, pair.update.holds == Holds::AsItIs);
             for row in pair.rows.clone() {
                 let start = RowStart { gap: gap_n[row], penalty_gap: penalty_gap[row], held: held[row], closed, keeps, end_point };
                 let demand = pair.law.demand(&start);

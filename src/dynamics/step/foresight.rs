@@ -13,7 +13,7 @@ impl<const D: usize> System<D> {
     /// [`tolerances::SLIDING`], approach beyond [`tolerances::APPROACH`] under the persistency rule, of obstacles beyond
     /// [`tolerances::PASSING`] under all.
     pub fn foreseen(&self, q_0: &[f64], predicted: &[f64], conditions: &Conditions, active: &[RowState]) -> Option<LargeMotion> {
-        for pair in self.pairs.iter().filter(|pair| pair.kind != PairKind::Tie) {
+        for pair in self.pairs.iter().filter(|pair| !pair.kind.is_bilateral()) {
             let size = pair.kernel.facet_size();
             let facets = self.sliding(pair, q_0, predicted, active) / size;
             if facets > tolerances::SLIDING {
@@ -91,7 +91,7 @@ impl<const D: usize> System<D> {
 impl<const D: usize> System<D> {
     /// Contacts whose sides, where they are less than a facet apart, move along each other so fast that steps of that size would be halved.
     pub fn sliding_by_velocity(&self, q: &[f64], v: &[f64], dt: f64) -> Vec<LargeMotion> {
-        let contacts = self.pairs.iter().filter(|pair| D == 2 && pair.corners.is_none() && pair.kind != PairKind::Tie);
+        let contacts = self.pairs.iter().filter(|pair| D == 2 && pair.corners.is_none() && !pair.kind.is_bilateral());
         let motion = |pair: &ContactPair| {
             let travel = if pair.kind == PairKind::Obstacle { travel_at_obstacle(pair, q, v, dt) } else { travel_along(pair, q, v, dt) };
             let facets = travel / pair.kernel.facet_size();

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::system::System;
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
 use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY};
 
@@ -18,11 +18,11 @@ impl<const D: usize> System<D> {
     /// Whether each constraint row follows from those of ties before it and from supports.
     pub fn redundant_rows(&self) -> Vec<bool> {
         let mut redundant = vec![false; self.multipliers];
-        if self.pairs.iter().all(|pair| pair.kind != PairKind::Tie) {
+        if self.pairs.iter().all(|pair| !pair.kind.is_bilateral()) {
             return redundant;
         }
         let mut pivots: BTreeMap<usize, Row> = BTreeMap::new();
-        for pair in self.pairs.iter().filter(|pair| pair.kind == PairKind::Tie) {
+        for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
             for (number, row) in self.rows_of(pair, &evaluation) {

@@ -9,6 +9,7 @@
 //!
 //! (Hesch and Betsch 2007, equation 3). Its numbers at an iterate are a [`Linearization`](super::iterate::Linearization).
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -17,7 +18,7 @@ use super::counters::Counters;
 use super::iterate::Spare;
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
-use crate::bodies::{Elements, Inverted, Plane, Space, nodal_areas};
+use crate::bodies::{Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
 use crate::contact::{Correction, Outlook};
 use crate::dynamics::model::boundaries::middles;
 use crate::dynamics::model::definitions::{LoadKind, Model};
@@ -31,6 +32,7 @@ use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
+use crate::dynamics::parts::rigid_bodies::{Carried, point_pairs, used_nodes};
 use crate::dynamics::parts::supports::Supports;
 use crate::dynamics::parts::viscosity::ViscousBody;
 use crate::linear::{Block, LinearError, Watch, Work};
@@ -98,23 +100,27 @@ where
     /// A model that cannot be simulated.
     pub fn new(model: &Model, threads: usize, default_rule: &'static UpdateRule) -> Result<Self, ModelError> {
         model.check()?;
-        let (bodies, reference) = bodies_of(model)?;
-        let first = |body: usize| bodies[body].nodes.start;
-        let supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
-        let mut loads = loads_of(model, &bodies);
+        let (mut bodies, reference) = bodies_of(model)?;
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
+        let first = |body: usize| firsts[body];
+        let mut supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
+        let mut loads = loads_of(model, &bodies);
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
-        let viscous = model.bodies.iter().enumerate().filter_map(|(index, body)| ViscousBody::new(body, first(index)));
+        let viscous = model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none());
+        let viscous = viscous.filter_map(|(index, body)| ViscousBody::new(body, first(index)));
         let viscous = viscous.map(|part| Box::new(part) as Box<dyn Part>);
         let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).chain(viscous).collect();
+        let followers = part_followers(model, &mut bodies, first, &others);
+        followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
-        let pairs = contact_pairs(model, first, &middles, &reference, default_rule);
+        let points = point_pairs(model, &bodies, &reference);
+        let pairs = contact_pairs(model, first, &middles, &reference, default_rule, points);
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);
         let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
         let masses: Vec<(u32, f64)> = others.iter().flat_map(|part| part.point_masses()).collect();
-        let nodes = Nodes::new(model, &bodies, reference, &supports.fixed, &pattern, &masses);
+        let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), &pattern, &masses);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
         let matrix = Matrix::new(pattern, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
@@ -168,6 +174,24 @@ where
     }
 }
 
+/// Parts what rigid bodies carry into nodes on which something acts and followers, and returns these.
+fn part_followers<const D: usize>(
+    model: &Model,
+    bodies: &mut [Body<D>],
+    first: impl Fn(usize) -> usize,
+    others: &[Box<dyn Part>],
+) -> BTreeSet<u32> {
+    let mut used = used_nodes(model, first);
+    others.iter().for_each(|part| part.for_each_coupling(&mut |nodes| used.extend(nodes)));
+    let mut followers = BTreeSet::new();
+    for rigid in bodies.iter_mut().filter_map(|body| body.rigid.as_mut()) {
+        let Carried { carried, followers: own, .. } = rigid;
+        own.retain(|&index| !used.contains(&carried[index].0));
+        followers.extend(own.iter().map(|&index| carried[index].0));
+    }
+    followers
+}
+
 /// A mass at a node, with the node's block in the matrix.
 pub(super) struct PointInertia {
     pub(super) node: u32,
@@ -183,10 +207,18 @@ where
     let (mut bodies, mut reference): (Vec<Body<D>>, Vec<f64>) = (Vec::new(), Vec::new());
     for (number, body) in model.bodies.iter().enumerate() {
         let first = reference.len() / D;
-        let elements = Space::<D>::elements(&body.mesh, &body.material, body.formulation, first)
-            .map_err(|Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant })?;
+        let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
+        let elements =
+            match &frame {
+                Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
+                None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first).map_err(
+                    |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
+                )?,
+            };
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
-        bodies.push(Body { name: body.name.clone(), number, nodes: first..reference.len() / D, elements, recovery: OnceLock::new() });
+        let nodes = first..reference.len() / D;
+        let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));
+        bodies.push(Body { name: body.name.clone(), number, nodes, elements, recovery: OnceLock::new(), rigid });
     }
     Ok((bodies, reference))
 }
@@ -231,6 +263,21 @@ impl<const D: usize> System<D> {
     /// Everything that pushes on nodes, bodies first.
     pub fn parts(&self) -> impl Iterator<Item = &dyn Part> {
         parts(&self.bodies, &self.loads, &self.others)
+    }
+
+    /// Moves what rigid bodies carry along, in a nodal vector: displacements, velocities.
+    pub fn lead(&self, values: &mut [f64]) {
+        self.bodies.iter().filter_map(|body| body.rigid.as_ref()).for_each(|rigid| rigid.lead::<D>(values));
+    }
+
+    /// The same in displacements and the positions that follow from them.
+    pub fn lead_positions(&self, u: &mut [f64], q: &mut [f64]) {
+        for rigid in self.bodies.iter().filter_map(|body| body.rigid.as_ref()) {
+            rigid.lead::<D>(u);
+            for node in rigid.followers() {
+                (node * D..(node + 1) * D).for_each(|k| q[k] = self.nodes.reference[k] + u[k]);
+            }
+        }
     }
 
     /// Chooses the contact kernels' discrete gradient.
@@ -285,13 +332,14 @@ impl<const D: usize> System<D> {
     /// Sums what each pair has over the contact that it belongs to.
     pub fn by_contact(&self, of: impl Fn(usize, &ContactPair) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.contacts().count()];
-        self.pairs.iter().enumerate().for_each(|(index, pair)| sums[self.contact_of(index)] += of(index, pair));
+        let pairs = self.pairs.iter().enumerate().filter(|(_, pair)| !pair.kind.is_of_points());
+        pairs.for_each(|(index, pair)| sums[self.contact_of(index)] += of(index, pair));
         sums
     }
 
     /// The pairs that are contacts of the model, with their indices.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &ContactPair)> {
-        self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none())
+        self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none() && !pair.kind.is_of_points())
     }
 
     /// The pairs that belong to a contact besides.

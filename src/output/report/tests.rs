@@ -20,7 +20,7 @@ const EVIL: &str = "</script><script>alert(1)</script><!-- \u{2028} & \" ' {{dat
 fn model() -> Model {
     let mesh = crate::mesh::rectangle([2.0, 1.0], [4, 2], [0.0, 0.0]).unwrap();
     let material = NeoHookean { youngs_modulus: 10.0, poisson_ratio: 0.3, density: 1.0 }.material().unwrap();
-    let body = BodyDefinition { name: EVIL.into(), mesh: mesh.into(), material, formulation: Formulation::default() };
+    let body = BodyDefinition { name: EVIL.into(), mesh: mesh.into(), material, formulation: Formulation::default(), rigid: None };
     Model { name: EVIL.into(), bodies: vec![body], gravity: [0.0, -1.0, 0.0], ..Model::default() }
 }
 

@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use super::units::{Dimension, Units};
+use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
     Amplitude, Change, Coefficient, Friction, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, TimeFunction,
@@ -138,6 +139,14 @@ impl Motion {
         self.units.stress() * self.units.length.powi(dimension as i32)
     }
 
+    /// Mass and inertia of a rigid body that is moved.
+    fn inertia(&self, inertia: &Inertia, dimension: usize) -> Inertia {
+        let (units, transposed) = (&self.units, |rows: [[f64; 3]; 3]| [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[j][i])));
+        let mass = self.energy(dimension) * (units.time / units.length).powi(2);
+        let turned = transposed(inertia.euler.map(|row| self.vector(row, 1.0))).map(|row| self.vector(row, mass * units.length.powi(2)));
+        Inertia { mass: mass * inertia.mass, center: self.point(inertia.center), euler: turned }
+    }
+
     /// The moved model.
     ///
     /// # Errors
@@ -151,6 +160,11 @@ impl Motion {
             mesh.points.iter_mut().for_each(|point| *point = self.point(*point));
             body.mesh = Arc::new(mesh);
             body.material = self.material(&body.material)?;
+            body.rigid = body.rigid.map(|inertia| self.inertia(&inertia, dimension));
+        }
+        for joint in &mut moved.joints {
+            joint.kind = joint.kind.along(|direction| self.vector(direction, 1.0));
+            joint.ends.iter_mut().for_each(|end| end.point = self.point(end.point));
         }
         moved.gravity = self.vector(model.gravity, speed / units.time);
         moved.gravity_amplitude = model.gravity_amplitude.as_ref().map(|amplitude| self.amplitude(amplitude, 1.0));

@@ -26,6 +26,7 @@ use crate::script::api::simulations::fields::BodyStateHandle;
 use crate::script::api::simulations::forensics::FailedStepHandle;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::simulations::history::HistoryHandle;
+use crate::script::api::simulations::joints::JointHandle;
 use crate::script::api::simulations::probes::ProbeHandle;
 use crate::script::api::simulations::reactions::ReactionHandle;
 use crate::script::api::simulations::settling::register_settle_to_come;
@@ -154,6 +155,7 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<ProbeHandle>(engine);
     types.add::<ContactHandle>(engine);
     types.add::<ReactionHandle>(engine);
+    types.add::<JointHandle>(engine);
     types.add::<BodyStateHandle>(engine);
     types.add::<TimeFunctionHandle>(engine);
     types.add::<IntegratorHandle>(engine);

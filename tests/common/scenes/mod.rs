@@ -309,6 +309,7 @@ impl Scene {
                 mesh: Arc::new(mesh),
                 material,
                 formulation: Default::default(),
+                rigid: None,
             });
             let [x, y] = body.velocity;
             model.initial_velocities.push(InitialVelocity { body: k, linear: [x, y, 0.0], angular: [0.0, 0.0, body.spin] });

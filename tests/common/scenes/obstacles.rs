@@ -118,6 +118,7 @@ impl Case {
             mesh: Arc::new(mesh),
             material: material(self.body.law, self.body.constants),
             formulation: Default::default(),
+            rigid: None,
         };
         model.bodies.push(definition);
         let [x, y] = self.body.velocity;

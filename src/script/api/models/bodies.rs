@@ -41,6 +41,9 @@ pub fn functions() -> Vec<Function> {
             "number",
             |call| {
                 let body = call.receiver::<BodyHandle>().definition();
+                if let Some(inertia) = body.rigid {
+                    return Dynamic::from(inertia.mass);
+                }
                 let is_axisymmetric = body.formulation.plane == Plane::Axisymmetric;
                 let measure = if is_axisymmetric { body.mesh.volume_of_revolution() } else { body.mesh.measure() };
                 Dynamic::from(measure * body.material.density())

@@ -10,7 +10,7 @@ use super::arguments::body_of;
 use super::change::{change, change_without_bodies};
 use super::data::ModelData;
 use super::handle::{BodyHandle, ModelHandle};
-use crate::bodies::{Dilatation, Formulation, Plane};
+use crate::bodies::{Dilatation, Formulation, Inertia, Plane};
 use crate::contact::Finding;
 use crate::dynamics::{BodyDefinition, InitialDisplacement, InitialVelocity, Model};
 use crate::elements::CellKind;
@@ -86,7 +86,9 @@ pub fn add_body() -> Function {
             if let Err(error) = formulation.check(&mesh, &material) {
                 return Err(call.argument("formulation").fail(error.to_string()).hint(error.remedy()).into());
             }
-            change(call, &model, |data| data.model.bodies.push(BodyDefinition { name, mesh, material, formulation }))?;
+            let rigid = rigid_of(&call.options("formulation")?, &mesh, &material, formulation)?;
+            let definition = BodyDefinition { name, mesh, material, formulation, rigid };
+            change(call, &model, |data| data.model.bodies.push(definition))?;
             let index = model.0.borrow().model.bodies.len() - 1;
             Ok(Dynamic::from(BodyHandle { model, index }))
         }),
@@ -94,7 +96,7 @@ pub fn add_body() -> Function {
 }
 
 /// Refuses a mesh whose surface goes through itself, and warns of what else is wrong with its surface.
-fn refuse_or_warn_of_surface(call: &Call, mesh: &Mesh) -> Result<(), Failure> {
+pub(super) fn refuse_or_warn_of_surface(call: &Call, mesh: &Mesh) -> Result<(), Failure> {
     for defect in mesh.surface_defects() {
         if matches!(defect, MeshError::CrossingSurface { .. }) {
             return Err(call.argument("mesh").fail(defect.to_string()).label("the mesh cannot be computed with").hint(defect.remedy()));
@@ -129,7 +131,17 @@ fn formulation_keys() -> Vec<Parameter> {
             "where Poisson's ratio is 0.49 or more and the law has a volumetric part, `\"linear\"` for `quad9` and `hex27` and `\"mean\"` \
              for all others but `tri3` and `tet4`; otherwise `\"pointwise\"`",
         )),
+        Parameter::new("rigid", Kind::Flag, "whether it does not deform: of its material only the density is used").or(Absent::Flag(false)),
     ]
+}
+
+/// Mass and inertia of a body that is to be rigid.
+fn rigid_of(options: &Options, mesh: &Mesh, material: &Material, formulation: Formulation) -> Result<Option<Inertia>, Failure> {
+    if !options.flag("rigid")? {
+        return Ok(None);
+    }
+    let inertia = Inertia::of_mesh(mesh, material, formulation);
+    inertia.map(Some).map_err(|inverted| options.argument("rigid").fail(format!("cell {} of the mesh is inside out", inverted.cell)))
 }
 
 fn formulation_of(options: &Options, cells: CellKind, material: &Material) -> Result<Formulation, Failure> {

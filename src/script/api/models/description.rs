@@ -2,7 +2,7 @@
 
 use super::data::ModelData;
 use crate::contact::{Obstacle, ObstacleInSpace};
-use crate::dynamics::{Amplitude, BodyBoundary, Interaction, Model, Partner, Prescription, Turn};
+use crate::dynamics::{Amplitude, BodyBoundary, BodyDefinition, Interaction, Model, Partner, Prescription, Turn};
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::wording::joined;
@@ -11,7 +11,8 @@ use crate::script::language::wording::joined;
 pub fn describe_model(data: &ModelData) -> String {
     let model = &data.model;
     let mut lines = vec![format!("model \"{}\"", model.name)];
-    lines.extend(model.bodies.iter().map(|body| format!("  body \"{}\": {}", body.name, describe_mesh(&body.mesh))));
+    let rigid = |body: &BodyDefinition| if body.rigid.is_some() { "rigid body" } else { "body" };
+    lines.extend(model.bodies.iter().map(|body| format!("  {} \"{}\": {}", rigid(body), body.name, describe_mesh(&body.mesh))));
     lines.extend(model.supports.iter().map(|support| {
         let names = ["x", "y", "z"].into_iter().zip(support.components).take(model.dimension()).filter(|(_, held)| *held);
         format!("  fixed \"{}\" in {}", model.boundary_name(&support.on), names.map(|(name, _)| name).collect::<Vec<_>>().join(", "))
@@ -24,6 +25,12 @@ pub fn describe_model(data: &ModelData) -> String {
     if model.gravity != [0.0; 3] {
         lines.push(format!("  gravity {}", vector_text(&model.gravity[..model.dimension()])));
     }
+    lines.extend(model.joints.iter().map(|joint| {
+        let names =
+            joint.ends.iter().rev().map(|end| end.body.map_or("the ground".into(), |body| format!("\"{}\"", model.bodies[body].name)));
+        let at = vector_text(&joint.ends[1].point[..model.dimension()]);
+        format!("  joint \"{}\": {} of {} at {at}", joint.name, joint.kind.name(), joined(&names.collect::<Vec<_>>(), "and"))
+    }));
     lines.extend(model.parts.iter().map(|part| format!("  {}", part.describe())));
     lines.extend(describe_contacts(model));
     lines.join("\n")

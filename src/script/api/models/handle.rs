@@ -56,6 +56,9 @@ impl Handle for BodyHandle {
 
     fn describe(&self) -> String {
         let body = self.definition();
+        if let Some(inertia) = &body.rigid {
+            return format!("rigid body \"{}\": {}; mass {}", body.name, describe_mesh(&body.mesh), number_text(inertia.mass));
+        }
         format!("body \"{}\": {}; {}", body.name, describe_mesh(&body.mesh), MaterialHandle(body.material.clone()).describe())
     }
 }

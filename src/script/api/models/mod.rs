@@ -15,6 +15,7 @@ pub mod handle;
 pub mod loads;
 pub mod masses;
 pub mod properties;
+pub mod rigid;
 pub mod springs;
 pub mod supports;
 
@@ -23,6 +24,7 @@ pub fn functions() -> Vec<Function> {
     let mut all = vec![
         building::model(),
         building::add_body(),
+        rigid::add_rigid_body(),
         supports::fix(),
         supports::prescribe(),
         building::gravity(),
@@ -32,7 +34,7 @@ pub fn functions() -> Vec<Function> {
     ];
     all.extend(properties::functions());
     all.extend(loads::functions());
-    all.extend([springs::add_spring(), dampers::add_damper(), chambers::add_chamber(), masses::add_mass()]);
+    all.extend([rigid::add_joint(), springs::add_spring(), dampers::add_damper(), chambers::add_chamber(), masses::add_mass()]);
     all.extend(bodies::functions());
     all.extend(bodies::boundary_functions());
     all

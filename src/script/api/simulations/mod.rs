@@ -12,6 +12,7 @@ pub mod following;
 pub mod forensics;
 pub mod handle;
 pub mod history;
+pub mod joints;
 pub mod journal;
 pub mod movies;
 pub mod overview;
@@ -43,6 +44,7 @@ pub fn functions() -> Vec<Function> {
     all.extend(history::functions());
     all.extend(contact_state::functions());
     all.extend(reactions::functions());
+    all.extend(joints::functions());
     all.extend(fields::functions());
     all
 }

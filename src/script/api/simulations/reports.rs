@@ -173,6 +173,9 @@ pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable
 }
 
 fn material(body: &BodyDefinition) -> String {
+    if let Some(inertia) = &body.rigid {
+        return format!("rigid: mass {}", number_text(inertia.mass));
+    }
     let constants = body.material.constants().into_iter().map(|(name, value)| format!("{} {}", name.replace('_', " "), number_text(value)));
     format!("{}: {}", body.material.name().replace('_', " "), constants.collect::<Vec<_>>().join(", "))
 }

@@ -162,10 +162,21 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         call.host.warn(warning.hint(finding.hint()));
     }
     for found in simulation.redundant_constraints() {
-        let RedundantConstraints { tie, count, of, node: (body, number), place } = found;
-        let title = format!("{count} of {of} constraints of tie \"{tie}\" follow from supports and other ties, and are left out");
-        let warning = Diagnostic::warning(title, model.place_of_contact(&tie));
-        let warning = warning.cause(format!("the first is that of node {number} of body \"{body}\", at {}", brief_vector(&place[..2])));
+        let RedundantConstraints { name, is_joint, count, of, node } = found;
+        if is_joint {
+            let title = format!("{count} of {of} constraints of joint \"{name}\" follow from the joints before it, and are left out");
+            let warning = Diagnostic::warning(title, call.place(&Target::Call));
+            let cause =
+                "where the bodies are at rest they hold nothing that is not held: a closed loop of hinges in a plane, or a body held twice";
+            let hint = "leave more free, such as by a `point` in place of a `hinge`; at a dead center start a little beside it";
+            call.host.warn(warning.cause(cause).hint(hint));
+            continue;
+        }
+        let title = format!("{count} of {of} constraints of tie \"{name}\" follow from supports and other ties, and are left out");
+        let mut warning = Diagnostic::warning(title, model.place_of_contact(&name));
+        if let Some((body, number, place)) = node {
+            warning = warning.cause(format!("the first is that of node {number} of body \"{body}\", at {}", brief_vector(&place[..2])));
+        }
         call.host.warn(
             warning.hint("tie surfaces once, and leave supports to one of two tied surfaces; nothing is lost unless supports part them"),
         );
@@ -210,7 +221,7 @@ const CROSSINGS: f64 = 1e9;
 
 /// Warns of bodies so light that no choice of `dt` explains it.
 fn warn_of_units(call: &Call, model: &Model, dt: f64) {
-    for body in &model.bodies {
+    for body in model.bodies.iter().filter(|body| body.rigid.is_none()) {
         let (density, modulus) = (body.material.density(), body.material.youngs_modulus());
         let extent = |i: usize| {
             let ends =

@@ -1,0 +1,287 @@
+//! Rigid bodies: the motion of `D + 1` of a mesh's nodes carries all others.
+//!
+//! A body whose strain is zero moves affinely, so `D + 1` nodes in general position, its *masters*, tell where every point is: `x(X) = sum_i
+//! a_i(X) x_i` with the barycentric coordinates `a_i` of the point at rest. With them as unknowns the mass matrix is constant,
+//!
+//! ```text
+//! M_ij = int rho a_i a_j dV = m a_i(X_c) a_j(X_c) + grad a_i . E grad a_j          X_c center of mass, E Euler tensor about it
+//! ```
+//!
+//! and what is left of the motion is rigid by the quadratic constraints that the distances between masters do not change (rotationless:
+//! Betsch and Steinmann, IJNME 53, 2001; natural coordinates: de Jalon and Bayo 1994). Their gradient in the middle of a step is a discrete
+//! gradient, so energy and momenta are exact with any of them.
+
+use std::ops::Range;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::element_loop::{ElementLoop, Inverted, PointStress, Step};
+use super::formulation::Formulation;
+use super::kinds::{Elements, Space};
+use crate::linear::{Block, NodeMatrix, Pattern, Vertex};
+use crate::materials::Material;
+use crate::math::tolerances;
+use crate::math::workers::Workers;
+use crate::mesh::Mesh;
+
+/// Mass of a rigid body and how it is spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertia {
+    /// Mass, per thickness in the plane `[mass]`.
+    pub mass: f64,
+    /// Center of mass at rest `[length]`.
+    pub center: [f64; 3],
+    /// Euler tensor `E = int rho (X - X_c) (X - X_c)^T dV` `[mass * length^2]`; in the plane its first two rows and columns. The tensor of
+    /// inertia is `tr(E) I - E`.
+    pub euler: [[f64; 3]; 3],
+}
+
+impl Inertia {
+    /// That of a mesh with the density of a material.
+    ///
+    /// # Errors
+    /// A cell that is inside out in the mesh.
+    pub fn of_mesh(mesh: &Mesh, material: &Material, formulation: Formulation) -> Result<Self, Inverted> {
+        if mesh.dimension() == 2 { of_cells::<2>(mesh, material, formulation) } else { of_cells::<3>(mesh, material, formulation) }
+    }
+
+    /// That by numbers: mass, center, and moments and products of inertia about it, `int rho (|r|^2 I - r r^T) dV`.
+    pub fn of_moments(mass: f64, center: [f64; 3], moments: [[f64; 3]; 3]) -> Self {
+        let half_trace = 0.5 * (moments[0][0] + moments[1][1] + moments[2][2]);
+        let entry = |i: usize, j: usize| if i == j { half_trace - moments[i][j] } else { -moments[i][j] };
+        Inertia { mass, center, euler: std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))) }
+    }
+
+    /// That in the plane: mass, center, and the moment of inertia about it. Rotations see only the sum of both second moments.
+    pub fn in_plane(mass: f64, center: [f64; 3], moment: f64) -> Self {
+        let mut euler = [[0.0; 3]; 3];
+        (euler[0][0], euler[1][1]) = (0.5 * moment, 0.5 * moment);
+        Inertia { mass, center, euler }
+    }
+
+    /// Principal moments of inertia in ascending order `[mass * length^2]`; in the plane the last is that about the third axis.
+    pub fn principal_moments(&self) -> [f64; 3] {
+        let euler = Matrix3::from_fn(|i, j| self.euler[i][j]);
+        let mut values = euler.symmetric_eigenvalues();
+        let trace = values.sum();
+        values.apply(|value| *value = trace - *value);
+        let mut values: [f64; 3] = values.into();
+        values.sort_by(f64::total_cmp);
+        values
+    }
+
+    /// Second moments of the mass along its principal axes in ascending order `[mass * length^2]`: none is negative of a body that exists.
+    pub fn principal_spreads(&self) -> [f64; 3] {
+        let mut values: [f64; 3] = Matrix3::from_fn(|i, j| self.euler[i][j]).symmetric_eigenvalues().into();
+        values.sort_by(f64::total_cmp);
+        values
+    }
+}
+
+/// Mass, center and Euler tensor of cells, by their consistent mass matrix: it integrates affine functions exactly.
+fn of_cells<const D: usize>(mesh: &Mesh, material: &Material, formulation: Formulation) -> Result<Inertia, Inverted>
+where
+    Space<D>: Elements<D>,
+{
+    let elements = Space::<D>::elements(mesh, material, formulation, 0)?;
+    let vertices = vec![Vertex::coordinates(D as u8); mesh.points.len()];
+    let pattern = Pattern::new(&vertices, elements.cliques().iter().map(|clique| &clique[..]));
+    let mut matrix = NodeMatrix::new(&pattern, mesh.points.len());
+    elements.add_mass(&mut matrix);
+    let point = |node: u32| Vector3::from(mesh.points[node as usize]);
+    let (mut mass, mut first) = (0.0, Vector3::zeros());
+    for (node, value) in (0..).zip(matrix.row_sums()) {
+        mass += value;
+        first += point(node) * value;
+    }
+    let center = first / mass;
+    let mut euler = Matrix3::zeros();
+    for (row, column, value) in matrix.entries() {
+        euler += (point(row) - center) * (point(column) - center).transpose() * value;
+    }
+    Ok(Inertia { mass, center: center.into(), euler: std::array::from_fn(|i| std::array::from_fn(|j| euler[(i, j)])) })
+}
+
+/// How the points of a rigid body follow from its masters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Masters: `D + 1` nodes of its mesh.
+    pub masters: Vec<u32>,
+    /// Gradients of their barycentric coordinates `[1/length]`.
+    gradients: Vec<Vector3<f64>>,
+    /// Where the first is at rest.
+    origin: Vector3<f64>,
+}
+
+impl Frame {
+    /// That of a mesh: masters as far from each other as they can be found. `None` where all nodes lie on one plane, or on one line.
+    pub fn new(mesh: &Mesh) -> Option<Self> {
+        let dimension = mesh.dimension();
+        let point = |node: usize| Vector3::from(mesh.points[node]);
+        let farthest = |size: &dyn Fn(usize) -> f64| (0..mesh.points.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)));
+        let mean = mesh.points.iter().map(|&point| Vector3::from(point)).sum::<Vector3<f64>>() / mesh.points.len() as f64;
+        let mut masters = vec![farthest(&|node| (point(node) - mean).norm())?];
+        let mut directions: Vec<Vector3<f64>> = Vec::new();
+        let origin = point(masters[0]);
+        for _ in 0..dimension {
+            let off =
+                |node: usize| directions.iter().fold(point(node) - origin, |rest, direction| rest - *direction * direction.dot(&rest));
+            let next = farthest(&|node| off(node).norm())?;
+            let length = off(next).norm();
+            if length <= FLAT * (origin - mean).norm() {
+                return None;
+            }
+            directions.push(off(next) / length);
+            masters.push(next);
+        }
+        let mut edges = Matrix3::identity();
+        (0..dimension).for_each(|k| edges.set_row(k, &(point(masters[k + 1]) - origin).transpose()));
+        let inverse = edges.try_inverse()?;
+        let others: Vec<Vector3<f64>> = (0..dimension).map(|k| inverse.column(k).into()).collect();
+        let first = -others.iter().sum::<Vector3<f64>>();
+        let gradients = std::iter::once(first).chain(others).collect();
+        Some(Frame { masters: masters.into_iter().map(|node| node as u32).collect(), gradients, origin })
+    }
+
+    /// Shares of the masters in a point of the body, given where it is at rest: they sum to one.
+    pub fn shares(&self, point: [f64; 3]) -> Vec<f64> {
+        let arm = Vector3::from(point) - self.origin;
+        let share = |(k, gradient): (usize, &Vector3<f64>)| gradient.dot(&arm) + if k == 0 { 1.0 } else { 0.0 };
+        self.gradients.iter().enumerate().map(share).collect()
+    }
+
+    /// The same for a vector that turns with the body: they sum to zero.
+    pub fn direction(&self, vector: [f64; 3]) -> Vec<f64> {
+        self.gradients.iter().map(|gradient| gradient.dot(&Vector3::from(vector))).collect()
+    }
+
+    /// The mass matrix between masters.
+    pub fn masses(&self, inertia: &Inertia) -> Vec<Vec<f64>> {
+        let (at_center, euler) = (self.shares(inertia.center), Matrix3::from_fn(|i, j| inertia.euler[i][j]));
+        let entry = |i: usize, j: usize| inertia.mass * at_center[i] * at_center[j] + self.gradients[i].dot(&(euler * self.gradients[j]));
+        let count = self.masters.len();
+        (0..count).map(|i| (0..count).map(|j| entry(i.min(j), i.max(j))).collect()).collect()
+    }
+}
+
+/// Distance from the plane (line, point) of the masters before it over the size of a mesh, below which nodes count as flat.
+const FLAT: f64 = tolerances::FLAT_FRAME;
+
+/// A rigid body where the equations expect a loop over cells: mass, and no force.
+pub struct RigidMass {
+    /// Its masters in the numbering of the model, one clique.
+    cliques: Vec<Vec<u32>>,
+    nodes: Range<usize>,
+    masses: Vec<Vec<f64>>,
+    /// Blocks between masters, row by row, and the columns of all nodes.
+    blocks: Vec<Block>,
+    columns: Vec<Range<usize>>,
+}
+
+impl RigidMass {
+    /// The mass of a body on its masters, its nodes those of the model from `first_node` on.
+    pub fn new(mesh: &Mesh, frame: &Frame, inertia: &Inertia, first_node: usize) -> Self {
+        RigidMass {
+            cliques: vec![frame.masters.iter().map(|node| node + first_node as u32).collect()],
+            nodes: first_node..first_node + mesh.points.len(),
+            masses: frame.masses(inertia),
+            blocks: Vec::new(),
+            columns: Vec::new(),
+        }
+    }
+
+    fn add_inertia<const D: usize>(&self, factor: f64, values: &mut [f64]) {
+        for (block, mass) in self.blocks.iter().zip(self.masses.iter().flatten()) {
+            (0..D).for_each(|i| values[block.at(i, i)] += factor * mass);
+        }
+    }
+}
+
+impl<const D: usize> ElementLoop<D> for RigidMass {
+    fn cliques(&self) -> &[Vec<u32>] {
+        &self.cliques
+    }
+
+    fn place(&mut self, pattern: &Pattern) {
+        let masters = &self.cliques[0];
+        self.blocks = masters.iter().flat_map(|&u| masters.iter().map(move |&v| pattern.block(u, v))).collect();
+        let column = |node: usize| {
+            let neighbors = pattern.neighbors(node);
+            let length: usize = neighbors.iter().map(|&other| pattern.size(other as usize)).sum();
+            let start = pattern.block(neighbors[0], node as u32).at(0, 0);
+            start..start + D * length
+        };
+        self.columns = self.nodes.clone().map(column).collect();
+    }
+
+    fn add_mass(&self, mass: &mut NodeMatrix) {
+        let masters = &self.cliques[0];
+        for (&u, row) in masters.iter().zip(&self.masses) {
+            masters.iter().zip(row).for_each(|(&v, &value)| mass.add(u, v, value));
+        }
+    }
+
+    fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, _workers: &Workers) -> Result<(), Inverted> {
+        force[self.nodes.start * D..self.nodes.end * D].fill(0.0);
+        if let Some(values) = values {
+            self.columns.iter().for_each(|column| values[column.clone()].fill(0.0));
+            self.add_inertia::<D>(step.inertia, values);
+        }
+        Ok(())
+    }
+
+    fn add_material_stiffness(&self, _u: &[f64], _factor: f64, values: &mut [f64]) {
+        self.add_inertia::<D>(1.0, values);
+    }
+
+    fn strain_energy(&self, _u: &[f64]) -> f64 {
+        0.0
+    }
+
+    fn smallest_determinant(&self, _u: &[f64]) -> Inverted {
+        Inverted { cell: 0, determinant: 1.0 }
+    }
+
+    fn visit_stresses(&self, _u: &[f64], _visit: &mut dyn FnMut(&PointStress)) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::materials::NeoHookean;
+    use crate::mesh::{block, rectangle};
+
+    #[test]
+    fn inertia_of_a_box_is_the_closed_form_and_masters_reproduce_it() {
+        let steel = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 2.0 }.material().unwrap();
+        let mesh = block([1.0, 2.0, 3.0], [2, 1, 2], [0.5, 0.0, 0.0]).unwrap();
+        let inertia = Inertia::of_mesh(&mesh, &steel, Formulation::default()).unwrap();
+        assert!((inertia.mass - 12.0).abs() < 1e-12);
+        let expected = [5.0, 10.0, 13.0];
+        assert!(inertia.principal_moments().iter().zip(expected).all(|(moment, expected)| (moment - expected).abs() < 1e-12));
+        let frame = Frame::new(&mesh).unwrap();
+        let masses = frame.masses(&inertia);
+        let points: Vec<Vector3<f64>> = frame.masters.iter().map(|&node| mesh.points[node as usize].into()).collect();
+        let (total, first) = masses
+            .iter()
+            .flatten()
+            .zip((0..4).flat_map(|_| &points))
+            .fold((0.0, Vector3::zeros()), |(m, s), (value, x)| (m + value, s + x * *value));
+        assert!((total - 12.0).abs() < 1e-12 && (first / total - Vector3::from(inertia.center)).norm() < 1e-12);
+        let again = Inertia::of_moments(12.0, inertia.center, [[13.0, 0.0, 0.0], [0.0, 10.0, 0.0], [0.0, 0.0, 5.0]]);
+        assert!((0..3).all(|i| (again.euler[i][i] - inertia.euler[i][i]).abs() < 1e-12));
+    }
+
+    #[test]
+    fn every_node_is_a_combination_of_the_masters() {
+        let mesh = rectangle([2.0, 1.0], [3, 2], [1.0, -4.0]).unwrap();
+        let frame = Frame::new(&mesh).unwrap();
+        for point in &mesh.points {
+            let shares = frame.shares(*point);
+            assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            let sum: Vector3<f64> =
+                frame.masters.iter().zip(&shares).map(|(&node, share)| Vector3::from(mesh.points[node as usize]) * *share).sum();
+            assert!((sum - Vector3::from(*point)).norm() < 1e-13);
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! Bilateral constraints between points: rigidity, carried nodes, joints.
+//!
+//! Every function is at most quadratic in a few *vectors* `y_k = sum_n c_kn q_n + o_k`, points of bodies or directions that turn with them,
+//!
+//! ```text
+//! Phi = sum w_ab y_a . y_b + sum g_a . y_a + c          [length]
+//! ```
+//!
+//! so its gradient in the middle of a step is a discrete gradient: `grad Phi(q_1/2) . (q_1 - q_0) = Phi(q_1) - Phi(q_0)`. The forces of a
+//! function that does not change with rigid motions of all its nodes have no resultant and no moment.
+
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use super::patches::Evaluation;
+use super::surface::{Sides, Surface};
+use super::window::Outlook;
+use crate::integrators::Derivative;
+
+/// A combination of nodes with a constant: a point (its shares sum to one), a direction, a distance vector.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointVector {
+    /// Nodes of the model with their factors.
+    pub parts: Vec<(u32, f64)>,
+    /// What is added `[length]`.
+    pub offset: [f64; 3],
+}
+
+impl PointVector {
+    /// The difference of two vectors.
+    pub fn minus(&self, other: &PointVector) -> PointVector {
+        let mut parts = self.parts.clone();
+        for &(node, factor) in &other.parts {
+            match parts.iter_mut().find(|(known, _)| *known == node) {
+                Some((_, sum)) => *sum -= factor,
+                None => parts.push((node, -factor)),
+            }
+        }
+        PointVector { parts, offset: std::array::from_fn(|i| self.offset[i] - other.offset[i]) }
+    }
+
+    /// Its components where the nodes are at `q`.
+    pub fn at(&self, dimension: usize, q: &[f64]) -> [f64; 3] {
+        let mut sum = self.offset;
+        for &(node, factor) in &self.parts {
+            (0..dimension).for_each(|i| sum[i] += factor * q[dimension * node as usize + i]);
+        }
+        sum
+    }
+}
+
+/// A function of the vectors of its group.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointFunction {
+    /// Products of two vectors, with their factors `[1/length]`.
+    pub products: Vec<(usize, usize, f64)>,
+    /// Vectors with what they are projected on.
+    pub linear: Vec<(usize, [f64; 3])>,
+    /// The constant `[length]`.
+    pub constant: f64,
+}
+
+/// Functions that couple the same nodes.
+#[derive(Clone, Debug)]
+struct Group {
+    nodes: Vec<u32>,
+    vectors: Vec<PointVector>,
+    functions: Vec<PointFunction>,
+    first_row: usize,
+    /// Whether the ground is one of what they join: they change with rigid motions of all nodes.
+    is_grounded: bool,
+}
+
+/// Bilateral constraints between points of bodies.
+#[derive(Clone, Debug)]
+pub struct PointConstraints {
+    sides: Sides,
+    groups: Vec<Group>,
+    dimension: usize,
+    row_nodes: Vec<u32>,
+    start: Vec<f64>,
+    q_0: Vec<f64>,
+}
+
+impl PointConstraints {
+    /// None yet, in a space dimension; `size` is that of what they join `[length]`, for tolerances.
+    pub fn new(dimension: usize, size: f64) -> Self {
+        let surface = || if dimension == 2 { Surface::new(&[]) } else { Surface::in_space(std::iter::empty()) };
+        let mut sides = Sides::of(surface(), surface(), &[]);
+        sides.facet_size = size;
+        PointConstraints { sides, groups: Vec::new(), dimension, row_nodes: Vec::new(), start: Vec::new(), q_0: Vec::new() }
+    }
+
+    /// Adds functions of some vectors; `owner`: a node whose motion as many functions as it has components hold, if all groups have one;
+    /// `is_grounded`: whether the functions change with rigid motions of all nodes, because the ground is one of what they join.
+    pub fn add(&mut self, vectors: Vec<PointVector>, functions: Vec<PointFunction>, owner: Option<u32>, is_grounded: bool) {
+        let mut nodes: Vec<u32> = vectors.iter().flat_map(|vector| vector.parts.iter().map(|(node, _)| *node)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let first_row = self.sides.weights.len();
+        self.sides.weights.resize(first_row + functions.len(), 1.0);
+        self.row_nodes.extend(owner);
+        self.groups.push(Group { nodes, vectors, functions, first_row, is_grounded });
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// Adds the gradient of a function at vectors `y`, times a factor, to that by nodes.
+    fn gradient_into(&self, group: &Group, function: &PointFunction, y: &[[f64; 3]], out: &mut [f64]) {
+        let mut add = |vector: usize, along: [f64; 3], by: f64| {
+            for &(node, factor) in &group.vectors[vector].parts {
+                let place = group.nodes.binary_search(&node).unwrap_or(0) * self.dimension;
+                (0..self.dimension).for_each(|i| out[place + i] += by * factor * along[i]);
+            }
+        };
+        for &(a, b, by) in &function.products {
+            add(a, y[b], by);
+            add(b, y[a], by);
+        }
+        function.linear.iter().for_each(|&(a, along)| add(a, along, 1.0));
+    }
+
+    /// Adds the second derivative of a function times a factor.
+    fn hessian_into(&self, group: &Group, function: &PointFunction, by: f64, out: &mut [f64]) {
+        let count = group.nodes.len() * self.dimension;
+        let place = |node: u32| group.nodes.binary_search(&node).unwrap_or(0) * self.dimension;
+        for &(a, b, weight) in &function.products {
+            for &(n, of_n) in &group.vectors[a].parts {
+                for &(m, of_m) in &group.vectors[b].parts {
+                    let value = by * weight * of_n * of_m;
+                    for i in 0..self.dimension {
+                        out[(place(n) + i) * count + place(m) + i] += value;
+                        out[(place(m) + i) * count + place(n) + i] += value;
+                    }
+                }
+            }
+        }
+    }
+
+    fn vectors_at(&self, group: &Group, q: &[f64]) -> Vec<[f64; 3]> {
+        group.vectors.iter().map(|vector| vector.at(self.dimension, q)).collect()
+    }
+}
+
+/// A function's value where its vectors are these.
+fn value(function: &PointFunction, y: &[[f64; 3]]) -> f64 {
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let products: f64 = function.products.iter().map(|&(a, b, by)| by * dot(&y[a], &y[b])).sum();
+    products + function.linear.iter().map(|(a, along)| dot(&y[*a], along)).sum::<f64>() + function.constant
+}
+
+impl PatchFunctions for PointConstraints {
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn rows_per_node(&self) -> usize {
+        if self.row_nodes.is_empty() { 1 } else { self.dimension }
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        &self.row_nodes
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        self.start = self.gap(q_0);
+        self.q_0.clear();
+        self.q_0.extend_from_slice(q_0);
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        if self.start.is_empty() { vec![0.0; self.sides.weights.len()] } else { self.start.clone() }
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        let patches = &self.sides.patches;
+        out.prepare(patches, self.sides.weights.len());
+        let placement = derivative.placement();
+        for (p, group) in self.groups.iter().enumerate().take(patches.len()) {
+            out.clear_patch(patches, p);
+            out.live[p] = true;
+            let end = self.vectors_at(group, q_1);
+            let test = if placement.share < 1.0 && !self.q_0.is_empty() {
+                let mean = |(a, b): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+                self.vectors_at(group, &self.q_0).iter().zip(&end).map(mean).collect()
+            } else {
+                end.clone()
+            };
+            let count = patches.unknowns(p);
+            let (gradients, tangent) = (patches.gradient_range(p), patches.tangent_range(p));
+            for (m, function) in group.functions.iter().enumerate() {
+                let range = gradients.start + m * count..gradients.start + (m + 1) * count;
+                self.gradient_into(group, function, &end, &mut out.gradient_end[range.clone()]);
+                self.gradient_into(group, function, &test, &mut out.gradient_bar[range]);
+                let row = group.first_row + m;
+                self.hessian_into(group, function, placement.share * lambda[row], &mut out.tangent[tangent.clone()]);
+                out.gap[row] = value(function, &end);
+            }
+        }
+        out.coverage.fill(1.0);
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        let of = |group: &Group| {
+            let y = self.vectors_at(group, q);
+            group.functions.iter().map(move |function| value(function, &y)).collect::<Vec<_>>()
+        };
+        self.groups.iter().flat_map(of).collect()
+    }
+
+    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
+        vec![1.0; self.sides.weights.len()]
+    }
+}
+
+impl CandidateSearch for PointConstraints {
+    fn update_candidates(&mut self, _outlook: &Outlook) -> bool {
+        let is_first = self.sides.patches.is_empty() && !self.groups.is_empty();
+        if is_first {
+            for group in &self.groups {
+                let rows: Vec<u32> = (0..group.functions.len()).map(|k| (group.first_row + k) as u32).collect();
+                self.sides.patches.push(&group.nodes, &rows);
+            }
+        }
+        is_first
+    }
+}
+
+impl RigidObstacle for PointConstraints {
+    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+        // What the ground exerts has no counterpart among the nodes.
+        if self.groups.iter().all(|group| !group.is_grounded) {
+            return 0.0;
+        }
+        let mut out = Evaluation::default();
+        self.evaluate(derivative, q_1, lambda, &mut out);
+        let d = self.dimension;
+        let patches = &self.sides.patches;
+        for (p, group) in self.groups.iter().enumerate().take(patches.len()).filter(|(_, group)| group.is_grounded) {
+            let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
+            for m in 0..group.functions.len() {
+                let row = group.first_row + m;
+                let pressure = before[row] + lambda[row];
+                for (entry, gradient) in out.gradient_bar[first + m * count..first + (m + 1) * count].iter().enumerate() {
+                    force[group.nodes[entry / d] as usize * d + entry % d] += pressure * gradient;
+                }
+            }
+        }
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A distance, and two directions across each other, of four nodes in space.
+    fn joint() -> PointConstraints {
+        let vector = |parts: &[(u32, f64)]| PointVector { parts: parts.to_vec(), offset: [0.0; 3] };
+        let vectors = vec![vector(&[(0, 0.5), (1, 0.5), (3, -1.0)]), vector(&[(0, 1.0), (1, -1.0)]), vector(&[(2, 1.0), (3, -1.0)])];
+        let functions = vec![
+            PointFunction { products: vec![(0, 0, 0.5)], linear: Vec::new(), constant: -0.2 },
+            PointFunction { products: vec![(1, 2, 0.7)], linear: vec![(0, [0.1, 0.0, -0.3])], constant: 0.0 },
+        ];
+        let mut kernel = PointConstraints::new(3, 1.0);
+        kernel.add(vectors, functions, None, false);
+        let q: Vec<f64> = (0..12).map(|k| (1.7 * k as f64).sin()).collect();
+        kernel.update_candidates(&Outlook::within(&q, 0.0));
+        kernel.begin_step(&q);
+        kernel
+    }
+
+    #[test]
+    fn the_gradient_in_the_middle_is_discrete_and_tangents_are_derivatives() {
+        let kernel = joint();
+        let (q_1, lambda): (Vec<f64>, _) = ((0..12).map(|k| (1.9 * k as f64).cos()).collect(), [0.8, -1.3]);
+        let evaluated = |derivative, q: &[f64]| {
+            let mut out = Evaluation::default();
+            kernel.evaluate(derivative, q, &lambda, &mut out);
+            out
+        };
+        let at = evaluated(Derivative::DiscreteGradient, &q_1);
+        for row in 0..2 {
+            let moved = q_1.iter().zip(&kernel.q_0).map(|(a, b)| a - b);
+            let work: f64 = at.gradient_bar[12 * row..12 * (row + 1)].iter().zip(moved).map(|(g, moved)| g * moved).sum();
+            assert!((work - (at.gap[row] - kernel.start[row])).abs() < 1e-14);
+        }
+        for derivative in Derivative::ALL {
+            let at = evaluated(derivative, &q_1);
+            for k in 0..12 {
+                let mut sides = [1e-6, -1e-6].map(|step| {
+                    let mut q = q_1.clone();
+                    q[k] += step;
+                    evaluated(derivative, &q)
+                });
+                let [up, down] = &mut sides;
+                for row in 0..2 {
+                    let slope = (up.gap[row] - down.gap[row]) / 2e-6;
+                    assert!((slope - at.gradient_end[12 * row + k]).abs() < 1e-8);
+                }
+                for i in 0..12 {
+                    let force = |at: &Evaluation| lambda[0] * at.gradient_bar[i] + lambda[1] * at.gradient_bar[12 + i];
+                    let slope = (force(up) - force(down)) / 2e-6;
+                    assert!((slope - at.tangent[12 * i + k]).abs() < 1e-8);
+                }
+            }
+        }
+    }
+}

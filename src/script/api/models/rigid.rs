@@ -1,0 +1,276 @@
+//! Rigid bodies and exact joints.
+
+use rhai::{Array, Dynamic};
+
+use super::arguments::body_of;
+use super::building::refuse_or_warn_of_surface;
+use super::change::change;
+use super::handle::{BodyHandle, ModelHandle};
+use crate::bodies::{Formulation, Inertia};
+use crate::dynamics::{Anchor, BodyDefinition, JointDefinition, JointKind, Model};
+use crate::materials::{Material, NeoHookean};
+use crate::math::catalogue::Interval;
+use crate::math::tolerances;
+use crate::mesh::Mesh;
+use crate::script::api::examples::plate_example;
+use crate::script::api::meshes::handle::MeshHandle;
+use crate::script::api::remedies::ScriptWords;
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::digits::{brief, vector_text};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// Poisson's ratio of the material that stands for a rigid body's: of it only the density counts.
+const ANY_RATIO: f64 = 0.3;
+
+/// `add_rigid_body`.
+pub fn add_rigid_body() -> Function {
+    Function {
+        name: "add_rigid_body",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "adds a body that does not deform: its mass and inertia are those of its mesh, or given by numbers",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "its name, unique in the model"),
+            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its mesh at rest: what it looks like, and its surface"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("density", "mass/length^3", Interval::Positive, "density of the mesh, for mass and inertia")
+                        .or(Absent::Means("`mass` is given")),
+                    Parameter::number("mass", "mass", Interval::Positive, "its mass (plane: per thickness), in place of a density")
+                        .or(Absent::Means("that of the mesh")),
+                    Parameter::new(
+                        "inertia",
+                        Kind::Either("a number, or an array of 3 or 6 numbers"),
+                        "moments of inertia about the center of mass: in the plane one number, in space those about the axes x, y and z \
+                         through it, `[xx, yy, zz]`, and then the products `int rho x y dV`: `[xx, yy, zz, xy, yz, xz]`",
+                    )
+                    .of("mass * length^2")
+                    .or(Absent::Means("that of the mesh, with this mass")),
+                    Parameter::new("center", Kind::Vector, "its center of mass at rest").of("length").or(Absent::Means("that of the mesh")),
+                ]),
+                "its density, or mass and inertia",
+            ),
+        ],
+        returns: BodyHandle::NAME,
+        example: plate_example(
+            "let cage = press.add_rigid_body(\"cage\", ring(#{ inner_radius: 1.0, outer_radius: 1.2, cells: [1, 24], center: [5.0, 0.0] }), \
+             #{ density: 1.0 });\n\
+             let rod = press.add_rigid_body(\"rod\", rectangle(#{ size: [2.0, 0.1], cells: [4, 1], origin: [8.0, 0.0] }), #{ mass: 2.0, \
+             inertia: 0.7 });",
+        ),
+        see_also: &["add_joint", "add_body", "add_contact", "initial_velocity"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, mesh) = (call.name("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
+            if let Err(error) = mesh.check() {
+                let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
+                return Err(failure.hint(error.remedy()).into());
+            }
+            refuse_or_warn_of_surface(call, &mesh)?;
+            let options = call.options("options")?;
+            let (material, inertia) = mass_of(&options, &mesh)?;
+            let definition = BodyDefinition { name, mesh, material, formulation: Formulation::default(), rigid: Some(inertia) };
+            change(call, &model, |data| data.model.bodies.push(definition))?;
+            let index = model.0.borrow().model.bodies.len() - 1;
+            Ok(Dynamic::from(BodyHandle { model, index }))
+        }),
+    }
+}
+
+/// A material of that density.
+fn material_of(argument: &Argument, density: f64) -> Result<Material, Failure> {
+    let made = NeoHookean { youngs_modulus: density, poisson_ratio: ANY_RATIO, density }.material();
+    made.map_err(|error| argument.fail(error.to_string()))
+}
+
+/// Mass and inertia of a rigid body, and the material that has its density.
+fn mass_of(options: &Options, mesh: &Mesh) -> Result<(Material, Inertia), Failure> {
+    let (density, mass) = (options.optional_number("density")?, options.optional_number("mass")?);
+    let argument = options.argument("mass");
+    let density = match (density, mass) {
+        (None, None) => {
+            let failure = argument.fail("a rigid body needs a mass");
+            return Err(
+                failure.hint("give `density`, with which its mesh is weighed, or `mass` and, if it is not that of the mesh, `inertia`")
+            );
+        }
+        (Some(_), Some(_)) => {
+            let failure = argument.fail("`density` and `mass` say the same thing twice");
+            return Err(failure.hint("leave one of them out: the density is that of the mesh's volume"));
+        }
+        (Some(density), None) => density,
+        (None, Some(mass)) => mass / mesh.measure(),
+    };
+    let material = material_of(&argument, density)?;
+    let of_mesh = Inertia::of_mesh(mesh, &material, Formulation::default());
+    let mut inertia = of_mesh.map_err(|inverted| argument.fail(format!("cell {} of the mesh is inside out", inverted.cell)))?;
+    let center = options.argument("center");
+    if center.is_given() {
+        inertia.center = center.vector(mesh.dimension())?;
+    }
+    let moments = options.argument("inertia");
+    if moments.is_given() {
+        inertia = moments_of(&moments, &inertia, mesh.dimension())?;
+    }
+    Ok((material, inertia))
+}
+
+/// The inertia that numbers tell.
+fn moments_of(argument: &Argument, of_mesh: &Inertia, dimension: usize) -> Result<Inertia, Failure> {
+    let value = argument.value();
+    let array = value.clone().try_cast::<Array>();
+    let numbers: Option<Vec<f64>> = match &array {
+        Some(array) => array.iter().map(number_of).collect(),
+        None => number_of(&value).map(|number| vec![number]),
+    };
+    match (dimension, numbers.as_deref()) {
+        (2, Some(&[moment])) => Ok(Inertia::in_plane(of_mesh.mass, of_mesh.center, moment)),
+        (3, Some(&[xx, yy, zz])) => Ok(Inertia::of_moments(of_mesh.mass, of_mesh.center, [[xx, 0.0, 0.0], [0.0, yy, 0.0], [0.0, 0.0, zz]])),
+        (3, Some(&[xx, yy, zz, xy, yz, xz])) => {
+            Ok(Inertia::of_moments(of_mesh.mass, of_mesh.center, [[xx, -xy, -xz], [-xy, yy, -yz], [-xz, -yz, zz]]))
+        }
+        _ => {
+            let wanted = if dimension == 2 { "one number in the plane" } else { "an array of 3 or 6 numbers in space" };
+            let failure = argument.fail(format!("{} must be {wanted}", argument.title()));
+            Err(failure.hint(if dimension == 2 {
+                "the moment about the axis across the plane, such as `inertia: 0.7`"
+            } else {
+                "moments about x, y and z through the center of mass, such as `inertia: [1.0, 1.0, 2.0]`; then products xy, yz, xz"
+            }))
+        }
+    }
+}
+
+fn number_of(value: &Dynamic) -> Option<f64> {
+    value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as f64)).filter(|number| number.is_finite())
+}
+
+/// Words for [`JointKind`].
+const KINDS: [&str; 7] = ["point", "hinge", "slider", "slot", "weld", "link", "cable"];
+
+/// `add_joint`.
+pub fn add_joint() -> Function {
+    Function {
+        name: "add_joint",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "joins two bodies, or a body and the ground, exactly: by constraints, without stiffness and without play",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "its name, unique among joints"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::new(
+                        "kind",
+                        Kind::Choice(&KINDS),
+                        "what it leaves free: turning about a point (`point`: a hinge in the plane, a ball joint in space), turning about an \
+                         axis in space (`hinge`), moving along a line without turning (`slider`), moving along a line of `to` and turning \
+                         (`slot`), nothing (`weld`), all but the distance of two points (`link`), or \
+                         all as long as they are not farther apart than `length` (`cable`)",
+                    ),
+                    Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the body that it holds"),
+                    Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the body that it holds it to").or(Absent::Means("the ground")),
+                    Parameter::new("point", Kind::Vector, "where it is at rest: any point of a rigid body, a node of one that deforms")
+                        .of("length"),
+                    Parameter::new("to_point", Kind::Vector, "the point of `to`, where that is another one: the other end of a link")
+                        .of("length")
+                        .or(Absent::Means("`point`")),
+                    Parameter::new("axis", Kind::Vector, "the axis of a hinge, or the direction of a slider or a slot, at rest")
+                        .of("length")
+                        .or(Absent::Means("the kind needs none")),
+                    Parameter::number("length", "length", Interval::Positive, "the length of a cable, at which it is taut")
+                        .or(Absent::Means("the distance of both points at rest")),
+                ]),
+                "what it joins, and how",
+            ),
+        ],
+        returns: "",
+        example: plate_example(
+            "let rod = press.add_rigid_body(\"rod\", rectangle(#{ size: [2.0, 0.1], cells: [4, 1], origin: [2.0, 0.0] }), #{ density: 1.0 \
+             });\n\
+             press.add_joint(\"hinge\", #{ kind: \"point\", from: rod, to: plate, point: [2.0, 0.0] });\n\
+             press.add_joint(\"rail\", #{ kind: \"slot\", from: rod, point: [4.0, 0.05], axis: [0.0, 1.0] });",
+        ),
+        see_also: &["add_rigid_body", "add_spring", "tie", "fix"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.name("name")?, call.options("options")?);
+            let from = body_of(&options.argument("from"), &model)?.index;
+            let to = options.argument("to");
+            let to = if to.is_given() { Some(body_of(&to, &model)?.index) } else { None };
+            let (kind, dimension) = (kind_of(&options, &model.0.borrow().model)?, model.0.borrow().model.dimension());
+            let point = options.argument("point").vector(dimension)?;
+            let other = options.argument("to_point");
+            let to_point = if other.is_given() { other.vector(dimension)? } else { point };
+            let mut ends = [Anchor { body: to, point: to_point }, Anchor { body: Some(from), point }];
+            for (end, argument) in ends.iter_mut().zip(["to_point", "point"]) {
+                snap(&options.argument(argument), &model.0.borrow().model, end)?;
+            }
+            let mut joint = JointDefinition { name, kind, ends };
+            set_length(&options, &mut joint)?;
+            change(call, &model, |data| data.model.joints.push(joint))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// Kind and direction of a joint.
+fn kind_of(options: &Options, model: &Model) -> Result<JointKind, Failure> {
+    let (word, axis) = (options.text("kind")?, options.argument("axis"));
+    let needs = matches!(word.as_str(), "hinge" | "slider" | "slot");
+    if axis.is_given() && !needs {
+        let failure = axis.fail(format!("{} has no meaning for a joint of the kind \"{word}\"", axis.title()));
+        return Err(failure.hint("leave it out, or take the kind \"hinge\", \"slider\" or \"slot\""));
+    }
+    if needs && !axis.is_given() {
+        let what = if word == "hinge" { "the axis about which it turns" } else { "the direction of its line" };
+        let failure = options.argument("kind").fail(format!("a {word} needs `axis`: {what}"));
+        let example = if model.dimension() == 3 { "[0.0, 0.0, 1.0]" } else { "[1.0, 0.0]" };
+        let besides = if word == "hinge" && model.dimension() == 2 { "; in the plane take the kind \"point\"" } else { "" };
+        return Err(failure.hint(format!("give it, such as `axis: {example}`{besides}")));
+    }
+    let direction = if needs { axis.vector(model.dimension())? } else { [0.0; 3] };
+    Ok(match word.as_str() {
+        "hinge" => JointKind::Hinge(direction),
+        "slider" => JointKind::Slider(direction),
+        "slot" => JointKind::Slot(direction),
+        "weld" => JointKind::Weld,
+        "link" => JointKind::Link,
+        "cable" => JointKind::Cable(0.0),
+        _ => JointKind::Point,
+    })
+}
+
+/// Gives a cable its length.
+fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Failure> {
+    let given = options.optional_number("length")?;
+    let argument = options.argument("length");
+    match joint.kind {
+        JointKind::Cable(_) => {
+            let distance = joint.distance().iter().map(|x| x * x).sum::<f64>().sqrt();
+            joint.kind = JointKind::Cable(given.unwrap_or(distance));
+            Ok(())
+        }
+        _ if given.is_none() => Ok(()),
+        _ => Err(argument.fail("only a cable has a `length`").hint("leave it out: a link keeps the distance of its points at rest")),
+    }
+}
+
+/// Puts an end on the node that it means, if its body deforms.
+fn snap(argument: &Argument, model: &Model, end: &mut Anchor) -> Result<(), Failure> {
+    let Some(body) = end.body.map(|body| &model.bodies[body]).filter(|body| body.rigid.is_none()) else { return Ok(()) };
+    let (node, distance) = body.nearest_node(end.point);
+    let cell = (body.mesh.measure() / body.mesh.cell_count() as f64).powf(1.0 / body.mesh.dimension() as f64);
+    if distance > tolerances::SAME_NODE * cell {
+        let failure = argument.fail(format!("there is no node of body \"{}\" at this point", body.name));
+        let place = vector_text(&body.mesh.points[node as usize][..body.mesh.dimension()]);
+        let failure = failure.label(format!("the nearest is at {place}, {} away", brief(distance)));
+        return Err(failure.hint("a joint holds a body that deforms at a node: give its place, or refine the mesh to have one there"));
+    }
+    end.point = body.mesh.points[node as usize];
+    Ok(())
+}

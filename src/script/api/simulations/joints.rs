@@ -1,0 +1,107 @@
+//! What joints exert, and where they are.
+
+use rhai::{Array, Dynamic};
+
+use super::handle::SimulationHandle;
+use crate::dynamics::JointLoad;
+use crate::script::api::examples::plate_example;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, brief_vector};
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// A joint at the time when it was asked for.
+#[derive(Clone)]
+pub struct JointHandle {
+    name: String,
+    time: f64,
+    dimension: usize,
+    load: JointLoad,
+}
+
+impl JointHandle {
+    fn array(&self, vector: [f64; 3]) -> Dynamic {
+        vector[..self.dimension].iter().map(|&value| value.into()).collect::<Array>().into()
+    }
+
+    fn moment(&self) -> Dynamic {
+        if self.dimension == 2 { self.load.moment[2].into() } else { self.array(self.load.moment) }
+    }
+}
+
+impl Handle for JointHandle {
+    const NAME: &'static str = "Joint";
+    const MAKER: &'static str = "take one of a simulation: `sim.joint(name)`";
+
+    fn describe(&self) -> String {
+        let [place, force] = [self.load.place, self.load.force].map(|vector| brief_vector(&vector[..self.dimension]));
+        let moment = if self.dimension == 2 { brief(self.load.moment[2]) } else { brief_vector(&self.load.moment) };
+        format!("joint \"{}\" at {place}, t = {}: force {force}, moment {moment}", self.name, brief(self.time))
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![
+        joint(),
+        property("force", "Array", "the force that the joint exerts on the body `from`", |joint| joint.array(joint.load.force)),
+        property(
+            "moment",
+            "",
+            "its moment about the joint's point on `from`: a number in the plane, an array in space",
+            JointHandle::moment,
+        ),
+        property("position", "Array", "where the joint's point on `from` is", |joint| joint.array(joint.load.place)),
+    ]
+}
+
+/// A model with a joint, for examples.
+fn example(line: &str) -> std::borrow::Cow<'static, str> {
+    plate_example(&format!(
+        "let rod = press.add_rigid_body(\"rod\", rectangle(#{{ size: [2.0, 0.1], cells: [4, 1], origin: [2.0, 0.0] }}), #{{ density: 1.0 \
+         }});\n\
+         press.add_joint(\"hinge\", #{{ kind: \"point\", from: rod, to: plate, point: [2.0, 0.0] }});\npress.gravity([0.0, -9.81]);\n\
+         let sim = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\nsim.step();\n{line}"
+    ))
+}
+
+fn joint() -> Function {
+    Function {
+        name: "joint",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "what a joint exerts on the body that it holds (a mean over the last step), and where it is",
+        parameters: vec![Parameter::new("name", Kind::Text, "its name")],
+        returns: JointHandle::NAME,
+        example: example("print(sim.joint(\"hinge\"));"),
+        see_also: &["add_joint", "reaction"],
+        body: body(|call| {
+            let (handle, name) = (call.receiver::<SimulationHandle>(), call.text("name")?);
+            let joints = &handle.0.model.model.joints;
+            let known: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
+            if !known.contains(&name.as_str()) {
+                return Err(call.argument("name").unknown_name(format!("there is no joint \"{name}\""), &name, &known).into());
+            }
+            let found = handle.with_row(call, |simulation| (simulation.joint(&name), simulation.time(), simulation.dimension()))?;
+            let (Some(load), time, dimension) = found else {
+                return Err(call.fail(format!("nothing is known of joint \"{name}\"")).hint("take a step").into());
+            };
+            Ok(Dynamic::from(JointHandle { name, time, dimension, load }))
+        }),
+    }
+}
+
+fn property(name: &'static str, returns: &'static str, summary: &'static str, read: fn(&JointHandle) -> Dynamic) -> Function {
+    Function {
+        name,
+        form: Form::Property(JointHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: example(&format!("print(sim.joint(\"hinge\").{name});")),
+        see_also: &["joint"],
+        body: body(move |call| Ok(read(&call.receiver::<JointHandle>()))),
+    }
+}
