@@ -6,6 +6,7 @@ use super::engine::Engine;
 use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
 use super::report::FailureReport;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
@@ -106,6 +107,15 @@ impl Simulation {
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle_without_friction(&mut self, time: f64) -> Result<SettleReport, StepError> {
         self.steps.settle(time, false)
+    }
+
+    /// The slowest natural vibrations about the present state, which stays as it is: closed constraints are ties there, viscosity has
+    /// relaxed, friction that slides does nothing.
+    ///
+    /// # Errors
+    /// [`ModesError`].
+    pub fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
+        self.steps.modes(count)
     }
 
     /// The boundary that a prescribed motion moves farthest at once, in the first step from here, and by how much `[length]`.

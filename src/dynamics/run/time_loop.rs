@@ -10,6 +10,7 @@ use super::failed::tried;
 use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
@@ -106,6 +107,10 @@ where
 
     fn check_apart(&self) -> Result<(), StepError> {
         self.check_overlaps(&Closing::of(&self.model))
+    }
+
+    fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
+        self.find_modes(count)
     }
 
     fn settle(&mut self, time: f64, friction: bool) -> Result<SettleReport, StepError> {

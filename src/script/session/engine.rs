@@ -21,6 +21,7 @@ use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::regions::CurveHandle;
 use crate::script::api::models::handle::{BodyHandle, BoundaryHandle, ModelHandle};
+use crate::script::api::simulations::modes::ModesHandle;
 use crate::script::api::simulations::contact_state::ContactHandle;
 use crate::script::api::simulations::fields::BodyStateHandle;
 use crate::script::api::simulations::forensics::FailedStepHandle;
@@ -155,6 +156,7 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<ContactHandle>(engine);
     types.add::<ReactionHandle>(engine);
     types.add::<BodyStateHandle>(engine);
+    types.add::<ModesHandle>(engine);
     types.add::<TimeFunctionHandle>(engine);
     types.add::<IntegratorHandle>(engine);
     types.add::<SimulationHandle>(engine);

@@ -13,6 +13,7 @@ pub mod forensics;
 pub mod handle;
 pub mod history;
 pub mod journal;
+pub mod modes;
 pub mod movies;
 pub mod overview;
 pub mod pictures;
@@ -44,5 +45,6 @@ pub fn functions() -> Vec<Function> {
     all.extend(contact_state::functions());
     all.extend(reactions::functions());
     all.extend(fields::functions());
+    all.extend(modes::functions());
     all
 }
