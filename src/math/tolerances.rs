@@ -48,6 +48,12 @@ pub const MODE_SHIFT: f64 = 1e-3;
 /// Round-off of an eigenvalue relative to the largest stiffness over mass of an unknown: smaller ones are zero.
 pub const MODE_FLOOR: f64 = 1e-14;
 
+/// Residual of an equilibrium on a path relative to the largest force: a tenth of what `settle` accepts.
+pub const PATH: f64 = 1e-12;
+
+/// The same where a correction no longer halves it: round-off of stiff cells that hardly strain.
+pub const PATH_STUCK: f64 = 1e-8;
+
 /// Asymmetry of a stiffness relative to its largest entry that is more than round-off: loads that follow the surface.
 pub const ASYMMETRY: f64 = 1e-9;
 

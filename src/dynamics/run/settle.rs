@@ -382,7 +382,7 @@ where
     }
 
     /// At rest every rule closes the gaps.
-    fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
+    pub(super) fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
         let count = self.system.multipliers;
         Conditions {
             gap_n: vec![0.0; count],

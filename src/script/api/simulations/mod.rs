@@ -16,6 +16,7 @@ pub mod journal;
 pub mod modes;
 pub mod movies;
 pub mod overview;
+pub mod paths;
 pub mod pictures;
 pub mod plots;
 pub mod probes;
@@ -46,5 +47,6 @@ pub fn functions() -> Vec<Function> {
     all.extend(reactions::functions());
     all.extend(fields::functions());
     all.extend(modes::functions());
+    all.extend(paths::functions());
     all
 }
