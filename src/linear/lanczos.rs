@@ -9,8 +9,8 @@ use nalgebra::DMatrix;
 
 use crate::math::tolerances::LANCZOS_DEPENDENT;
 
-/// Passes of the orthogonalization: twice is enough (Kahan; Parlett, The Symmetric Eigenvalue Problem, 1980), once more costs little.
-const PASSES: usize = 3;
+/// Passes of the orthogonalization: twice is enough (Kahan; Parlett, The Symmetric Eigenvalue Problem, 1980).
+const PASSES: usize = 2;
 
 /// What is iterated.
 pub trait Operator {

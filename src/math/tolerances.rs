@@ -36,7 +36,7 @@ pub const HELD: f64 = 1e-10;
 pub const LANCZOS_DEPENDENT: f64 = 1e-11;
 
 /// What a vibration mode may miss, relative to its eigenvalue of the inverse operator: the error of the frequency is the square of that.
-pub const MODE_RESIDUAL: f64 = 1e-10;
+pub const MODE_RESIDUAL: f64 = 1e-8;
 
 /// Distance of two eigenvalues, relative to that from the shift, below which a count between them would not be safe from round-off.
 pub const MODE_GAP: f64 = 1e-7;

@@ -23,8 +23,8 @@ const VECTORS: usize = 20;
 const BESIDES: usize = 200;
 
 /// Vectors between two looks at what has been found, at least, and their share of the vectors so far.
-const LOOK_AFTER: usize = 5;
-const LOOK_SHARE: usize = 8;
+const LOOK_AFTER: usize = 3;
+const LOOK_SHARE: usize = 24;
 
 /// What was found, with the vectors in a basis.
 struct Found {

@@ -37,7 +37,7 @@ pub struct PathHandle {
 
 impl Handle for PathHandle {
     const NAME: &'static str = "Path";
-    const MAKER: &'static str = "make one with `sim.follow_load(#{ until: 1.0 })`";
+    const MAKER: &'static str = "make one with `sim.follow_load(#{ load: 1.0 })`";
 
     fn describe(&self) -> String {
         let (first, last) = (&self.rows[0], &self.rows[self.rows.len() - 1]);
@@ -86,13 +86,13 @@ fn path_example(line: &str) -> std::borrow::Cow<'static, str> {
     plate_example(&format!(
         "press.fix(plate.boundary(\"left\"));\npress.force(plate.boundary(\"right\"), [0.0, -1e3], |t| t);\n\
          let sim = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\n\
-         let path = sim.follow_load(#{{ until: 1.0, increment: 0.25 }});\n{line}"
+         let path = sim.follow_load(#{{ load: 1.0, increment: 0.25 }});\n{line}"
     ))
 }
 
 fn follow_load() -> Function {
     let options = vec![
-        Parameter::number("until", "time", Interval::Finite, "the load at which the path ends, as a time of the time functions"),
+        Parameter::number("load", "time", Interval::Finite, "the load at which the path ends, as a time of the time functions"),
         Parameter::number("increment", "time", Interval::Positive, "the first increment; then they choose themselves")
             .or(Absent::Means("a twentieth of the way")),
         Parameter::new("points", Kind::Integer, "equilibria at most").within(Interval::Closed(2.0, MOST)).or(Absent::Integer(1000)),
@@ -147,10 +147,10 @@ fn follow_load() -> Function {
 
 /// The options of a call on the clock of the kernels.
 fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOptions, Failure> {
-    let (until, given) = (options.number("until")?, options.argument("increment"));
+    let (until, given) = (options.number("load")?, options.argument("increment"));
     let now = handle.0.simulation.try_borrow().map(|simulation| handle.0.script_time(simulation.time())).unwrap_or_default();
     if until == now {
-        let argument = options.argument("until");
+        let argument = options.argument("load");
         let failure = argument.fail(format!("the simulation is at t = {} already", number_text(now)));
         return Err(failure.hint("give another time for the end of the path; `settle` finds the equilibrium of this one"));
     }
