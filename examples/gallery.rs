@@ -20,6 +20,8 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/hertz", "hertz-20.svg"),
     ("scenarios/ironing", "ironing.svg"),
     ("scenarios/three_point_bending", "bent.svg"),
+    ("scenarios/tuning_fork", "fork.svg"),
+    ("scenarios/lees_frame", "frame.svg"),
     ("scenarios/pegs", "energies.svg"),
     ("scenarios/crushed_hose", "hose-gap.svg"),
     ("scenarios/bouncing_ring", "ring.svg"),

@@ -29,7 +29,9 @@ pub use run::fields::{
 };
 pub use run::halvings::Halving;
 pub use run::ledger::{ContactTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
+pub use run::modes::{Mode, Modes, ModesError};
 pub use run::options::{Options, SettleReport, Statistics};
+pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use run::run_findings::{RunFinding, RunFindingKind};
 pub use run::simulation::Simulation;

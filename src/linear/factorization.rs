@@ -356,6 +356,12 @@ impl Factorization {
         self.null_vector.as_deref()
     }
 
+    /// Number of negative eigenvalues of the last factored matrix, if that was symmetric; `None` where pivots were replaced, or after the
+    /// slower method.
+    pub fn negative_eigenvalues(&self) -> Option<usize> {
+        if self.fallen_back { None } else { self.multifrontal.negative_eigenvalues(&self.symbolic) }
+    }
+
     fn scaled_size(&self, vector: &[f64]) -> f64 {
         largest(vector.iter().zip(&self.scale).map(|(x, scale)| x * scale))
     }

@@ -13,6 +13,8 @@ mod factorization;
 #[cfg(test)]
 mod fixtures;
 mod fronts;
+mod inertia;
+mod lanczos;
 mod multifrontal;
 mod node_matrix;
 mod ordering;
@@ -35,6 +37,7 @@ mod watch;
 
 pub use error::LinearError;
 pub use factorization::{Factorization, Work};
+pub use lanczos::{Lanczos, Operator, Ritz, product};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern, Role, Vertex};
 pub use solver::{LinearSolver, SolverMemory};

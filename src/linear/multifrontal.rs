@@ -143,6 +143,11 @@ impl Multifrontal {
         replaced.sort_unstable();
     }
 
+    /// The factors of all fronts, and per pivot the row of its front that was exchanged with it.
+    pub(super) fn factors(&self) -> (&[f64], &[u32]) {
+        (self.factors.all(), &self.swaps)
+    }
+
     /// Places in the order of elimination where no usable pivot was found.
     pub(super) fn replaced(&self) -> &[u32] {
         &self.replaced

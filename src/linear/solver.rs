@@ -48,6 +48,11 @@ pub trait LinearSolver: Send {
     /// An estimate of the vector that a singular matrix maps to zero, one number per unknown.
     fn near_null_vector(&self) -> Option<&[f64]>;
 
+    /// Number of negative eigenvalues of the last factored matrix, if that was symmetric; `None` where its factors do not tell.
+    fn negative_eigenvalues(&self) -> Option<usize> {
+        None
+    }
+
     /// What it keeps for the next matrix.
     fn memory(&self) -> SolverMemory;
 
@@ -79,6 +84,10 @@ impl LinearSolver for Factorization {
 
     fn near_null_vector(&self) -> Option<&[f64]> {
         self.near_null_vector()
+    }
+
+    fn negative_eigenvalues(&self) -> Option<usize> {
+        self.negative_eigenvalues()
     }
 
     fn memory(&self) -> SolverMemory {

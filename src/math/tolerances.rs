@@ -32,6 +32,31 @@ pub const ALIKE: f64 = 1e-9;
 /// Stiffness of supports against a rigid motion, relative to their largest, below which the motion is free: round-off of node positions.
 pub const HELD: f64 = 1e-10;
 
+/// Part of a vector beyond a basis, relative to all of it, that is round-off: the operator is known to about 1e-14.
+pub const LANCZOS_DEPENDENT: f64 = 1e-11;
+
+/// What a vibration mode may miss, relative to its eigenvalue of the inverse operator: the error of the frequency is the square of that.
+pub const MODE_RESIDUAL: f64 = 1e-8;
+
+/// Distance of two eigenvalues, relative to that from the shift, below which a count between them would not be safe from round-off.
+pub const MODE_GAP: f64 = 1e-7;
+
+/// Shift of the eigenvalue problem, relative to the square of the frequency with which waves cross the slowest piece: far below the first
+/// vibration of any but the most slender bodies, far above the round-off of a rigid motion.
+pub const MODE_SHIFT: f64 = 1e-3;
+
+/// Round-off of an eigenvalue relative to the largest stiffness over mass of an unknown: smaller ones are zero.
+pub const MODE_FLOOR: f64 = 1e-14;
+
+/// Residual of an equilibrium on a path relative to the largest force: a tenth of what `settle` accepts.
+pub const PATH: f64 = 1e-12;
+
+/// The same where a correction no longer halves it: round-off of stiff cells that hardly strain.
+pub const PATH_STUCK: f64 = 1e-8;
+
+/// Asymmetry of a stiffness relative to its largest entry that is more than round-off: loads that follow the surface.
+pub const ASYMMETRY: f64 = 1e-9;
+
 /// Weighted gap that counts as closed, relative to the square of the shortest secondary facet (Newton's target).
 pub const GAP: f64 = 1e-12;
 

@@ -135,7 +135,7 @@ where
     }
 
     /// Equilibrium at a time, from where the model is.
-    fn settle_once(&mut self, time: f64, care: Care) -> Result<SettleReport, StepError> {
+    pub(super) fn settle_once(&mut self, time: f64, care: Care) -> Result<SettleReport, StepError> {
         if time != self.state.row.time {
             let state = Arc::make_mut(&mut self.state);
             state.row.time = time;
@@ -152,7 +152,7 @@ where
         }
     }
 
-    fn take_back(&mut self, state: &Arc<State>) {
+    pub(super) fn take_back(&mut self, state: &Arc<State>) {
         self.state = state.clone();
         self.restore_search();
     }

@@ -376,7 +376,8 @@ where
         self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
-    fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
+    /// Starts a step at rest.
+    pub(super) fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
         self.system.move_obstacles(self.state.row.time, 0.0)?;
         self.system.carry(self.state.carried, self.state.row.time)?;
         self.system.begin_deep_step(outlook, reaches).map_err(|error| self.error_of(Failure::Linear(error)))?;
@@ -384,7 +385,7 @@ where
     }
 
     /// At rest every rule closes the gaps.
-    fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
+    pub(super) fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
         let count = self.system.multipliers;
         Conditions {
             gap_n: vec![0.0; count],

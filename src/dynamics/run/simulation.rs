@@ -8,7 +8,9 @@ use super::fields::{
 };
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
+use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
 use super::state::State;
@@ -108,6 +110,24 @@ impl Simulation {
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle_without_friction(&mut self, time: f64) -> Result<SettleReport, StepError> {
         self.steps.settle(time, false)
+    }
+
+    /// The slowest natural vibrations about the present state, which stays as it is: closed constraints are ties there, viscosity has
+    /// relaxed, friction that slides does nothing.
+    ///
+    /// # Errors
+    /// [`ModesError`].
+    pub fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
+        self.steps.modes(count)
+    }
+
+    /// Equilibria along the load, which is the time of all time functions, from the present state on; the simulation stays as it is.
+    /// `told` is given the row of each.
+    ///
+    /// # Errors
+    /// [`PathError`].
+    pub fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError> {
+        self.steps.path(options, told)
     }
 
     /// The boundary that a prescribed motion moves farthest at once, in the first step from here, and by how much `[length]`.

@@ -7,7 +7,9 @@ use super::fields::{
 };
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
+use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding};
 use super::state::State;
@@ -29,6 +31,8 @@ pub trait Steps: Send {
     fn count_from(&mut self, tally: &Tally);
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
     fn settle(&mut self, time: f64, friction: bool) -> Result<SettleReport, StepError>;
+    fn modes(&mut self, count: usize) -> Result<Modes, ModesError>;
+    fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError>;
     fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError>;
     fn check_apart(&self) -> Result<(), StepError>;
     fn watch(&mut self, node: usize);

@@ -12,7 +12,9 @@ use super::fields::{
 };
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
+use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
 use super::state::{Clock, State};
@@ -108,6 +110,14 @@ where
 
     fn check_apart(&self) -> Result<(), StepError> {
         self.check_overlaps(&Closing::of(&self.model))
+    }
+
+    fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
+        self.find_modes(count)
+    }
+
+    fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError> {
+        self.find_path(options, told)
     }
 
     fn settle(&mut self, time: f64, friction: bool) -> Result<SettleReport, StepError> {

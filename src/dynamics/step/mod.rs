@@ -24,3 +24,4 @@ pub mod scheme_memory;
 pub mod search_history;
 pub mod start;
 pub mod system;
+pub mod vibrations;

@@ -21,6 +21,8 @@ use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::regions::CurveHandle;
 use crate::script::api::models::handle::{BodyHandle, BoundaryHandle, ModelHandle};
+use crate::script::api::simulations::modes::ModesHandle;
+use crate::script::api::simulations::paths::PathHandle;
 use crate::script::api::simulations::contact_state::ContactHandle;
 use crate::script::api::simulations::fields::BodyStateHandle;
 use crate::script::api::simulations::forensics::FailedStepHandle;
@@ -157,6 +159,8 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<ReactionHandle>(engine);
     types.add::<JointHandle>(engine);
     types.add::<BodyStateHandle>(engine);
+    types.add::<ModesHandle>(engine);
+    types.add::<PathHandle>(engine);
     types.add::<TimeFunctionHandle>(engine);
     types.add::<IntegratorHandle>(engine);
     types.add::<SimulationHandle>(engine);

@@ -97,9 +97,14 @@ impl SimulationHandle {
 
     /// A column of its history; NaN where it had no value yet.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        self.column_of(&self.0.history.borrow(), name)
+    }
+
+    /// A column of some rows of it.
+    pub(super) fn column_of(&self, rows: &[LedgerRow], name: &str) -> Option<Vec<f64>> {
         let columns = self.columns();
         let index = columns.iter().position(|column| column == name)?;
-        let (model, rows) = (&self.0.model.model, self.0.history.borrow());
+        let model = &self.0.model.model;
         let own = LedgerRow::columns(model.dimension()).len();
         if index < own {
             return Some(rows.iter().filter_map(|row| row.column(name)).collect());

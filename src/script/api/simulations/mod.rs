@@ -14,8 +14,10 @@ pub mod handle;
 pub mod history;
 pub mod joints;
 pub mod journal;
+pub mod modes;
 pub mod movies;
 pub mod overview;
+pub mod paths;
 pub mod pictures;
 pub mod plots;
 pub mod probes;
@@ -46,5 +48,7 @@ pub fn functions() -> Vec<Function> {
     all.extend(reactions::functions());
     all.extend(joints::functions());
     all.extend(fields::functions());
+    all.extend(modes::functions());
+    all.extend(paths::functions());
     all
 }

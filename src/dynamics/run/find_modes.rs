@@ -1,0 +1,194 @@
+//! Natural vibrations about the present state: `K x = omega^2 M x` with `G x = 0` for what is tied or closed.
+//!
+//! The shift lies below all eigenvalues, so that the first ones are those that Lanczos' method finds first. How many there are below a
+//! place is counted by the inertia of the matrix shifted there (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980): none is missed.
+
+use super::balance::Balance;
+use super::engine::Engine;
+use super::modes::{Mode, Modes, ModesError};
+use super::steps::Steps;
+use crate::bodies::{Elements, Space};
+use crate::contact::{Outlook, Travel};
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::linear::{Lanczos, LinearError, Ritz, product};
+use crate::math::tolerances;
+
+/// Growth of a shift that is not below all eigenvalues, and how often it grows at most: instabilities are as stiff as the stiffest cells.
+const LOWER: f64 = 10.0;
+const MOST_SHIFTS: usize = 25;
+
+/// Vectors at most: so many for each mode, and so many besides.
+const VECTORS: usize = 20;
+const BESIDES: usize = 200;
+
+/// Vectors between two looks at what has been found, at least, and their share of the vectors so far.
+const LOOK_AFTER: usize = 3;
+const LOOK_SHARE: usize = 24;
+
+/// What was found, with the vectors in a basis.
+struct Found {
+    ritz: Vec<Ritz>,
+    lanczos: Lanczos,
+    is_complete: bool,
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The slowest vibrations about the present state, which stays as it is.
+    ///
+    /// # Errors
+    /// [`ModesError`].
+    pub fn find_modes(&mut self, count: usize) -> Result<Modes, ModesError> {
+        let (state, tally) = (self.state.clone(), self.tally());
+        let slowest = Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
+        let still = vec![0.0; self.system.nodes.count()];
+        let travel = Travel::Each { sizes: &still, besides: 0.0 };
+        self.begin_at_rest(&Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 }, &[])?;
+        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
+        let mut vibrations = Vibrations::new(&mut self.system, rest);
+        let shift = -tolerances::MODE_SHIFT * slowest;
+        let outcome = below_all(&mut vibrations, shift).and_then(|shift| Ok((shift, search(&mut vibrations, shift, count)?)));
+        let (asymmetry, factorizations, stiffest) = (vibrations.asymmetry, vibrations.factorizations, vibrations.stiffest);
+        self.count_from(&tally);
+        self.restore_search();
+        let (shift, found) = outcome.map_err(|error| self.modes_error(error))?;
+        let floor = tolerances::MODE_FLOOR * stiffest;
+        let modes = found.ritz.iter().map(|ritz| self.mode(ritz, &found.lanczos, shift, floor)).collect();
+        Ok(Modes {
+            time: state.row.time,
+            modes,
+            mass: self.system.nodes.total_mass,
+            directions: self.directions(),
+            is_complete: found.is_complete,
+            asymmetry: if asymmetry > tolerances::ASYMMETRY { asymmetry } else { 0.0 },
+            work: [factorizations, found.lanczos.applied()],
+        })
+    }
+
+    /// Directions in which a body may move as a whole: of bodies of revolution that along the axis alone.
+    fn directions(&self) -> Vec<usize> {
+        if self.system.nodes.is_axisymmetric { vec![1] } else { (0..D).collect() }
+    }
+
+    /// A vibration as it is told.
+    fn mode(&self, ritz: &Ritz, lanczos: &Lanczos, shift: f64, floor: f64) -> Mode {
+        let nodes = &self.system.nodes;
+        let mut x = lanczos.vector(&ritz.coefficients);
+        let size = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let largest = x.chunks_exact(D).map(size).fold(0.0, f64::max);
+        // The first of the components that are as good as the largest is positive.
+        let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
+        let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
+        let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
+        x.iter_mut().for_each(|x| *x *= scale);
+        let momenta = nodes.momenta_of(&x);
+        let modal_mass = product(&x, &momenta);
+        let along: Vec<f64> = self.directions().into_iter().map(|i| momenta.iter().skip(i).step_by(D).sum()).collect();
+        let eigenvalue = shift + 1.0 / ritz.theta;
+        let vector = |node: usize| std::array::from_fn(|i| if i < D { x[node * D + i] } else { 0.0 });
+        Mode {
+            eigenvalue: if eigenvalue.abs() <= floor { 0.0 } else { eigenvalue },
+            shape: self.system.bodies.iter().map(|body| body.nodes.clone().map(vector).collect()).collect(),
+            modal_mass,
+            participation: along.iter().map(|momentum| momentum / modal_mass).collect(),
+            effective_mass: along.iter().map(|momentum| momentum * momentum / modal_mass).collect(),
+            residual: ritz.residual / ritz.theta,
+        }
+    }
+
+    fn modes_error(&mut self, error: SearchError) -> ModesError {
+        match error {
+            SearchError::Failed(Failure::Linear(LinearError::Singular { .. } | LinearError::Inaccurate { .. })) => ModesError::Dependent,
+            SearchError::Failed(failure) => ModesError::Step(self.error_of(failure)),
+            SearchError::Refused(error) => error,
+        }
+    }
+}
+
+/// Why a search ended without modes.
+enum SearchError {
+    Failed(Failure),
+    Refused(ModesError),
+}
+
+impl From<Failure> for SearchError {
+    fn from(failure: Failure) -> Self {
+        SearchError::Failed(failure)
+    }
+}
+
+/// Factors the matrix with a shift below all eigenvalues, as far as that can be counted: the shift, from one to begin with.
+fn below_all<const D: usize>(vibrations: &mut Vibrations<D>, mut shift: f64) -> Result<f64, SearchError>
+where
+    Space<D>: Elements<D>,
+{
+    for _ in 0..MOST_SHIFTS {
+        vibrations.factorize(shift)?;
+        if vibrations.below().is_none_or(|below| below == 0) {
+            break;
+        }
+        shift *= LOWER;
+    }
+    Ok(shift)
+}
+
+/// The first `count` eigenvalues above a shift whose matrix is in the solver.
+fn search<const D: usize>(vibrations: &mut Vibrations<D>, shift: f64, count: usize) -> Result<Found, SearchError>
+where
+    Space<D>: Elements<D>,
+{
+    let motions = vibrations.motions();
+    if motions < count {
+        return Err(SearchError::Refused(ModesError::TooMany { count, motions }));
+    }
+    // Rigid motions, of which as many belong to the same eigenvalue.
+    let mut lanczos = Lanczos::new(vibrations.unknowns(), (D * (D + 1) / 2).min(motions));
+    let (mut wanted, mut next) = (count, count);
+    loop {
+        let goes_on = lanczos.expand(vibrations)?;
+        let is_spent = !goes_on || lanczos.applied() >= motions;
+        if lanczos.applied() < next && !is_spent {
+            continue;
+        }
+        next = lanczos.applied() + LOOK_AFTER.max(lanczos.applied() / LOOK_SHARE);
+        let ritz: Vec<Ritz> = lanczos.ritz().into_iter().filter(|ritz| ritz.theta > 0.0).collect();
+        let found = ritz.iter().take_while(|ritz| ritz.residual <= tolerances::MODE_RESIDUAL * ritz.theta).count();
+        if is_spent && ritz.len() >= count {
+            // They are all that there are.
+            return Ok(Found { ritz: ritz.into_iter().take(count).collect(), lanczos, is_complete: true });
+        }
+        let vectors = lanczos.applied();
+        if is_spent || vectors >= VECTORS * count + BESIDES {
+            return Err(SearchError::Refused(ModesError::NotFound { count, found: found.min(count), vectors }));
+        }
+        if found < wanted || ritz.len() == wanted {
+            continue;
+        }
+        let Some(place) = gap_after(&ritz, wanted, found) else {
+            wanted = found + 1;
+            continue;
+        };
+        let end = shift + place;
+        let first = ritz.iter().filter(|ritz| 1.0 / ritz.theta < place).count();
+        vibrations.factorize(end)?;
+        let below = vibrations.below();
+        if below.is_none_or(|below| below <= first) {
+            let is_complete = below == Some(first);
+            return Ok(Found { ritz: ritz.into_iter().take(count).collect(), lanczos, is_complete });
+        }
+        // Some are missing: one of each that is there several times.
+        vibrations.factorize(shift)?;
+        lanczos.begin(vibrations)?;
+        next = lanczos.applied() + LOOK_AFTER.max(count);
+    }
+}
+
+/// A place between two eigenvalues beyond the first `wanted`, as a distance from the shift; `None` where those known so far lie too close.
+fn gap_after(ritz: &[Ritz], wanted: usize, found: usize) -> Option<f64> {
+    let distance = |k: usize| 1.0 / ritz[k].theta;
+    let is_gap = |k: &usize| distance(*k) - distance(k - 1) > tolerances::MODE_GAP * distance(*k);
+    (wanted..=found.min(ritz.len() - 1)).find(is_gap).map(|k| 0.5 * (distance(k - 1) + distance(k)))
+}

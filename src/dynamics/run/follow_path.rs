@@ -1,0 +1,309 @@
+//! Equilibria along a load, by their load or by the length of the path.
+//!
+//! The load is the time of all time functions: forces, pressures and prescribed motions go with it. A point is predicted along the tangent
+//! and corrected by Newton's method in displacements and load, on a sphere around the point before (Crisfield, Computers & Structures 13,
+//! 1981: displacements alone measure the length). A step that fails is shortened; one that converges soon lets the next be longer. How many
+//! directions are unstable is the inertia of the symmetric stiffness.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::ledger::LedgerRow;
+use super::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
+use super::settle::Care;
+use super::steps::Steps;
+use crate::bodies::{Elements, Space};
+use crate::contact::{Outlook, Travel};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::step::contact_set::constraint_rows;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::start::{StepKind, StepStart};
+use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::linear::product;
+use crate::math::tolerances;
+
+/// Corrections of a point at most, and as many as are wanted.
+const CORRECTIONS: usize = 12;
+const WANTED: f64 = 4.0;
+
+/// Change of a step after one that failed, of one after another at most, and over the first at most.
+const SHORTER: f64 = 0.5;
+const LONGER: f64 = 1.5;
+const LONGEST: f64 = 20.0;
+
+/// How often a step is shortened in a row.
+const MOST_SHORTER: usize = 12;
+
+/// Part of an increment of the load by which loads are differentiated: they are mostly linear.
+const DIFFERENCE: f64 = 1e-3;
+
+/// A point that is looked for.
+#[derive(Clone)]
+struct Guess {
+    load: f64,
+    u: Vec<f64>,
+    lambda: Vec<f64>,
+}
+
+/// Newton's system there, solved for what is left and for a unit of load.
+struct Response {
+    /// Largest residual over the largest force.
+    residual: f64,
+    correction: Vec<f64>,
+    lambda: Vec<f64>,
+    per_load: Vec<f64>,
+    lambda_per_load: Vec<f64>,
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Equilibria from the present state on; the simulation is as it was before.
+    ///
+    /// # Errors
+    /// [`PathError`].
+    pub fn find_path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError> {
+        if let Some(pair) = self.system.pairs.iter().find(|pair| !pair.law.is_bilateral()) {
+            return Err(PathError::Contact { contact: pair.name.clone() });
+        }
+        let (begun, tally) = (self.state.clone(), self.tally());
+        let outcome = self.follow(options, told);
+        self.system.given.clear();
+        self.take_back(&begun);
+        self.count_from(&tally);
+        outcome.map_err(PathError::Step)
+    }
+
+    fn follow(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, StepError> {
+        self.settle_once(self.state.row.time, Care::Exact)?;
+        let mut points = vec![self.point(0.0)];
+        let (mut before, mut first, mut arc): (Option<Vec<f64>>, Option<f64>, f64) = (None, None, 0.0);
+        let end = loop {
+            if self.state.row.time == options.until {
+                break PathEnd::Reached;
+            }
+            if points.len() >= options.points {
+                break PathEnd::Points;
+            }
+            let reached = self.state.clone();
+            let from = Guess { load: reached.row.time, u: reached.displacements.clone(), lambda: reached.lambda.clone() };
+            let mut failures = 0;
+            let found = loop {
+                let tried = self.respond(&from, options.increment).and_then(|tangent| {
+                    if first.is_none() {
+                        arc = options.increment.abs() * norm(&tangent.per_load);
+                        first = Some(arc);
+                    }
+                    self.next_point(&from, &tangent, before.as_deref(), arc, options)
+                });
+                match tried {
+                    Ok(found) => break Ok(found),
+                    Err(failure) => {
+                        self.take_back(&reached);
+                        let failure = failure.or_end(from.load);
+                        if let Failure::Fatal(error) = failure {
+                            return Err(error);
+                        }
+                        failures += 1;
+                        if failures > MOST_SHORTER {
+                            break Err(failure.name().to_string());
+                        }
+                        arc *= SHORTER;
+                    }
+                }
+            };
+            let (guess, corrections) = match found {
+                Ok(found) => found,
+                Err(cause) => break PathEnd::Lost(cause),
+            };
+            let moved: Vec<f64> = guess.u.iter().zip(&from.u).map(|(now, before)| now - before).collect();
+            if let Err(error) = self.stand_at(&guess) {
+                self.take_back(&reached);
+                match error {
+                    StepError::NotConverged { .. } => break PathEnd::Lost(error.to_string()),
+                    error => return Err(error),
+                }
+            }
+            let length = points.last().map_or(0.0, |point| point.length) + norm(&moved);
+            points.push(self.point(length));
+            told(&self.state.row);
+            before = Some(moved);
+            let change = (WANTED / corrections.max(1) as f64).sqrt().clamp(SHORTER, LONGER);
+            arc = (arc * change).min(LONGEST * first.unwrap_or(arc));
+        };
+        let critical = critical_points(&points);
+        Ok(Path { points, critical, end })
+    }
+
+    /// The present state as a point of a path.
+    fn point(&mut self, length: f64) -> PathPoint {
+        let state = self.state.clone();
+        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
+        let mut vibrations = Vibrations::new(&mut self.system, rest);
+        let unstable = vibrations.factorize(0.0).ok().and_then(|()| vibrations.below());
+        PathPoint { state, unstable, length }
+    }
+
+    /// Takes a point that was found for the state, with all that a row tells of it.
+    fn stand_at(&mut self, guess: &Guess) -> Result<(), StepError> {
+        let from = self.state.row.time;
+        let positions = self.system.nodes.positions(&guess.u);
+        let state = Arc::make_mut(&mut self.state);
+        (state.positions, state.displacements, state.lambda) = (positions, guess.u.clone(), guess.lambda.clone());
+        let report = self.settle_once(guess.load, Care::Exact)?;
+        let row = &mut Arc::make_mut(&mut self.state).row;
+        *row = LedgerRow {
+            step: row.step + 1,
+            dt: guess.load - from,
+            load_work: 0.0,
+            contact_work: 0.0,
+            friction_work: 0.0,
+            dissipation: 0.0,
+            energy_defect: 0.0,
+            momentum_defect: 0.0,
+            angular_momentum_defect: 0.0,
+            newton_iterations: report.newton_iterations,
+            halvings: 0,
+            ..std::mem::take(row)
+        };
+        Ok(())
+    }
+
+    /// The next point, and how many corrections it took.
+    fn next_point(
+        &mut self,
+        from: &Guess,
+        tangent: &Response,
+        before: Option<&[f64]>,
+        arc: f64,
+        options: &PathOptions,
+    ) -> Result<(Guess, usize), Failure> {
+        let speed = norm(&tangent.per_load).max(f64::MIN_POSITIVE);
+        // Onwards: as the step before went, at first towards the end.
+        let onwards = before.map_or((options.until - from.load).signum(), |before| product(before, &tangent.per_load).signum());
+        let left = options.until - from.load;
+        let step = if options.by_arc { onwards * arc / speed } else { left.signum() * arc / speed };
+        let is_last = step * left > 0.0 && step.abs() >= left.abs();
+        let step = if is_last { left } else { step };
+        let mut guess = Guess {
+            load: if is_last { options.until } else { from.load + step },
+            u: from.u.iter().zip(&tangent.per_load).map(|(u, rate)| u + step * rate).collect(),
+            lambda: from.lambda.iter().zip(&tangent.lambda_per_load).map(|(lambda, rate)| lambda + step * rate).collect(),
+        };
+        let mut least = f64::INFINITY;
+        for corrections in 1..=CORRECTIONS {
+            let response = self.respond(&guess, options.increment)?;
+            let is_stuck = response.residual <= tolerances::PATH_STUCK && response.residual >= 0.5 * least;
+            if response.residual <= tolerances::PATH || is_stuck {
+                return Ok((guess, corrections));
+            }
+            least = least.min(response.residual);
+            let change = if options.by_arc && !is_last { on_sphere(from, &guess, &response, arc).ok_or(Failure::Diverged)? } else { 0.0 };
+            guess.load += change;
+            guess.u.iter_mut().zip(&response.correction).for_each(|(u, own)| *u += own);
+            guess.u.iter_mut().zip(&response.per_load).for_each(|(u, rate)| *u += change * rate);
+            guess.lambda = response.lambda.iter().zip(&response.lambda_per_load).map(|(own, rate)| own + change * rate).collect();
+        }
+        Err(Failure::Iterations)
+    }
+
+    /// Solves Newton's system at a guess.
+    fn respond(&mut self, guess: &Guess, increment: f64) -> Result<Response, Failure> {
+        let Guess { load, u, lambda } = guess;
+        let q = self.system.nodes.positions(u);
+        let unknowns = u.len();
+        Arc::make_mut(&mut self.state).row.time = *load;
+        let still = vec![0.0; self.system.nodes.count()];
+        let outlook = Outlook { q: &q, travel: Travel::Each { sizes: &still, besides: 0.0 }, reach: self.options.reach, depth: 0.0 };
+        self.begin_at_rest(&outlook, &[]).map_err(Failure::Fatal)?;
+        let (memory, undamped) = (self.state.memory.clone(), vec![0.0; self.system.bodies.len()]);
+        let zeros = vec![0.0; unknowns];
+        let start =
+            |time| StepStart { time, q_0: &q, u_0: u, memory: &memory, kind: StepKind::Rest { damping: &undamped, velocities: None } };
+        let h = DIFFERENCE * increment.abs();
+        let (mut rate, mut motion) = (vec![0.0; unknowns + self.system.multipliers], vec![0.0; unknowns + self.system.multipliers]);
+        for (sign, time) in [(1.0, load + h), (-1.0, load - h)] {
+            let at = self.system.linearize(&start(time), &q, &zeros, lambda)?;
+            rate.iter_mut().zip(&at.forces.without_contact).for_each(|(rate, force)| *rate -= sign * force / (2.0 * h));
+            self.system.recycle(at);
+            let (place, _) = self.system.supports.prescribed_motion(time).map_err(Failure::Fatal)?;
+            self.system.supports.prescribed.iter().zip(place).for_each(|(one, place)| motion[one.unknown] += sign * place / (2.0 * h));
+        }
+        let start = start(*load);
+        let mut at = self.system.linearize(&start, &q, &zeros, lambda)?;
+        self.system.complete_tangent(&start, &mut at)?;
+        let mut image = vec![0.0; rate.len()];
+        self.system.matrix.pattern.multiply_into(&at.tangent, &motion, &mut image);
+        rate.iter_mut().zip(image).for_each(|(rate, image)| *rate -= image);
+        let (place, _) = self.system.supports.prescribed_motion(*load).map_err(Failure::Fatal)?;
+        let mut given = vec![0.0; rate.len()];
+        self.system.supports.prescribed.iter().zip(place).for_each(|(one, place)| given[one.unknown] = place - u[one.unknown]);
+        self.system.given = given;
+        let set: Vec<RowState> = self.system.redundant.iter().map(|redundant| RowState::closed_if(!redundant)).collect();
+        let rows = constraint_rows(&self.system, &at, &self.conditions_at_rest(&start), &set, 0.0);
+        let modulus = self.system.nodes.modulus;
+        let outcome = self.system.write_system(&start, &mut at, &rows);
+        self.system.given.clear();
+        let mut right = outcome?;
+        let free = |k: &usize| !self.system.supports.fixed[*k];
+        let left = |k: usize| at.forces.residual(k).abs();
+        let residual = (0..unknowns).filter(free).map(left).fold(0.0, f64::max) / at.forces.scale.max(f64::MIN_POSITIVE);
+        for k in (0..unknowns).filter(|&k| self.system.supports.fixed[k]) {
+            rate[k] = modulus * motion[k];
+        }
+        rate[unknowns..].fill(0.0);
+        self.system.solve_with(&at.tangent, &mut right, std::time::Instant::now())?;
+        self.system.matrix.solver.solve(&at.tangent, &mut rate).map_err(Failure::Linear)?;
+        self.system.recycle(at);
+        let (lambda, lambda_per_load) = (right.split_off(unknowns), rate.split_off(unknowns));
+        Ok(Response { residual, correction: right, lambda, per_load: rate, lambda_per_load })
+    }
+}
+
+/// The change of load that brings a corrected point onto the sphere around the last one; of two the one that goes on as the step does.
+fn on_sphere(from: &Guess, guess: &Guess, response: &Response, arc: f64) -> Option<f64> {
+    let step: Vec<f64> = guess.u.iter().zip(&from.u).map(|(now, before)| now - before).collect();
+    let corrected: Vec<f64> = step.iter().zip(&response.correction).map(|(step, own)| step + own).collect();
+    let rate = &response.per_load;
+    let (a, b, c) = (product(rate, rate), 2.0 * product(rate, &corrected), product(&corrected, &corrected) - arc * arc);
+    let root = (b * b - 4.0 * a * c).max(-0.0);
+    if a == 0.0 || b * b - 4.0 * a * c < 0.0 {
+        return None;
+    }
+    let ahead = |change: &f64| product(&step, &corrected) + change * product(&step, rate);
+    let roots = [(-b + root.sqrt()) / (2.0 * a), (-b - root.sqrt()) / (2.0 * a)];
+    roots.into_iter().max_by(|x, y| ahead(x).total_cmp(&ahead(y)))
+}
+
+fn norm(x: &[f64]) -> f64 {
+    product(x, x).sqrt()
+}
+
+/// Where the load turns round, and where stability changes besides.
+fn critical_points(points: &[PathPoint]) -> Vec<CriticalPoint> {
+    let load = |k: usize| points[k].state.row.time;
+    let turns: Vec<usize> = (1..points.len().saturating_sub(1)).filter(|&k| (load(k) - load(k - 1)) * (load(k + 1) - load(k)) < 0.0).collect();
+    let mut found: Vec<CriticalPoint> = turns
+        .iter()
+        .map(|&k| {
+            // The parabola through three points, from the middle one.
+            let (back, ahead) = (points[k - 1].length - points[k].length, points[k + 1].length - points[k].length);
+            let (low, high) = ((load(k - 1) - load(k)) / back, (load(k + 1) - load(k)) / ahead);
+            let curvature = (high - low) / (ahead - back);
+            let slope = low - curvature * back;
+            let at = if curvature == 0.0 { load(k) } else { load(k) - 0.25 * slope * slope / curvature };
+            let after = if -0.5 * slope / curvature < 0.0 { k - 1 } else { k };
+            CriticalPoint { kind: CriticalKind::Limit, load: at, after }
+        })
+        .collect();
+    for k in 0..points.len().saturating_sub(1) {
+        let changes = points[k].unstable.zip(points[k + 1].unstable).is_some_and(|(now, then)| now != then);
+        if changes && !turns.iter().any(|&turn| turn == k || turn == k + 1) {
+            found.push(CriticalPoint { kind: CriticalKind::Bifurcation, load: 0.5 * (load(k) + load(k + 1)), after: k });
+        }
+    }
+    found.sort_by_key(|point| point.after);
+    found
+}

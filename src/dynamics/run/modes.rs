@@ -1,0 +1,91 @@
+//! Natural vibrations as values: frequencies, shapes, what takes part in them.
+
+use std::f64::consts::TAU;
+
+use thiserror::Error;
+
+use crate::dynamics::model::error::StepError;
+
+/// Vibrations about a state, the slowest first.
+#[derive(Clone, Debug)]
+pub struct Modes {
+    /// Time of the state `[time]`.
+    pub time: f64,
+    /// The vibrations.
+    pub modes: Vec<Mode>,
+    /// Mass of the model `[mass]`.
+    pub mass: f64,
+    /// Directions in which effective masses are given, as indices of coordinates.
+    pub directions: Vec<usize>,
+    /// Whether it was counted that none of them is missed.
+    pub is_complete: bool,
+    /// Difference of the stiffness from a symmetric one, over its largest entry: loads that follow the surface. Their symmetric part is
+    /// what the modes are of.
+    pub asymmetry: f64,
+    /// Factorizations that were needed, and vectors that the inverse operator was applied to.
+    pub work: [usize; 2],
+}
+
+/// A vibration.
+#[derive(Clone, Debug)]
+pub struct Mode {
+    /// Square of the angular frequency; negative where the state is unstable in this direction, 0 where it is less than round-off
+    /// `[1/time^2]`.
+    pub eigenvalue: f64,
+    /// Displacements of the nodes of every body, the largest of length 1.
+    pub shape: Vec<Vec<[f64; 3]>>,
+    /// Mass of the vibration with that shape, `x^T M x` `[mass]`.
+    pub modal_mass: f64,
+    /// Part of a unit motion along each direction that is this vibration, `x^T M e / x^T M x`.
+    pub participation: Vec<f64>,
+    /// Mass that vibrates along each direction, `(x^T M e)^2 / x^T M x` `[mass]`.
+    pub effective_mass: Vec<f64>,
+    /// What the shape misses of an eigenvector, relative.
+    pub residual: f64,
+}
+
+impl Mode {
+    /// Angular frequency, 0 of an instability `[1/time]`.
+    pub fn angular_frequency(&self) -> f64 {
+        self.eigenvalue.max(0.0).sqrt()
+    }
+
+    /// Oscillations per time, 0 of an instability `[1/time]`.
+    pub fn frequency(&self) -> f64 {
+        self.angular_frequency() / TAU
+    }
+
+    /// Rate with which an instability grows, 0 of a vibration `[1/time]`.
+    pub fn growth(&self) -> f64 {
+        (-self.eigenvalue).max(0.0).sqrt()
+    }
+}
+
+/// Why there are no modes.
+#[derive(Debug, Error)]
+pub enum ModesError {
+    /// The stiffness cannot be computed, or the run was interrupted.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// The matrix is singular, whatever the shift.
+    #[error("the constraints of the state depend on one another")]
+    Dependent,
+    /// There are not so many.
+    #[error("the model has {motions} motions that supports and constraints leave, fewer than {count}")]
+    TooMany {
+        /// How many were asked for.
+        count: usize,
+        /// How many there are.
+        motions: usize,
+    },
+    /// Lanczos' method did not find them.
+    #[error("{found} of {count} modes were found with {vectors} vectors")]
+    NotFound {
+        /// How many were asked for.
+        count: usize,
+        /// How many have converged.
+        found: usize,
+        /// Vectors that were used.
+        vectors: usize,
+    },
+}

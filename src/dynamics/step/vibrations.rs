@@ -1,0 +1,202 @@
+//! Small vibrations about a state: its stiffness, symmetric, with what is closed tied, and shifted by masses.
+//!
+//! ```text
+//! [ K - sigma M   G^T ] [ x  ]   [ M b ]        K: the tangent at rest with the geometric part and that of the multipliers
+//! [ G             -C  ] [ mu ] = [ 0   ]        G: gradients of ties and of rows that press, or stick; C: 1/kappa of penalties, else 0
+//! ```
+
+use std::time::Instant;
+
+use super::constraint_rows::ConstraintRows;
+use super::failure::Failure;
+use super::iterate::Linearization;
+use super::start::{StepKind, StepStart};
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::part::Pose;
+use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::laws::{Equation, Row, RowState};
+use crate::linear::Operator;
+use crate::math::norms::largest_size;
+use crate::math::tolerances;
+
+/// A state about which a model vibrates.
+pub struct Rest<'a> {
+    /// Its time `[time]`.
+    pub time: f64,
+    /// Where its nodes are.
+    pub at: Pose<'a>,
+    /// What parts remember.
+    pub memory: &'a [Vec<f64>],
+    /// Multipliers.
+    pub lambda: &'a [f64],
+    /// What every constraint row is.
+    pub active: &'a [RowState],
+}
+
+/// The shifted matrix of a state in the solver.
+pub struct Vibrations<'a, const D: usize> {
+    system: &'a mut System<D>,
+    rest: Rest<'a>,
+    /// The factored values.
+    values: Vec<f64>,
+    /// Rows that hold.
+    pub held: usize,
+    /// Largest difference of an entry of the stiffness and its mirror image, over the largest entry.
+    pub asymmetry: f64,
+    /// Largest stiffness over mass of an unknown `[1/time^2]`.
+    pub stiffest: f64,
+    /// Factorizations so far.
+    pub factorizations: usize,
+}
+
+impl<'a, const D: usize> Vibrations<'a, D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The state of a system whose contacts have begun a step at rest there.
+    pub fn new(system: &'a mut System<D>, rest: Rest<'a>) -> Self {
+        Vibrations { system, rest, values: Vec::new(), held: 0, asymmetry: 0.0, stiffest: 0.0, factorizations: 0 }
+    }
+
+    /// Components of all nodes.
+    pub fn unknowns(&self) -> usize {
+        self.rest.at.q.len()
+    }
+
+    /// Motions that supports and rows leave.
+    pub fn motions(&self) -> usize {
+        self.system.supports.fixed.iter().filter(|fixed| !**fixed).count().saturating_sub(self.held)
+    }
+
+    /// Factors the matrix with a shift `[1/time^2]`.
+    ///
+    /// # Errors
+    /// The stiffness cannot be computed, or does not fit into memory.
+    pub fn factorize(&mut self, shift: f64) -> Result<(), Failure> {
+        let Rest { time, at: Pose { q, u }, memory, lambda, .. } = self.rest;
+        let damping = vec![-shift; self.system.bodies.len()];
+        let start = StepStart { time, q_0: q, u_0: u, memory, kind: StepKind::Rest { damping: &damping, velocities: None } };
+        let mut at = self.system.linearize(&start, q, &vec![0.0; q.len()], lambda)?;
+        self.system.complete_tangent(&start, &mut at)?;
+        self.values.clone_from(&at.tangent);
+        self.values.iter_mut().for_each(|value| *value /= start.weight());
+        self.asymmetry = self.symmetrize();
+        let rows = self.rows(&at);
+        self.held = rows.0.iter().filter(|row| row.acts).count();
+        self.system.write_constraints([&at.pairs, &at.slips], &rows, -1.0, |pair| &pair.gradient_end, &mut self.values);
+        self.stiffest = self.stiffness_over_mass(shift);
+        self.system.matrix.finish(&rows, self.system.nodes.modulus, &mut self.values);
+        self.system.recycle(at);
+        let clock = Instant::now();
+        self.factorizations += 1;
+        self.system.counters.factorizations += 1;
+        self.system.matrix.solver.factorize(&self.values).map_err(Failure::Linear)?;
+        self.system.counters.times.factorization += clock.elapsed();
+        Ok(())
+    }
+
+    /// Eigenvalues below the shift; `None` where the factors do not tell.
+    pub fn below(&self) -> Option<usize> {
+        // Each row that holds adds a negative one of its own.
+        self.system.matrix.solver.negative_eigenvalues()?.checked_sub(self.held)
+    }
+
+    /// Makes the blocks between nodes symmetric; by how much they were not.
+    fn symmetrize(&mut self) -> f64 {
+        let (pattern, nodes) = (&self.system.matrix.pattern, self.system.nodes.count() as u32);
+        let (mut off, largest) = (0.0f64, largest_size(&self.values));
+        for v in 0..nodes {
+            for &u in pattern.neighbors(v as usize).iter().filter(|&&u| u >= v && u < nodes) {
+                let (block, mirrored) = (pattern.block(u, v), pattern.block(v, u));
+                for i in 0..D {
+                    for k in 0..D {
+                        let (a, b) = (block.at(i, k), mirrored.at(k, i));
+                        off = off.max((self.values[a] - self.values[b]).abs());
+                        let mean = 0.5 * (self.values[a] + self.values[b]);
+                        (self.values[a], self.values[b]) = (mean, mean);
+                    }
+                }
+            }
+        }
+        off / largest.max(f64::MIN_POSITIVE)
+    }
+
+    /// The equations of the rows: ties and what is closed hold, penalties give way.
+    fn rows(&self, at: &Linearization) -> ConstraintRows {
+        let (system, active) = (&*self.system, self.rest.active);
+        let mut rows = ConstraintRows::open(system.multipliers);
+        for (pair, evaluation) in system.pairs.iter().zip(&at.pairs) {
+            for row in pair.rows.clone().filter(|&row| !system.redundant[row]) {
+                let local = row - pair.rows.start;
+                if pair.has_multipliers() {
+                    let holds = pair.law.is_bilateral() || active[row].is_closed();
+                    if holds && evaluation.coverage[local] > tolerances::SLIVER {
+                        rows.0[row] = Equation::held(0.0, 0.0);
+                    }
+                } else {
+                    let Equation { acts, diagonal, .. } = pair.law.equation(&penalized(pair, row, evaluation.gap[local]));
+                    if acts {
+                        rows.0[row] = Equation::held(-diagonal, 0.0);
+                    }
+                }
+            }
+        }
+        for (row, _) in system.pairs.iter().flat_map(ContactPair::tangential) {
+            if active[row].is_closed() && !at.held[row - system.pressing] {
+                rows.0[row] = Equation::held(0.0, 0.0);
+            }
+        }
+        rows
+    }
+
+    /// The largest quotient of the diagonals of stiffness and mass.
+    fn stiffness_over_mass(&self, shift: f64) -> f64 {
+        let (system, mut largest) = (&*self.system, 0.0f64);
+        for (node, _, mass) in system.nodes.mass.entries().filter(|(row, column, _)| row == column) {
+            let block = system.matrix.pattern.block(node, node);
+            let diagonal = |i: usize| (self.values[block.at(i, i)] / mass + shift).abs();
+            largest = (0..D).filter(|i| !system.supports.fixed[node as usize * D + i]).map(diagonal).fold(largest, f64::max);
+        }
+        largest
+    }
+}
+
+/// A row with a potential at a gap, as equilibria see it.
+fn penalized(pair: &ContactPair, row: usize, gap: f64) -> Row {
+    Row {
+        gap,
+        lambda: 0.0,
+        gap_n: gap,
+        target: 0.0,
+        shift: 0.0,
+        end_point: true,
+        compliance: 0.0,
+        c: pair.c,
+        stiffness: pair.penalty(row).unwrap_or(0.0),
+        tolerance: pair.gap_tolerance,
+    }
+}
+
+impl<const D: usize> Operator for Vibrations<'_, D>
+where
+    Space<D>: Elements<D>,
+{
+    type Error = Failure;
+
+    fn solve(&mut self, mut image: Vec<f64>) -> Result<Vec<f64>, Failure> {
+        let unknowns = image.len();
+        let clock = Instant::now();
+        image.iter_mut().zip(&self.system.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(x, _)| *x = 0.0);
+        image.resize(unknowns + self.system.multipliers, 0.0);
+        let outcome = self.system.matrix.solver.solve(&self.values, &mut image);
+        self.system.counters.times.solve += clock.elapsed();
+        outcome.map_err(Failure::Linear)?;
+        image.truncate(unknowns);
+        Ok(image)
+    }
+
+    fn mass_times(&self, v: &[f64]) -> Vec<f64> {
+        self.system.nodes.momenta_of(v)
+    }
+}

@@ -1,0 +1,55 @@
+//! How many eigenvalues of a symmetric matrix are negative, read off its factors.
+//!
+//! Fronts of a symmetric matrix are symmetric, whatever their pivots were exchanged for, so the inertia of the matrix is the sum of those of
+//! their pivot blocks (Haynsworth, Linear Algebra Appl. 1, 1968). Without an exchange of rows that of a block is the signs of its pivots
+//! (Sylvester); a block with one is put together again from its factors.
+
+use nalgebra::DMatrix;
+
+use super::multifrontal::Multifrontal;
+use super::symbolic::Symbolic;
+
+impl Multifrontal {
+    /// Number of negative eigenvalues of the last matrix, which is symmetric; `None` where pivots were replaced.
+    pub(super) fn negative_eigenvalues(&self, symbolic: &Symbolic) -> Option<usize> {
+        if !self.replaced().is_empty() {
+            return None;
+        }
+        let (mut factors, mut swaps) = self.factors();
+        let mut count = 0;
+        for front in &symbolic.fronts {
+            let (own, rest) = factors.split_at(front.length());
+            let (exchanged, others) = swaps.split_at(front.pivots);
+            (factors, swaps) = (rest, others);
+            let is_in_place = exchanged.iter().enumerate().all(|(k, &row)| row as usize == k);
+            count += if is_in_place {
+                (0..front.pivots).filter(|k| own[k * front.p + k] < 0.0).count()
+            } else {
+                negative_of_block(own, front.p, exchanged)
+            };
+        }
+        Some(count)
+    }
+}
+
+/// Negative eigenvalues of a pivot block that was factored with exchanges of rows.
+fn negative_of_block(factors: &[f64], p: usize, exchanged: &[u32]) -> usize {
+    let size = exchanged.len();
+    let lower = DMatrix::from_fn(size, size, |i, k| match i.cmp(&k) {
+        std::cmp::Ordering::Less => 0.0,
+        std::cmp::Ordering::Equal => 1.0,
+        std::cmp::Ordering::Greater => factors[k * p + i],
+    });
+    // Pivots are kept as their reciprocals.
+    let upper = DMatrix::from_fn(size, size, |i, k| match i.cmp(&k) {
+        std::cmp::Ordering::Less => factors[k * p + i],
+        std::cmp::Ordering::Equal => 1.0 / factors[k * p + i],
+        std::cmp::Ordering::Greater => 0.0,
+    });
+    let mut block = lower * upper;
+    for (k, &row) in exchanged.iter().enumerate().rev() {
+        block.swap_rows(k, row as usize);
+    }
+    let symmetric = 0.5 * (&block + block.transpose());
+    symmetric.symmetric_eigenvalues().iter().filter(|value| **value < 0.0).count()
+}

@@ -1,0 +1,157 @@
+//! Lanczos' method for eigenvalues of largest size of an operator that is symmetric in an inner product, with full reorthogonalization.
+//!
+//! For `K x = lambda M x` the operator is `(K - sigma M)^-1 M`, symmetric in the product `x^T M y`, and its eigenvalues are
+//! `theta = 1/(lambda - sigma)`: those next to the shift are found first and well separated (Ericsson and Ruhe, Math. Comp. 35, 1980).
+//! Vectors are begun in blocks, because one vector alone finds one of each multiple eigenvalue; whoever knows that some are missing lets it
+//! begin again with a further vector, in the space that is there.
+
+use nalgebra::DMatrix;
+
+use crate::math::tolerances::LANCZOS_DEPENDENT;
+
+/// Passes of the orthogonalization: twice is enough (Kahan; Parlett, The Symmetric Eigenvalue Problem, 1980).
+const PASSES: usize = 2;
+
+/// What is iterated.
+pub trait Operator {
+    /// Why it failed.
+    type Error;
+
+    /// `(K - sigma M)^-1 image`.
+    ///
+    /// # Errors
+    /// The linear solver's.
+    fn solve(&mut self, image: Vec<f64>) -> Result<Vec<f64>, Self::Error>;
+
+    /// `M v`.
+    fn mass_times(&self, v: &[f64]) -> Vec<f64>;
+}
+
+/// An eigenvalue of the projected operator.
+#[derive(Clone, Debug)]
+pub struct Ritz {
+    /// The eigenvalue.
+    pub theta: f64,
+    /// Norm of what the vector misses, in the operator's product.
+    pub residual: f64,
+    /// The vector in the basis.
+    pub coefficients: Vec<f64>,
+}
+
+/// The basis so far, orthonormal in the operator's product, and the operator's projection on it.
+pub struct Lanczos {
+    unknowns: usize,
+    block: usize,
+    vectors: Vec<Vec<f64>>,
+    /// Of each vector that the operator was applied to, the components of its image along the basis.
+    projected: Vec<Vec<f64>>,
+    random: u64,
+}
+
+impl Lanczos {
+    /// Nothing yet, of vectors with so many numbers; it begins with a block of so many vectors.
+    pub fn new(unknowns: usize, block: usize) -> Self {
+        Lanczos { unknowns, block, vectors: Vec::new(), projected: Vec::new(), random: 1 }
+    }
+
+    /// Vectors that the operator was applied to.
+    pub fn applied(&self) -> usize {
+        self.projected.len()
+    }
+
+    /// Applies the operator to one more vector; whether there was one that is independent of those before.
+    ///
+    /// # Errors
+    /// The operator's.
+    pub fn expand<O: Operator>(&mut self, operator: &mut O) -> Result<bool, O::Error> {
+        let is_first = self.vectors.is_empty();
+        if self.applied() == self.vectors.len() {
+            (0..if is_first { self.block } else { 1 }).try_for_each(|_| self.begin(operator))?;
+        }
+        let Some(vector) = self.vectors.get(self.applied()) else { return Ok(false) };
+        let image = operator.solve(operator.mass_times(vector))?;
+        let along = self.add(operator, image);
+        self.projected.push(along);
+        Ok(true)
+    }
+
+    /// Adds a vector of any direction to those that the operator is applied to.
+    ///
+    /// # Errors
+    /// The operator's.
+    pub fn begin<O: Operator>(&mut self, operator: &mut O) -> Result<(), O::Error> {
+        let any: Vec<f64> = (0..self.unknowns).map(|_| self.next_random()).collect();
+        let image = operator.solve(operator.mass_times(&any))?;
+        self.add(operator, image);
+        Ok(())
+    }
+
+    /// Numbers between -1 and 1, the same in every run (xorshift; Marsaglia 2003).
+    fn next_random(&mut self) -> f64 {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        (self.random >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Adds what a vector has beyond the basis to it, if that is more than round-off; gives its components along the basis.
+    fn add<O: Operator>(&mut self, operator: &O, mut vector: Vec<f64>) -> Vec<f64> {
+        let mut along = vec![0.0; self.vectors.len()];
+        let mut image = operator.mass_times(&vector);
+        let size = product(&vector, &image).max(0.0).sqrt();
+        for _ in 0..PASSES {
+            for (own, along) in self.vectors.iter().zip(&mut along) {
+                let component = product(own, &image);
+                *along += component;
+                vector.iter_mut().zip(own).for_each(|(x, own)| *x -= component * own);
+            }
+            image = operator.mass_times(&vector);
+        }
+        let left = product(&vector, &image).max(0.0).sqrt();
+        if left > LANCZOS_DEPENDENT * size {
+            vector.iter_mut().for_each(|x| *x /= left);
+            self.vectors.push(vector);
+            along.push(left);
+        }
+        along
+    }
+
+    /// Eigenvalues of the projection, the largest first.
+    pub fn ritz(&self) -> Vec<Ritz> {
+        let size = self.applied();
+        let entry = |i: usize, k: usize| self.projected[k].get(i).copied().unwrap_or(0.0);
+        let eigen = DMatrix::from_fn(size, size, |i, k| 0.5 * (entry(i, k) + entry(k, i))).symmetric_eigen();
+        let mut order: Vec<usize> = (0..size).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
+        let of = |k: usize| {
+            let coefficients: Vec<f64> = eigen.eigenvectors.column(k).iter().copied().collect();
+            let missed = (size..self.vectors.len()).map(|i| coefficients.iter().enumerate().map(|(k, s)| entry(i, k) * s).sum::<f64>());
+            let residual = missed.map(|x| x * x).sum::<f64>().sqrt();
+            Ritz { theta: eigen.eigenvalues[k], residual, coefficients }
+        };
+        order.into_iter().map(of).collect()
+    }
+
+    /// A vector with these components in the basis.
+    pub fn vector(&self, coefficients: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.unknowns];
+        for (own, coefficient) in self.vectors.iter().zip(coefficients) {
+            sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += coefficient * own);
+        }
+        sum
+    }
+}
+
+/// Scalar product, its sums in an order that lets processors add several at once.
+pub fn product(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let mut sums = [0.0; LANES];
+    let (left, right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = left.remainder().iter().zip(right.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in left.zip(right) {
+        for k in 0..LANES {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}

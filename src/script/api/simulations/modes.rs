@@ -1,0 +1,428 @@
+//! `sim.modes`: natural vibrations as an object with arrays, pictures, movies and files of the shapes.
+
+use std::f64::consts::TAU;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use rhai::{Array, Dynamic};
+
+use super::handle::{SimulationHandle, busy};
+use super::pictures::{keys, shown};
+use crate::dynamics::{BodyFields, LedgerRow, Mode, Modes, ModesError, PlacedObstacle};
+use crate::math::catalogue::Interval;
+use crate::output::{Field, Frame, MovieFormat, PictureOptions, Sight, movie, picture, sight};
+use crate::script::api::examples::plate_example;
+use crate::script::api::files::writing::{path_parameter, write, write_drawing};
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
+
+/// Modes at most: each takes a vector of the model, several times.
+const MOST: f64 = 1000.0;
+
+/// Largest deflection of a picture over the extent of the bodies, if the script gives none.
+const DEFLECTION: f64 = 0.1;
+
+/// Pictures of a period in a movie.
+const PICTURES: usize = 24;
+
+/// Vibrations of a simulation at one of its states.
+pub struct ModesData {
+    modes: Modes,
+    /// Where files go.
+    simulation: SimulationHandle,
+    /// The bodies as they are there, with no displacement, and the obstacles.
+    bodies: Vec<BodyFields>,
+    obstacles: Vec<PlacedObstacle>,
+    /// Units of time of the kernels in one of the script.
+    unit: f64,
+}
+
+/// The same in a script.
+#[derive(Clone)]
+pub struct ModesHandle(Rc<ModesData>);
+
+impl Handle for ModesHandle {
+    const NAME: &'static str = "Modes";
+    const MAKER: &'static str = "take those of a simulation: `sim.modes(#{ count: 6 })`";
+
+    fn describe(&self) -> String {
+        let Modes { time, modes, mass, directions, .. } = &self.0.modes;
+        let axes = directions.iter().map(|&i| format!("{:>12}", format!("mass_{}", ["x", "y", "z"][i]))).collect::<String>();
+        let mut lines = vec![
+            format!("{} modes of \"{}\" at t = {}, mass {}", modes.len(), self.0.simulation.0.name, brief(time / self.0.unit), brief(*mass)),
+            format!("  mode   frequency     angular{axes}"),
+        ];
+        for (number, mode) in modes.iter().enumerate() {
+            let masses = mode.effective_mass.iter().map(|mass| format!("{:>12}", brief(*mass))).collect::<String>();
+            let [frequency, angular] = [mode.frequency(), mode.angular_frequency()].map(|value| brief(value * self.0.unit));
+            let unstable = if mode.eigenvalue < 0.0 { format!("  grows with {}", brief(mode.growth() * self.0.unit)) } else { String::new() };
+            lines.push(format!("  {number:>4}{frequency:>12}{angular:>12}{masses}{unstable}"));
+        }
+        lines.join("\n")
+    }
+}
+
+impl ModesHandle {
+    /// The mode that the argument or option `mode` means.
+    fn chosen(&self, call: &Call, options: Option<&Options>) -> Result<(usize, &Mode), Failure> {
+        let argument = options.map_or_else(|| call.argument("mode"), |options| options.argument("mode"));
+        let number = argument.integer()?;
+        let modes = &self.0.modes.modes;
+        match usize::try_from(number).ok().and_then(|index| Some((index, modes.get(index)?))) {
+            Some(found) => Ok(found),
+            None => {
+                let failure = argument.fail(format!("there is no mode {number}: they are numbered from 0 to {}", modes.len() - 1));
+                Err(failure.hint("ask for more with `count` of `sim.modes`"))
+            }
+        }
+    }
+
+    /// The bodies with a mode of some size as their displacement.
+    fn moved(&self, mode: &Mode, factor: f64) -> Vec<BodyFields> {
+        let with_shape = |(body, shape): (&BodyFields, &Vec<[f64; 3]>)| {
+            let displacement = shape.iter().map(|x| x.map(|x| factor * x)).collect();
+            BodyFields { displacement, ..body.clone() }
+        };
+        self.0.bodies.iter().zip(&mode.shape).map(with_shape).collect()
+    }
+
+    /// What pictures show, and the largest deflection in them.
+    fn shown(&self, options: &Options) -> Result<(PictureOptions, f64), Failure> {
+        let mut shown = shown(options, self.0.simulation.0.model.model.dimension())?;
+        if !options.argument("field").is_given() {
+            shown.panels.iter_mut().for_each(|panel| panel.field = Field::Displacement);
+        }
+        let argument = options.argument("deflection");
+        let extent = |i: usize| {
+            let places = || self.0.bodies.iter().flat_map(|body| body.mesh.points.iter().map(move |point| point[i]));
+            places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min)
+        };
+        let deflection = if argument.is_given() { argument.number()? } else { DEFLECTION * (0..3).map(extent).fold(0.0, f64::max) };
+        Ok((shown, deflection))
+    }
+
+    /// The text above pictures of a mode.
+    fn title(&self, options: &Options, number: usize, mode: &Mode) -> Result<String, Failure> {
+        let argument = options.argument("title");
+        if argument.is_given() {
+            return argument.text();
+        }
+        let what = if mode.eigenvalue < 0.0 {
+            format!("grows with {}", brief(mode.growth() * self.0.unit))
+        } else {
+            format!("frequency {}", brief(mode.frequency() * self.0.unit))
+        };
+        Ok(format!("{}, mode {number}: {what}", self.0.simulation.0.name))
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    let mut all = vec![modes()];
+    all.extend(properties());
+    all.extend([shape(), picture_function(), movie_function(), write_function()]);
+    all
+}
+
+/// An example with the modes of a clamped plate.
+fn modes_example(line: &str) -> std::borrow::Cow<'static, str> {
+    plate_example(&format!(
+        "press.fix(plate.boundary(\"left\"));\nlet sim = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\n\
+         let modes = sim.modes(#{{ count: 3 }});\n{line}"
+    ))
+}
+
+fn modes() -> Function {
+    let count = Parameter::new("count", Kind::Integer, "how many, the slowest first").within(Interval::Closed(1.0, MOST));
+    Function {
+        name: "modes",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties and \
+                  closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed nodes \
+                  stand still; the state stays as it is",
+        parameters: vec![
+            Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(6))]), "how many").or(Absent::Means("#{ count: 6 }")),
+        ],
+        returns: ModesHandle::NAME,
+        example: modes_example("print(modes);\nprint(modes.frequencies[0]);"),
+        see_also: &["settle", "frequencies", "shape"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+            let count = options.argument("count").integer()?;
+            handle.refuse_in_check(call)?;
+            handle.looked()?;
+            call.host.go_on()?;
+            call.host.observer.began(&format!("modes of \"{}\"", handle.0.name));
+            let found = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut simulation| {
+                let modes = simulation.modes(count as usize)?;
+                let mut bodies = simulation.fields();
+                bodies.iter_mut().for_each(at_place);
+                Ok((modes, bodies, simulation.obstacles(), sliding(simulation.row())))
+            });
+            call.host.observer.ended();
+            let (modes, bodies, obstacles, sliding) = found?.map_err(|error| refused(call, &handle, error))?;
+            warn(call, &handle, &modes, sliding);
+            let unit = handle.0.motion.map_or(1.0, |motion| motion.units.time);
+            Ok(Dynamic::from(ModesHandle(Rc::new(ModesData { modes, simulation: handle, bodies, obstacles, unit }))))
+        }),
+    }
+}
+
+/// Nodes that slide against friction in the state of a row.
+fn sliding(row: &LedgerRow) -> usize {
+    row.contacts.iter().map(|contact| contact.sliding).sum()
+}
+
+/// Takes the present place of a body for its undeformed one.
+fn at_place(body: &mut BodyFields) {
+    let mut mesh = (*body.mesh).clone();
+    mesh.points = (0..mesh.points.len()).map(|node| body.position(node)).collect();
+    body.displacement.fill([0.0; 3]);
+    body.mesh = Arc::new(mesh);
+}
+
+/// The failure of `modes`.
+fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure {
+    let title = error.to_string();
+    match error {
+        ModesError::Step(error) => handle.step_failure(call, error),
+        ModesError::Dependent => call
+            .fail(title)
+            .cause("supports, ties, closed contacts and sticking friction hold some nodes more than once")
+            .hint("leave one of them out, or give the contact a `penalty`"),
+        ModesError::TooMany { motions, .. } if motions == 0 => call.fail(title).hint("free some of the boundaries"),
+        ModesError::TooMany { motions, .. } => call.fail(title).hint(format!("ask for at most {motions} with `count`")),
+        ModesError::NotFound { .. } => call.fail(title).hint("ask for fewer with `count`, or refine the mesh"),
+    }
+}
+
+/// Tells what the modes leave out or do not know.
+fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
+    let warning = |title: String| Diagnostic::warning(title, call.place(&Target::Call));
+    let unstable = modes.modes.iter().filter(|mode| mode.eigenvalue < 0.0).count();
+    if unstable > 0 {
+        let title = match unstable {
+            1 => "the state is unstable: a small motion grows in the shape of mode 0".to_string(),
+            many => format!("the state is unstable: small motions grow in the shapes of the first {many} modes"),
+        };
+        let cause = "the square of their frequency is negative, as where a structure buckles or is no equilibrium";
+        call.host.warn(warning(title).cause(cause).hint("`growths` tells how fast; `settle` under a smaller load for vibrations"));
+    }
+    if !modes.is_complete {
+        let title = "it could not be counted whether modes between these are missing".to_string();
+        call.host.warn(warning(title).cause("the factors of the shifted matrix had replaced pivots").hint("ask for another `count`"));
+    }
+    if modes.asymmetry > 0.0 {
+        let title = format!("loads make the stiffness unsymmetric, by {} of its size", brief(modes.asymmetry));
+        let cause = "they follow the surface and have no potential; modes are those of the symmetric part";
+        call.host.warn(warning(title).cause(cause).hint("a run with small steps shows what such loads do"));
+    }
+    let viscous = handle.0.model.model.bodies.iter().find(|body| !body.material.viscosity().is_none());
+    if let Some(body) = viscous {
+        let title = format!("the viscosity of body \"{}\" is left out of the modes", body.name);
+        call.host.warn(warning(title).cause("they are those of the relaxed, elastic material").hint("a run shows how vibrations decay"));
+    }
+    if sliding > 0 {
+        let title = format!("{sliding} nodes slide against friction: they slide freely in the modes");
+        call.host.warn(warning(title).hint("`settle` first where they should stick"));
+    }
+}
+
+fn properties() -> Vec<Function> {
+    fn array(values: impl Iterator<Item = f64>) -> Dynamic {
+        values.map(Dynamic::from).collect::<Array>().into()
+    }
+    let of_mode = |name, summary, read: fn(&Mode, f64) -> f64| {
+        property(name, "Array", summary, move |data: &ModesData| array(data.modes.modes.iter().map(|mode| read(mode, data.unit))))
+    };
+    let along = |name, summary, read: fn(&Mode) -> &Vec<f64>| {
+        let rows = move |data: &ModesData| data.modes.modes.iter().map(|mode| array(read(mode).iter().copied())).collect::<Array>().into();
+        property(name, "Array", summary, rows)
+    };
+    vec![
+        of_mode(
+            "frequencies",
+            "natural frequencies of all modes in oscillations per time (cycles, not radians), `omega / (2 pi)`, ascending; 0 of rigid motions \
+             and of instabilities",
+            |mode, unit| mode.eigenvalue.max(0.0).sqrt() * unit / TAU,
+        ),
+        of_mode("angular_frequencies", "natural frequencies of all modes in radians per time, `omega`", |mode, unit| {
+            mode.angular_frequency() * unit
+        }),
+        of_mode("growths", "rates with which small motions grow in an unstable state; 0 of vibrations", |mode, unit| mode.growth() * unit),
+        of_mode("modal_masses", "masses of all modes, `x^T M x` with shapes whose largest displacement is 1", |mode, _| mode.modal_mass),
+        along(
+            "participation",
+            "participation factors of each mode, `x^T M e / x^T M x` along each axis; of bodies of revolution along theirs alone",
+            |mode| &mode.participation,
+        ),
+        along(
+            "effective_masses",
+            "mass that each mode moves along each axis, `(x^T M e)^2 / x^T M x`; of all modes together the mass that is free to move",
+            |mode| &mode.effective_mass,
+        ),
+        property("mass", "number", "mass of the model", |data| data.modes.mass.into()),
+        property("count", "int", "how many modes there are", |data| (data.modes.modes.len() as i64).into()),
+        property("work", "Array", "factorizations and solutions that the modes took", |data| {
+            data.modes.work.iter().map(|&count| Dynamic::from(count as i64)).collect::<Array>().into()
+        }),
+    ]
+}
+
+fn property(
+    name: &'static str,
+    returns: &'static str,
+    summary: &'static str,
+    read: impl Fn(&ModesData) -> Dynamic + 'static,
+) -> Function {
+    Function {
+        name,
+        form: Form::Property(ModesHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: modes_example(&format!("print(modes.{name});")),
+        see_also: &["modes"],
+        body: body(move |call| Ok(read(&call.receiver::<ModesHandle>().0))),
+    }
+}
+
+/// Which mode.
+fn mode_parameter() -> Parameter {
+    Parameter::new("mode", Kind::Integer, "number of the mode, from 0").within(Interval::Closed(0.0, MOST))
+}
+
+fn shape() -> Function {
+    use crate::script::api::models::handle::BodyHandle;
+    Function {
+        name: "shape",
+        form: Form::Method(ModesHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the displacements of the nodes of a body in a mode, in the order of `sim.field(\"position\", body)`; the largest of the \
+                  whole model is of length 1",
+        parameters: vec![mode_parameter(), Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body")],
+        returns: "Array",
+        example: modes_example("print(modes.shape(0, plate)[2]);"),
+        see_also: &["modes", "field"],
+        body: body(|call| {
+            let modes = call.receiver::<ModesHandle>();
+            let (_, mode) = modes.chosen(call, None)?;
+            let (index, dimension) = (modes.0.simulation.body_index(call)?, modes.0.simulation.0.model.model.dimension());
+            let vector = |x: &[f64; 3]| Dynamic::from(x[..dimension].iter().map(|&x| x.into()).collect::<Array>());
+            Ok(mode.shape[index].iter().map(vector).collect::<Array>().into())
+        }),
+    }
+}
+
+/// Options of pictures of a mode.
+fn picture_keys() -> Vec<Parameter> {
+    let mut all = keys();
+    for key in &mut all {
+        match key.name {
+            "field" => key.absent = Absent::Text("displacement"),
+            "undeformed" => {
+                (key.absent, key.summary) = (Absent::Flag(true), "whether the state about which they vibrate is outlined");
+            }
+            "title" => key.absent = Absent::Means("name of the simulation, number and frequency"),
+            _ => {}
+        }
+    }
+    let deflection = Parameter::number("deflection", "length", Interval::Positive, "the largest displacement that is drawn");
+    all.splice(0..0, [mode_parameter().or(Absent::Integer(0)), deflection.or(Absent::Means("a tenth of the extent of the bodies"))]);
+    all
+}
+
+fn picture_function() -> Function {
+    Function {
+        name: "picture",
+        form: Form::Method(ModesHandle::receiver()),
+        topic: Topic::Results,
+        summary: "draws the shape of a mode as SVG or PNG, with the options of `sim.picture`",
+        parameters: vec![
+            path_parameter("an `.svg` or `.png` file below the output folder"),
+            Parameter::new("options", Kind::Options(picture_keys()), "what is shown").or(Absent::Means("#{ mode: 0 }")),
+        ],
+        returns: "",
+        example: modes_example("modes.picture(\"bending.svg\", #{ mode: 1 });"),
+        see_also: &["modes", "movie", "picture"],
+        body: body(|call| {
+            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+            let (number, mode) = modes.chosen(call, Some(&options))?;
+            let (mut shown, deflection) = modes.shown(&options)?;
+            shown.title = modes.title(&options, number, mode)?;
+            let draw = || Ok(picture(&modes.moved(mode, deflection), &modes.0.obstacles, &shown));
+            Ok(write_drawing(call, Some(&modes.0.simulation), draw)?)
+        }),
+    }
+}
+
+fn movie_function() -> Function {
+    let mut options = picture_keys();
+    let seconds = "how long a period lasts; it repeats";
+    options.push(Parameter::number("seconds", "seconds", Interval::Closed(0.1, 3600.0), seconds).or(Absent::Number(2.0)));
+    Function {
+        name: "movie",
+        form: Form::Method(ModesHandle::receiver()),
+        topic: Topic::Results,
+        summary: "draws a period of a mode as an animated PNG or GIF, with the options of `sim.picture`",
+        parameters: vec![
+            path_parameter("a `.png` or `.gif` file below the output folder"),
+            Parameter::new("options", Kind::Options(options), "what is shown").or(Absent::Means("#{ mode: 0 }")),
+        ],
+        returns: "",
+        example: modes_example("modes.movie(\"bending.gif\", #{ mode: 1, width: 300 });"),
+        see_also: &["modes", "picture", "movie"],
+        body: body(|call| {
+            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+            let (number, mode) = modes.chosen(call, Some(&options))?;
+            let (mut shown, deflection) = modes.shown(&options)?;
+            shown.title = modes.title(&options, number, mode)?;
+            let seconds = options.number("seconds")?;
+            let format = if call.text("path")?.ends_with(".gif") { MovieFormat::Gif } else { MovieFormat::Png };
+            let content = || {
+                let at = |index: usize| modes.moved(mode, deflection * (TAU * index as f64 / PICTURES as f64).cos());
+                let extremes = [0, PICTURES / 2].map(|index| sight(&at(index), &modes.0.obstacles, &shown));
+                shown.sight = extremes.into_iter().reduce(Sight::with);
+                for panel in shown.panels.iter_mut().filter(|panel| panel.field == Field::Displacement) {
+                    panel.range = panel.range.or(Some([0.0, deflection]));
+                }
+                let draw = |index: usize| picture(&at(index), &modes.0.obstacles, &shown);
+                let work = move |ask: &dyn Fn(usize) -> Option<crate::output::Drawing>| movie(PICTURES, ask, seconds, format);
+                let bytes = call.host.consulted(work, draw)?;
+                bytes.ok_or_else(|| call.fail("there is no memory for pictures of this size").hint("choose a smaller `width`"))
+            };
+            Ok(write(call, Some(&modes.0.simulation), &[".png", ".gif"], content)?)
+        }),
+    }
+}
+
+fn write_function() -> Function {
+    let options = vec![mode_parameter().or(Absent::Integer(0))];
+    Function {
+        name: "write_fields",
+        form: Form::Method(ModesHandle::receiver()),
+        topic: Topic::Results,
+        summary: "writes the shape of a mode as VTU: the bodies as they are, with the shape as their `displacement`",
+        parameters: vec![
+            path_parameter("a `.vtu` file below the output folder"),
+            Parameter::new("options", Kind::Options(options), "which mode").or(Absent::Means("#{ mode: 0 }")),
+        ],
+        returns: "",
+        example: modes_example("modes.write_fields(\"bending.vtu\", #{ mode: 1 });"),
+        see_also: &["modes", "picture", "write_fields"],
+        body: body(|call| {
+            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+            let (_, mode) = modes.chosen(call, Some(&options))?;
+            let content = || Ok(Frame::new(modes.0.modes.time, &modes.moved(mode, 1.0)).encode());
+            Ok(write(call, Some(&modes.0.simulation), &[".vtu"], content)?)
+        }),
+    }
+}

@@ -1,0 +1,263 @@
+//! `sim.follow_load`: equilibria along a load as an object with the columns of a history, states, and where stability is lost.
+
+use std::rc::Rc;
+
+use rhai::{Array, Dynamic, Map};
+
+use super::handle::{SimulationHandle, busy};
+use super::history::unknown_column;
+use super::states::StateHandle;
+use crate::dynamics::{CriticalKind, LedgerRow, Path, PathEnd, PathError, PathOptions};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::plate_example;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::{brief, number_text};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
+
+/// Increments to the end, if the script does not say how large they are.
+const INCREMENTS: f64 = 20.0;
+
+/// Points at most.
+const MOST: f64 = 100_000.0;
+
+/// Equilibria of a simulation along a load.
+#[derive(Clone)]
+pub struct PathHandle {
+    path: Rc<Path>,
+    /// Their rows on the clock of the script, and the history before them.
+    rows: Rc<Vec<LedgerRow>>,
+    before: Rc<Vec<LedgerRow>>,
+    simulation: SimulationHandle,
+}
+
+impl Handle for PathHandle {
+    const NAME: &'static str = "Path";
+    const MAKER: &'static str = "make one with `sim.follow_load(#{ load: 1.0 })`";
+
+    fn describe(&self) -> String {
+        let (first, last) = (&self.rows[0], &self.rows[self.rows.len() - 1]);
+        let mut lines = vec![format!(
+            "path of {} equilibria of \"{}\" from t = {} to {}, {}",
+            self.rows.len(),
+            self.simulation.0.name,
+            brief(first.time),
+            brief(last.time),
+            end_of(&self.path.end)
+        )];
+        for point in &self.path.critical {
+            lines.push(format!("  {} at t = {} after point {}", kind_of(point.kind), brief(self.script_time(point.load)), point.after));
+        }
+        lines.join("\n")
+    }
+}
+
+impl PathHandle {
+    fn script_time(&self, time: f64) -> f64 {
+        self.simulation.0.script_time(time)
+    }
+}
+
+fn kind_of(kind: CriticalKind) -> &'static str {
+    match kind {
+        CriticalKind::Limit => "limit point",
+        CriticalKind::Bifurcation => "bifurcation",
+    }
+}
+
+fn end_of(end: &PathEnd) -> &'static str {
+    match end {
+        PathEnd::Reached => "reached",
+        PathEnd::Points => "points used up",
+        PathEnd::Lost(_) => "lost",
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![follow_load(), column(), critical(), unstable(), end(), state()]
+}
+
+fn path_example(line: &str) -> std::borrow::Cow<'static, str> {
+    plate_example(&format!(
+        "press.fix(plate.boundary(\"left\"));\npress.force(plate.boundary(\"right\"), [0.0, -1e3], |t| t);\n\
+         let sim = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\n\
+         let path = sim.follow_load(#{{ load: 1.0, increment: 0.25 }});\n{line}"
+    ))
+}
+
+fn follow_load() -> Function {
+    let options = vec![
+        Parameter::number("load", "time", Interval::Finite, "the load at which the path ends, as a time of the time functions"),
+        Parameter::number("increment", "time", Interval::Positive, "the first increment; then they choose themselves")
+            .or(Absent::Means("a twentieth of the way")),
+        Parameter::new("points", Kind::Integer, "equilibria at most").within(Interval::Closed(2.0, MOST)).or(Absent::Integer(1000)),
+        Parameter::new(
+            "arc_length",
+            Kind::Flag,
+            "whether a step has a given length in displacements, so that the load may fall and the path go back (snap-through, snap-back); \
+             without it a step has a given load",
+        )
+        .or(Absent::Flag(true)),
+    ];
+    Function {
+        name: "follow_load",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "follows equilibria along the load from the present state, without inertia: loads and prescribed motions are functions of \
+                  time, and time is the load; finds limit points and bifurcations; the simulation stays where it is, and `restore` goes to \
+                  a state of the path",
+        parameters: vec![Parameter::new("options", Kind::Options(options), "how far, and how")],
+        returns: PathHandle::NAME,
+        example: path_example("print(path);\nprint(path.time);\nsim.restore(path.state(-1));"),
+        see_also: &["settle", "modes", "restore", "plot_curves"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+            handle.refuse_nested(call)?;
+            handle.refuse_in_check(call)?;
+            handle.looked()?;
+            let options = path_options(&handle, &options)?;
+            call.host.go_on()?;
+            call.host.observer.began(&format!("equilibria of \"{}\"", handle.0.name));
+            let simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call));
+            let found = simulation.map(|mut simulation| simulation.path(&options, &mut |_| ()));
+            call.host.observer.ended();
+            let path = found?.map_err(|error| refused(call, &handle, error))?;
+            if let PathEnd::Lost(cause) = &path.end {
+                let load = path.points.last().map_or(0.0, |point| handle.0.script_time(point.state.row.time));
+                let warning = Diagnostic::warning(format!("the path is lost at t = {}", brief(load)), call.place(&Target::Call));
+                let hint = if options.by_arc {
+                    "take a smaller `increment`"
+                } else {
+                    "beyond a limit point there may be no equilibrium nearby: follow the path with `arc_length: true`"
+                };
+                call.host.warn(warning.cause(format!("no further equilibrium was found: {cause}")).hint(hint));
+            }
+            let rows = path.points.iter().map(|point| handle.0.script_row(point.state.row.clone())).collect();
+            let before = handle.0.history.borrow().clone();
+            let path = PathHandle { path: Rc::new(path), rows: Rc::new(rows), before: Rc::new(before), simulation: handle };
+            Ok(Dynamic::from(path))
+        }),
+    }
+}
+
+/// The options of a call on the clock of the kernels.
+fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOptions, Failure> {
+    let (until, given) = (options.number("load")?, options.argument("increment"));
+    let now = handle.0.simulation.try_borrow().map(|simulation| handle.0.script_time(simulation.time())).unwrap_or_default();
+    if until == now {
+        let argument = options.argument("load");
+        let failure = argument.fail(format!("the simulation is at t = {} already", number_text(now)));
+        return Err(failure.hint("give another time for the end of the path; `settle` finds the equilibrium of this one"));
+    }
+    let increment = if given.is_given() { given.number()? } else { (until - now).abs() / INCREMENTS };
+    let points = options.argument("points").integer()? as usize;
+    let [until, increment] = [until, increment].map(|time| handle.0.kernel_time(time));
+    Ok(PathOptions { until, increment, points, by_arc: options.flag("arc_length")? })
+}
+
+/// The failure of `follow_load`.
+fn refused(call: &Call, handle: &SimulationHandle, error: PathError) -> Failure {
+    let title = error.to_string();
+    match error {
+        PathError::Step(error) => handle.step_failure(call, error),
+        PathError::Contact { .. } => call.fail(title).hint("go along the load with `sim.settle(time)` in a loop, which follows contact"),
+    }
+}
+
+fn column() -> Function {
+    Function {
+        name: "column",
+        form: Form::Column(PathHandle::receiver()),
+        topic: Topic::Results,
+        summary: "a column of the history of the path as an array, by its name: `path.time` is the load, `path[\"tip.uy\"]` what a probe sees",
+        parameters: vec![Parameter::new("name", Kind::Text, "the name of the column")],
+        returns: "Array",
+        example: path_example("print(path.strain);"),
+        see_also: &["follow_load", "history"],
+        body: body(|call| {
+            let (path, name) = (call.receiver::<PathHandle>(), call.text("name")?);
+            match path.simulation.column_of(&path.rows, &name) {
+                Some(values) => Ok(values.into_iter().map(Dynamic::from).collect::<Array>().into()),
+                None => Err(unknown_column(call, &path.simulation, &name).into()),
+            }
+        }),
+    }
+}
+
+fn property(
+    name: &'static str,
+    returns: &'static str,
+    summary: &'static str,
+    read: impl Fn(&PathHandle) -> Dynamic + 'static,
+) -> Function {
+    Function {
+        name,
+        form: Form::Property(PathHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: path_example(&format!("print(path.{name});")),
+        see_also: &["follow_load"],
+        body: body(move |call| Ok(read(&call.receiver::<PathHandle>()))),
+    }
+}
+
+fn critical() -> Function {
+    let summary = "where the stiffness is singular, an array of maps with `kind` (\"limit point\" where the load has an extremum, \
+                   \"bifurcation\" where another path branches off), `load` and `after`, the point before it";
+    property("critical", "Array", summary, |path| {
+        let of = |point: &crate::dynamics::CriticalPoint| {
+            let entries: [(&str, Dynamic); 3] = [
+                ("kind", kind_of(point.kind).into()),
+                ("load", path.script_time(point.load).into()),
+                ("after", (point.after as i64).into()),
+            ];
+            Dynamic::from(entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>())
+        };
+        path.path.critical.iter().map(of).collect::<Array>().into()
+    })
+}
+
+fn unstable() -> Function {
+    let summary = "in how many directions each equilibrium is unstable: 0 of stable ones, -1 where that could not be counted";
+    property("unstable", "Array", summary, |path| {
+        path.path.points.iter().map(|point| Dynamic::from(point.unstable.map_or(-1, |count| count as i64))).collect::<Array>().into()
+    })
+}
+
+fn end() -> Function {
+    let summary = "how the path ended: \"reached\", \"points used up\" or \"lost\"";
+    property("end", "String", summary, |path| end_of(&path.path.end).into())
+}
+
+fn state() -> Function {
+    Function {
+        name: "state",
+        form: Form::Method(PathHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the state of a point of the path, for `restore`: then pictures, modes and motion go on from there, with the path as history",
+        parameters: vec![Parameter::new("point", Kind::Integer, "number of the point, from 0; negative ones count from the end")],
+        returns: StateHandle::NAME,
+        example: path_example("sim.restore(path.state(2));\nprint(sim.time);"),
+        see_also: &["follow_load", "restore", "modes"],
+        body: body(|call| {
+            let (path, number) = (call.receiver::<PathHandle>(), call.integer("point")?);
+            let count = path.rows.len();
+            let place = if number < 0 { number + count as i64 } else { number };
+            let Some(index) = usize::try_from(place).ok().filter(|&index| index < count) else {
+                let failure = call.argument("point").fail(format!("there is no point {number}: they are numbered from 0 to {}", count - 1));
+                return Err(failure.hint("`path.time.len()` is their number").into());
+            };
+            let mut history = (*path.before).clone();
+            history.extend(path.rows[1..=index].iter().cloned());
+            let state = path.path.points[index].state.clone();
+            Ok(Dynamic::from(StateHandle { state, history: Rc::new(history), simulation: path.simulation }))
+        }),
+    }
+}
