@@ -237,7 +237,7 @@ fn contacts(model: &Model, simulation: &Simulation) -> Vec<Vec<String>> {
         let update = match (interaction.is_tie(), interaction.equality) {
             (true, _) => "tied".into(),
             (_, true) => "bilateral".into(),
-            _ => interaction.update.unwrap_or_else(|| default_rule(simulation.options().integrator)).name.to_string(),
+            _ => interaction.update.unwrap_or_else(|| default_rule(&simulation.options().integrator)).name.to_string(),
         };
         let method = interaction.method.name.replace('_', " ");
         vec![interaction.name.clone(), model.boundary_name(&interaction.secondary), primary, method, update, enforcement]

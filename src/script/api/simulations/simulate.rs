@@ -13,7 +13,7 @@ use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::journal::Journal;
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
-use crate::integrators::{self, Scheme};
+use crate::integrators::{self, Family, Scheme};
 use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -38,14 +38,14 @@ use crate::script::language::scan::Target;
 
 /// A time integrator in a script.
 #[derive(Clone)]
-pub struct IntegratorHandle(pub &'static Scheme);
+pub struct IntegratorHandle(pub Scheme);
 
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()` or `newmark()`";
+    const MAKER: &'static str = "make one with `energy_momentum()`, `newmark()`, `generalized_alpha()` or another function of `help(\"integrators\")`";
 
     fn describe(&self) -> String {
-        format!("{}()", self.0.name)
+        self.0.describe()
     }
 }
 
@@ -57,16 +57,33 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn integrator_function(integrator: &'static Scheme) -> Function {
+    let family = integrators::FAMILIES.iter().find(|family| family.default == integrator);
+    let keys = |family: &Family| family.parameters.iter().map(Parameter::of_catalogue).collect();
+    let parameters = family.map(|family| {
+        let options = Parameter::new("options", Kind::Options(keys(family)), "the numbers of the method");
+        options.or(Absent::Means("its defaults"))
+    });
+    let example = match family.and_then(|family| family.parameters.last()) {
+        Some(last) => format!("print({}());\nprint({0}(#{{ {}: {:?} }}));", integrator.name, last.name, last.default.unwrap_or_default()),
+        None => format!("print({}());", integrator.name),
+    };
     Function {
         name: integrator.name,
         form: Form::Function,
         topic: Topic::Simulation,
         summary: integrator.summary,
-        parameters: Vec::new(),
+        parameters: parameters.into_iter().collect(),
         returns: IntegratorHandle::NAME,
-        example: format!("print({}());", integrator.name).into(),
+        example: example.into(),
         see_also: &["simulate"],
-        body: body(move |_| Ok(Dynamic::from(IntegratorHandle(integrator)))),
+        body: body(move |call| {
+            let Some(family) = family else { return Ok(Dynamic::from(IntegratorHandle(*integrator))) };
+            let (options, mut values) = (call.options("options")?, [0.0; 2]);
+            for (value, parameter) in values.iter_mut().zip(family.parameters) {
+                *value = options.number(parameter.name)?;
+            }
+            Ok(Dynamic::from(IntegratorHandle((family.make)(values))))
+        }),
     }
 }
 
@@ -134,7 +151,7 @@ fn simulate() -> Function {
 fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let (original, options) = (call.handle::<ModelHandle>("model")?, call.options("options")?);
     let IntegratorHandle(integrator) = options.handle("integrator")?;
-    let mut kernel = Options::new(integrator, options.number("dt")?);
+    let mut kernel = Options::new(&integrator, options.number("dt")?);
     kernel.tolerance = options.number("tolerance")?;
     kernel.max_halvings = options.integer("max_halvings")? as usize;
     kernel.threads = call.host.settings.threads;
