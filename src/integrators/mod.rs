@@ -33,7 +33,8 @@ pub use scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
 pub use trapezoidal::TRAPEZOIDAL;
 
 /// All time integrators, in the order of the reference.
-pub static CATALOGUE: &[&Scheme] = &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK, &HHT, &WBZ, &GENERALIZED_ALPHA, &BDF2, &TR_BDF2];
+pub static CATALOGUE: &[&Scheme] =
+    &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK, &HHT, &WBZ, &GENERALIZED_ALPHA, &BDF2, &TR_BDF2];
 
 /// Those of them that take numbers.
 pub static FAMILIES: &[&Family] =

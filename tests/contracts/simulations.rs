@@ -52,7 +52,14 @@ fn integrators_for(kind: CellKind, row: &'static conserva::materials::MaterialRo
     let is_first = kind == CellKind::ALL[0] && std::ptr::eq(row, &CATALOGUE[0]);
     let mut seen = Vec::new();
     let all = integrators::CATALOGUE.iter().copied();
-    all.filter(|scheme| is_first || !seen.contains(&scheme.derivative) && { seen.push(scheme.derivative); true }).collect()
+    all.filter(|scheme| {
+        is_first
+            || !seen.contains(&scheme.derivative) && {
+                seen.push(scheme.derivative);
+                true
+            }
+    })
+    .collect()
 }
 
 fn for_all(check: impl Fn(CellKind, &'static conserva::materials::MaterialRow, &'static Scheme, &str)) {

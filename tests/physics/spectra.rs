@@ -8,7 +8,9 @@
 //! (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996; Bank et al. 1985).
 
 use conserva::dynamics::{Model, Options, Simulation, State};
-use conserva::integrators::{BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, generalized_alpha, hht, newmark, wbz};
+use conserva::integrators::{
+    BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, generalized_alpha, hht, newmark, wbz,
+};
 use conserva::materials::{LINEAR, Material};
 use conserva::mesh::rectangle;
 use nalgebra::{Complex, DMatrix, Matrix3, SMatrix};

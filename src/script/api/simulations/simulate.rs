@@ -10,10 +10,10 @@ use super::artifacts::{Artifacts, Keeping, Start};
 use super::columns::{Probe, probe_columns};
 use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
+use super::integrators::{IntegratorHandle, title};
 use super::journal::Journal;
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
-use crate::integrators::{self, Family, Scheme};
 use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -36,55 +36,9 @@ use crate::script::language::host::Host;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// A time integrator in a script.
-#[derive(Clone)]
-pub struct IntegratorHandle(pub Scheme);
-
-impl Handle for IntegratorHandle {
-    const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `newmark()`, `generalized_alpha()` or another function of `help(\"integrators\")`";
-
-    fn describe(&self) -> String {
-        self.0.describe()
-    }
-}
-
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    let mut all: Vec<Function> = integrators::CATALOGUE.iter().map(|&integrator| integrator_function(integrator)).collect();
-    all.push(simulate());
-    all
-}
-
-fn integrator_function(integrator: &'static Scheme) -> Function {
-    let family = integrators::FAMILIES.iter().find(|family| family.default == integrator);
-    let keys = |family: &Family| family.parameters.iter().map(Parameter::of_catalogue).collect();
-    let parameters = family.map(|family| {
-        let options = Parameter::new("options", Kind::Options(keys(family)), "the numbers of the method");
-        options.or(Absent::Means("its defaults"))
-    });
-    let example = match family.and_then(|family| family.parameters.last()) {
-        Some(last) => format!("print({}());\nprint({0}(#{{ {}: {:?} }}));", integrator.name, last.name, last.default.unwrap_or_default()),
-        None => format!("print({}());", integrator.name),
-    };
-    Function {
-        name: integrator.name,
-        form: Form::Function,
-        topic: Topic::Simulation,
-        summary: integrator.summary,
-        parameters: parameters.into_iter().collect(),
-        returns: IntegratorHandle::NAME,
-        example: example.into(),
-        see_also: &["simulate"],
-        body: body(move |call| {
-            let Some(family) = family else { return Ok(Dynamic::from(IntegratorHandle(*integrator))) };
-            let (options, mut values) = (call.options("options")?, [0.0; 2]);
-            for (value, parameter) in values.iter_mut().zip(family.parameters) {
-                *value = options.number(parameter.name)?;
-            }
-            Ok(Dynamic::from(IntegratorHandle((family.make)(values))))
-        }),
-    }
+    vec![simulate()]
 }
 
 fn simulate() -> Function {
@@ -344,7 +298,7 @@ fn described_for_check(handle: &SimulationHandle) -> String {
     format!(
         "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
         handle.0.name,
-        options.integrator.name,
+        title(&options.integrator),
         number_text(options.dt),
         simulation.unknowns(),
         model.describe()

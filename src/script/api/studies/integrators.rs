@@ -7,15 +7,15 @@ use rhai::{Array, Dynamic, EvalAltResult, Map};
 use super::record::{FAILURE, free_name, name_parameter};
 use super::sweep::{closure_of, not_in_check};
 use crate::dynamics::{LedgerRow, Options as KernelOptions, Simulation, StepError};
-use crate::integrators::{ENERGY_MOMENTUM, Scheme};
+use crate::integrators::Scheme;
 use crate::math::catalogue::Interval;
-use crate::output::{Curve, CurveStyle, Drawing, Plot, PlotAxis, RunFiles, rows_csv, study_page, svg};
+use crate::output::{Curve, Drawing, Plot, PlotAxis, RunFiles, rows_csv, study_page, svg};
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::models::handle::ModelHandle;
 use crate::script::api::nested_runs::begin_study;
-use crate::script::api::remedies::ScriptWords;
-use crate::script::api::simulations::simulate::{IntegratorHandle, kernels};
+use crate::script::api::simulations::integrators::{IntegratorHandle, title};
+use crate::script::api::simulations::simulate::kernels;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::{brief, number_text, significant};
@@ -119,7 +119,7 @@ fn run(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         let finest = sizes.iter().copied().fold(f64::INFINITY, f64::min) / FINER;
         measure(&mut courses, &task.run(integrators[0], finest)?);
     }
-    let names = integrators.iter().map(|integrator| label(integrator, &integrators)).collect::<Vec<_>>();
+    let names = integrators.iter().map(|integrator| title(integrator).replace('_', " ")).collect::<Vec<_>>();
     if let Some(files) = RunFolder::of(call.host).files(call.host).map_err(|error| output_failure(&error))? {
         write(&files, &name, &courses, &names, &sizes).map_err(|error| output_failure(&error))?;
     }
@@ -180,7 +180,7 @@ impl Task<'_> {
         let model = model.0.borrow().clone();
         let mut simulation = kernels(call, &model.model, None, kernel)?;
         let (begun, mut rows) = (Instant::now(), vec![simulation.row().clone()]);
-        call.host.observer.began(&format!("{} with dt = {}", integrator.describe(), number_text(dt)));
+        call.host.observer.began(&format!("{} with dt = {}", title(&integrator), number_text(dt)));
         let outcome = self.steps(&mut simulation, &mut rows);
         call.host.observer.ended();
         let failure = match outcome {
@@ -275,7 +275,7 @@ impl Course {
         let counts = ["steps", "iterations", "factorizations", "halvings"];
         let value = |name: &str, value: f64| if counts.contains(&name) { Dynamic::from(value as i64) } else { value.into() };
         let mut map: Map = self.columns().into_iter().map(|(name, number)| (name.into(), value(name, number))).collect();
-        map.insert("integrator".into(), self.integrator.describe().into());
+        map.insert("integrator".into(), title(&self.integrator).into());
         map.insert("seconds".into(), self.spent.as_secs_f64().into());
         map.insert(FAILURE.into(), self.failure.clone().into());
         map
@@ -285,17 +285,12 @@ impl Course {
     fn fields(&self, names: &[&str], text: fn(f64) -> String) -> Vec<String> {
         let columns = self.columns();
         let field = |name: &&str| match *name {
-            "integrator" => self.integrator.describe(),
+            "integrator" => title(&self.integrator),
             FAILURE => self.failure.clone(),
             name => columns.iter().find(|(known, _)| *known == name).map_or(String::new(), |(_, value)| text(*value)),
         };
         names.iter().map(field).collect()
     }
-}
-
-/// What the legend calls an integrator: with its numbers where others have the same name.
-fn label(integrator: &Scheme, all: &[Scheme]) -> String {
-    if all.iter().filter(|other| other.name == integrator.name).count() > 1 { integrator.describe() } else { integrator.name.replace('_', " ") }
 }
 
 /// Writes the table, the plots and the page.
@@ -349,7 +344,12 @@ fn plots(courses: &[Course], labels: &[String], sizes: &[f64]) -> Vec<(&'static 
     let turn = |row: &LedgerRow| row.column("angular_momentum").unwrap_or(f64::NAN);
     let mut all = vec![
         ("energy", over_time("total energy", false, &each(LedgerRow::total))),
-        ("drift", over_time("size of the energy drift, over the largest energy", true, &|course| course.drifts().into_iter().map(f64::abs).collect())),
+        (
+            "drift",
+            over_time("size of the energy drift, over the largest energy", true, &|course| {
+                course.drifts().into_iter().map(f64::abs).collect()
+            }),
+        ),
         ("angular-momentum", over_time("angular momentum", false, &each(turn))),
         ("iterations", over_time("Newton iterations so far", false, &sums(|row| row.newton_iterations as f64))),
     ];
