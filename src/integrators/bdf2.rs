@@ -6,9 +6,9 @@
 //! w = (r + 1) / (r + 2),    c = 1 / (r + 2),    r = dt_b / dt
 //! ```
 //!
-//! after a step of size `dt_b` from `q_b`, `v_b`. Its mean velocity is remembered as the acceleration `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`
-//! which a motion of constant acceleration would have, its mean acceleration as the force that it answers. After a step of no size, as at the
-//! start, it is the trapezoidal rule.
+//! after a step of size `dt_b` from `q_b`, `v_b`. Its mean velocity is remembered as the acceleration that a motion of constant
+//! acceleration would have, `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`, its mean acceleration as the force that it answers. After a step of
+//! no size, as at the start, it is the trapezoidal rule.
 
 use std::f64::consts::SQRT_2;
 

@@ -50,15 +50,15 @@ pub const fn hht(alpha: f64) -> Scheme {
 
 /// The method of Wood, Bossak and Zienkiewicz for an `alpha` from -1 to 0.
 pub const fn wbz(alpha: f64) -> Scheme {
-    let summary = "method of Wood, Bossak and Zienkiewicz (1980), of second order: Newmark's, with inertia shortly after the end of the step; \
-                   damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
+    let summary = "method of Wood, Bossak and Zienkiewicz (1980), of second order: Newmark's, with inertia shortly after the end of the \
+                   step; damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
     family("wbz", summary, Parameters { names: &["alpha"], values: [alpha, 0.0] }, alpha, 0.0)
 }
 
 /// The generalized-alpha method for a spectral radius from 0 to 1 in steps without end.
 pub const fn generalized_alpha(spectral_radius: f64) -> Scheme {
-    let summary = "generalized-alpha method (Chung and Hulbert 1993), of second order: of all with the same damping of the fastest vibrations \
-                   the one that damps slow ones least; keeps the linear momentum alone";
+    let summary = "generalized-alpha method (Chung and Hulbert 1993), of second order: of all with the same damping of the fastest \
+                   vibrations the one that damps slow ones least; keeps the linear momentum alone";
     let (rho, sum) = (spectral_radius, spectral_radius + 1.0);
     let parameters = Parameters { names: &["spectral_radius"], values: [rho, 0.0] };
     family("generalized_alpha", summary, parameters, (2.0 * rho - 1.0) / sum, rho / sum)

@@ -5,8 +5,7 @@
 //! ```
 //!
 //! The three give velocity and acceleration as functions of `q_1`, and the mean of the forces with the shares `gamma` and `1 - gamma` as
-//! what changes the momentum. With `gamma` = 1/2 and `beta` = 1/4 it is the trapezoidal rule. Unless a script says otherwise, `gamma` is 0.6,
-//! with the `beta = (gamma + 1/2)^2 / 4` that damps the fastest vibrations most without letting any grow.
+//! what changes the momentum. With `gamma` = 1/2 and `beta` = 1/4 it is the trapezoidal rule. By default `gamma` is 0.6, with the `beta = (gamma + 1/2)^2 / 4` that damps the fastest vibrations most without letting any grow.
 
 use super::derivative::Derivative;
 use super::family::Family;
@@ -29,8 +28,8 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
     let [velocity, acceleration] = kinematics(beta, gamma);
     Scheme {
         name: "newmark",
-        summary: "Newmark's method, of second order for `gamma` = 0.5 and of first order beyond, where it damps fast vibrations; no vibration \
-                  grows, whatever the step, for 2 `beta` >= `gamma` >= 0.5; keeps the linear momentum alone",
+        summary: "Newmark's method, of second order for `gamma` = 0.5 and of first order beyond, where it damps fast vibrations; no \
+                  vibration grows, whatever the step, for 2 `beta` >= `gamma` >= 0.5; keeps the linear momentum alone",
         derivative: Derivative::AT_END,
         remembers: if gamma < 1.0 { &[History::Acceleration, History::Force] } else { &[History::Acceleration] },
         velocity,

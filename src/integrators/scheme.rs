@@ -7,8 +7,8 @@
 //! M (v_1 - v_0) / dt + w f + (1 - w) f_0 = 0
 //! ```
 //!
-//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before, or, where forces act longer,
-//! with what is left of those of all steps before ([`Lag`]). Velocity and acceleration at the end are affine in the motion `q_1 - q_0`
+//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before, or, where forces act
+//! longer, with what is left of those of all steps before ([`Lag`]). Velocity and acceleration at the end are affine in the motion `q_1 - q_0`
 //! ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the coefficients, forces alone change momenta, so that the
 //! ledger of every scheme closes.
 //!
@@ -169,11 +169,15 @@ impl Scheme {
         self.remembers.contains(&what)
     }
 
-    /// The scheme with its parameters, as a script writes it.
+    /// Names and values of its parameters.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.parameters.names.iter().copied().zip(self.parameters.values)
+    }
+
+    /// The scheme with its parameters.
     pub fn describe(&self) -> String {
-        let Parameters { names, values } = self.parameters;
-        let given: Vec<String> = names.iter().zip(values).map(|(name, value)| format!("{name}: {value}")).collect();
-        if given.is_empty() { format!("{}()", self.name) } else { format!("{}(#{{ {} }})", self.name, given.join(", ")) }
+        let given: Vec<String> = self.given().map(|(name, value)| format!("{name} = {value}")).collect();
+        if given.is_empty() { self.name.into() } else { format!("{}, {}", self.name, given.join(", ")) }
     }
 
     /// The row by which a step of a size goes after one of size `before`, 0 where none was.

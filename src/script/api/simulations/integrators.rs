@@ -4,6 +4,7 @@ use rhai::Dynamic;
 
 use crate::integrators::{self, Family, Scheme};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::number_text;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -14,17 +15,22 @@ pub struct IntegratorHandle(pub Scheme);
 
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()`, `newmark()`, `hht()`, `wbz()`, \
-         `generalized_alpha()`, `bdf2()` or `tr_bdf2()`";
+    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()`, `newmark()`, \
+         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()` or `tr_bdf2()`";
 
     fn describe(&self) -> String {
-        if integrators::CATALOGUE.contains(&&self.0) { format!("{}()", self.0.name) } else { self.0.describe() }
+        let title = title(&self.0);
+        if title.ends_with(')') { title } else { format!("{title}()") }
     }
 }
 
-/// An integrator as tables show it: its name, with its numbers where they are not the defaults.
+/// An integrator as tables show it: its name, or the call that makes it where its numbers are not the defaults.
 pub fn title(integrator: &Scheme) -> String {
-    if integrators::CATALOGUE.contains(&integrator) { integrator.name.into() } else { integrator.describe() }
+    if integrators::CATALOGUE.contains(&integrator) {
+        return integrator.name.into();
+    }
+    let given: Vec<String> = integrator.given().map(|(name, value)| format!("{name}: {}", number_text(value))).collect();
+    format!("{}(#{{ {} }})", integrator.name, given.join(", "))
 }
 
 /// The functions of this file.

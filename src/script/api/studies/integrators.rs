@@ -9,6 +9,7 @@ use super::sweep::{closure_of, not_in_check};
 use crate::dynamics::{LedgerRow, Options as KernelOptions, Simulation, StepError};
 use crate::integrators::Scheme;
 use crate::math::catalogue::Interval;
+use crate::math::tolerances::NO_ENERGY;
 use crate::output::{Curve, Drawing, Plot, PlotAxis, RunFiles, rows_csv, study_page, svg};
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
@@ -27,7 +28,7 @@ use crate::script::language::plain::Plain;
 use crate::script::language::values::{as_number, describe};
 
 /// Of the smallest step, the one by which the run is made that others are measured by.
-const FINER: f64 = 4.0;
+const FINER: f64 = 8.0;
 
 /// `compare_integrators`.
 pub fn compare_integrators() -> Function {
@@ -36,19 +37,19 @@ pub fn compare_integrators() -> Function {
         form: Form::Function,
         topic: Topic::Studies,
         summary: "runs a model under several time integrators, and with several step sizes where `dt` is an array, and gives an array of \
-                  rows: `integrator`, `dt`, `time` (how far it came), `steps`, `energy_drift` (the largest sum of what the integrator added \
-                  to the energy or took, over the largest energy), `energy` (at the end), `momentum_defect` and `angular_momentum_defect` \
-                  (what neither loads nor supports explain), `iterations`, `factorizations`, `halvings`, `seconds`, with several step sizes \
-                  `error` (largest distance of a node at the end from the run of the first integrator with a quarter of the smallest `dt`) \
-                  and `order`, and `failure`, which is empty or says why it stopped. In the folder `studies` of the run are the table, \
-                  plots, and both as a page",
+                  rows: `integrator`, `dt`, `time` (how far it came), `steps`, `energy_drift` (the largest sum of what the integrator \
+                  added to the energy or took, over the largest energy), `energy` (at the end), `momentum_defect` and \
+                  `angular_momentum_defect` (what neither loads nor supports explain), `iterations`, `factorizations`, `halvings`, \
+                  `seconds`, with several step sizes `error` (largest distance of a node at the end from the run of the first integrator \
+                  with an eighth of the smallest `dt`) and `order`, and `failure`, which is empty or says why it stopped. In the folder \
+                  `studies` of the run are the table, plots, and both as a page",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
                 Parameter::new("model", Kind::Closure("||"), "gives the model; it is called for each run"),
                 Parameter::new("integrators", Kind::Array, "the time integrators"),
                 Parameter::new("dt", Kind::Either("a number or an array of numbers"), "the step size, or several").of("time"),
-                Parameter::number("until", "time", Interval::Positive, "the time at which runs end"),
+                Parameter::number("end", "time", Interval::Positive, "the time at which runs end"),
                 Parameter::new("settle", Kind::Flag, "whether runs begin with a static equilibrium").or(Absent::Flag(false)),
                 Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
                     .within(Interval::Closed(0.0, 50.0))
@@ -65,7 +66,7 @@ pub fn compare_integrators() -> Function {
                   sky.initial_velocity(bar, #{ angular: 4.0 });\n    \
                   sky\n\
                   }\n\
-                  let rows = compare_integrators(#{ model: || flight(), integrators: [energy_momentum(), hht()], dt: 0.02, until: 0.2 });\n\
+                  let rows = compare_integrators(#{ model: || flight(), integrators: [energy_momentum(), hht()], dt: 0.02, end: 0.2 });\n\
                   print(format_table(rows, [\"integrator\", \"energy_drift\", \"iterations\", \"failure\"]));"
             .into(),
         see_also: &["energy_momentum", "generalized_alpha", "sweep", "expect_order", "format_table"],
@@ -103,7 +104,7 @@ fn run(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let task = Task {
         call,
         model: closure_of(call, &options, "model", "||")?,
-        until: options.number("until")?,
+        until: options.number("end")?,
         settles: options.flag("settle")?,
         max_halvings: options.integer("max_halvings")? as usize,
     };
@@ -226,7 +227,7 @@ impl Course {
     }
 
     fn scale(&self) -> f64 {
-        self.rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max)
+        self.rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max)
     }
 
     /// What the integrator has added to the energy up to each row, over the largest energy.
