@@ -17,6 +17,7 @@ use conserva::script::{Ink, Session, Settings, Silent, home};
 /// Scripts in the order of the gallery, each with the file of its run that is shown.
 const SHOWN: &[(&str, &str)] = &[
     ("scenarios/bearing", "bearing.svg"),
+    ("scenarios/bearing_integrators", "studies/integrators-drift.svg"),
     ("scenarios/hertz", "hertz-20.svg"),
     ("scenarios/ironing", "ironing.svg"),
     ("scenarios/three_point_bending", "bent.svg"),
@@ -64,6 +65,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("tutorials/07_a_parameter_study", "deflection.svg"),
     ("tutorials/08_why_a_step_failed", "impact.svg"),
     ("tutorials/09_friction", "energies.svg"),
+    ("tutorials/10_which_integrator", "studies/integrators-work.svg"),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringLaw};
-use conserva::integrators::{Affine, Derivative, History, Promises, Scheme};
+use conserva::integrators::{Affine, Course, Derivative, History, Lag, Parameters, Promises, Scheme};
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
 
@@ -23,6 +23,9 @@ pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
         acceleration: Affine { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
         // `M a = -f` at both ends, so that forces have the shares of accelerations.
         weight: gamma,
+        lag: Lag::once(gamma),
+        course: Course::Whole,
+        parameters: Parameters::NONE,
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
     }
 }

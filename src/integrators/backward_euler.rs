@@ -1,7 +1,7 @@
 //! Backward Euler: the forces and the velocity of the end of the step. It takes energy from fast motion and never adds any in linear ones.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Promises, Scheme};
+use super::scheme::{Affine, Course, Lag, Parameters, Promises, Scheme};
 
 /// The linear momentum exact; energy and angular momentum fade.
 pub static BACKWARD_EULER: Scheme = Scheme {
@@ -12,5 +12,8 @@ pub static BACKWARD_EULER: Scheme = Scheme {
     velocity: Affine { moved: 1.0, velocity: 0.0, acceleration: 0.0 },
     acceleration: Affine::NONE,
     weight: 1.0,
+    lag: Lag::once(1.0),
+    course: Course::Whole,
+    parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 1 },
 };

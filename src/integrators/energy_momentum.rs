@@ -2,7 +2,7 @@
 //! ZAMP 43, 1992; Gonzalez, CMAME 190, 2000).
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Promises, Scheme};
+use super::scheme::{Affine, Course, Lag, Parameters, Promises, Scheme};
 
 /// Energy and both momenta exact.
 pub static ENERGY_MOMENTUM: Scheme = Scheme {
@@ -13,5 +13,8 @@ pub static ENERGY_MOMENTUM: Scheme = Scheme {
     velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
     acceleration: Affine::NONE,
     weight: 1.0,
+    lag: Lag::once(1.0),
+    course: Course::Whole,
+    parameters: Parameters::NONE,
     promises: Promises { energy: true, momentum: true, angular_momentum: true, order: 2 },
 };

@@ -1,7 +1,7 @@
 //! Implicit midpoint rule: the forces of the mean configuration. Its energy may grow without bound in stiff, large motions.
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, Promises, Scheme};
+use super::scheme::{Affine, Course, Lag, Parameters, Promises, Scheme};
 
 /// Both momenta exact, the energy not.
 pub static MIDPOINT: Scheme = Scheme {
@@ -12,5 +12,8 @@ pub static MIDPOINT: Scheme = Scheme {
     velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
     acceleration: Affine::NONE,
     weight: 1.0,
+    lag: Lag::once(1.0),
+    course: Course::Whole,
+    parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
 };

@@ -5,9 +5,12 @@
 //! such invariants have one of their own ([`Projection`]).
 
 mod backward_euler;
+mod bdf2;
 mod derivative;
 mod discrete_gradient;
 mod energy_momentum;
+mod family;
+mod generalized_alpha;
 mod midpoint;
 mod newmark;
 mod projected;
@@ -16,15 +19,23 @@ mod scheme;
 mod trapezoidal;
 
 pub use backward_euler::BACKWARD_EULER;
+pub use bdf2::{BDF2, TR_BDF2};
 pub use derivative::{Configuration, Derivative, Placement};
 pub use discrete_gradient::discrete_gradient;
 pub use energy_momentum::ENERGY_MOMENTUM;
+pub use family::Family;
+pub use generalized_alpha::{GENERALIZED_ALPHA, HHT, WBZ, generalized_alpha, hht, wbz};
 pub use midpoint::MIDPOINT;
-pub use newmark::NEWMARK;
+pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
-pub use scheme::{Affine, History, Promises, Scheme};
+pub use scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
 pub use trapezoidal::TRAPEZOIDAL;
 
 /// All time integrators, in the order of the reference.
-pub static CATALOGUE: &[&Scheme] = &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK];
+pub static CATALOGUE: &[&Scheme] =
+    &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK, &HHT, &WBZ, &GENERALIZED_ALPHA, &BDF2, &TR_BDF2];
+
+/// Those of them that take numbers.
+pub static FAMILIES: &[&Family] =
+    &[&newmark::FAMILY, &generalized_alpha::HHT_FAMILY, &generalized_alpha::WBZ_FAMILY, &generalized_alpha::GENERALIZED_ALPHA_FAMILY];

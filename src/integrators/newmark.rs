@@ -1,27 +1,68 @@
-//! Newmark's method (Newmark, J. Eng. Mech. Div. ASCE 85, 1959) with `gamma` = 0.6 and the `beta = (gamma + 1/2)^2 / 4` that damps the
-//! fastest vibrations most without letting any grow.
+//! Newmark's method (Newmark, J. Eng. Mech. Div. ASCE 85, 1959).
 //!
 //! ```text
 //! q_1 = q_0 + dt v_0 + dt^2 ((1/2 - beta) a_0 + beta a_1),    v_1 = v_0 + dt ((1 - gamma) a_0 + gamma a_1),    M a_1 + f_1 = 0
 //! ```
 //!
 //! The three give velocity and acceleration as functions of `q_1`, and the mean of the forces with the shares `gamma` and `1 - gamma` as
-//! what changes the momentum. With `gamma` = 1/2 and `beta` = 1/4 it is the trapezoidal rule.
+//! what changes the momentum. With `gamma` = 1/2 and `beta` = 1/4 it is the trapezoidal rule. By default `gamma` is 0.6, with the `beta = (gamma + 1/2)^2 / 4` that damps the fastest vibrations most without letting any grow.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, History, Promises, Scheme};
+use super::family::Family;
+use super::scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
+use crate::math::catalogue::{Interval, Parameter};
 
 const GAMMA: f64 = 0.6;
 const BETA: f64 = 0.25 * (GAMMA + 0.5) * (GAMMA + 0.5);
 
+/// Velocity and acceleration at the end of a step, as functions of the motion in it.
+pub(super) const fn kinematics(beta: f64, gamma: f64) -> [Affine; 2] {
+    [
+        Affine { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
+        Affine { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
+    ]
+}
+
+/// The method for a `beta` greater than 0 and a `gamma` in (0, 1].
+pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
+    let [velocity, acceleration] = kinematics(beta, gamma);
+    Scheme {
+        name: "newmark",
+        summary: "Newmark's method, of second order for `gamma` = 0.5 and of first order beyond, where it damps fast vibrations; no \
+                  vibration grows, whatever the step, for 2 `beta` >= `gamma` >= 0.5; keeps the linear momentum alone",
+        derivative: Derivative::AT_END,
+        remembers: if gamma < 1.0 { &[History::Acceleration, History::Force] } else { &[History::Acceleration] },
+        velocity,
+        acceleration,
+        weight: gamma,
+        lag: Lag::once(gamma),
+        course: Course::Whole,
+        parameters: Parameters { names: &["beta", "gamma"], values: [beta, gamma] },
+        promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
+    }
+}
+
 /// The linear momentum exact; fast vibrations fade.
-pub static NEWMARK: Scheme = Scheme {
-    name: "newmark",
-    summary: "Newmark's method (beta = 0.3025, gamma = 0.6), of first order: damps fast vibrations; keeps the linear momentum alone",
-    derivative: Derivative::AT_END,
-    remembers: &[History::Acceleration, History::Force],
-    velocity: Affine { moved: GAMMA / BETA, velocity: 1.0 - GAMMA / BETA, acceleration: 1.0 - 0.5 * GAMMA / BETA },
-    acceleration: Affine { moved: 1.0 / BETA, velocity: -1.0 / BETA, acceleration: 1.0 - 0.5 / BETA },
-    weight: GAMMA,
-    promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 1 },
+pub static NEWMARK: Scheme = newmark(BETA, GAMMA);
+
+/// All of them.
+pub static FAMILY: Family = Family {
+    default: &NEWMARK,
+    parameters: &[
+        Parameter {
+            name: "beta",
+            summary: "how much of the acceleration at the end is in the motion; below `gamma`/2 fast vibrations grow where steps are long",
+            dimension: "1",
+            range: Interval::Open(0.0, 2.0),
+            default: Some(BETA),
+        },
+        Parameter {
+            name: "gamma",
+            summary: "share of the acceleration at the end in the change of the velocity; 0.5 does not damp",
+            dimension: "1",
+            range: Interval::Closed(0.5, 1.0),
+            default: Some(GAMMA),
+        },
+    ],
+    make: |[beta, gamma]| newmark(beta, gamma),
 };

@@ -1,7 +1,7 @@
 //! Statics as a scheme: time stands still, a damping takes the place of inertia, and velocities stay as they are.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Promises, Scheme};
+use super::scheme::{Affine, Course, Lag, Parameters, Promises, Scheme};
 
 /// Equilibrium by damped steps. It belongs to no time integrator and is not in the catalogue.
 pub static REST: Scheme = Scheme {
@@ -12,5 +12,8 @@ pub static REST: Scheme = Scheme {
     velocity: Affine { moved: 0.0, velocity: 1.0, acceleration: 0.0 },
     acceleration: Affine::NONE,
     weight: 0.5,
+    lag: Lag::once(1.0),
+    course: Course::Whole,
+    parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },
 };

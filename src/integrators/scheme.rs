@@ -7,9 +7,12 @@
 //! M (v_1 - v_0) / dt + w f + (1 - w) f_0 = 0
 //! ```
 //!
-//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before. Velocity and acceleration
-//! at the end are affine in the motion `q_1 - q_0` ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the
-//! coefficients, forces alone change momenta, so that the ledger of every scheme closes.
+//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before, or, where forces act
+//! longer, with what is left of those of all steps before ([`Lag`]). Velocity and acceleration at the end are affine in the motion `q_1 - q_0`
+//! ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the coefficients, forces alone change momenta, so that the
+//! ledger of every scheme closes.
+//!
+//! A step may consist of stages, each a scheme of its own, and coefficients may depend on the size of the step before ([`Course`]).
 //!
 //! Nobody asks which scheme runs: who needs to know something of it reads a field. A program beside this crate makes one in the same way
 //! (`examples/newmark.rs`).
@@ -17,7 +20,7 @@
 use super::derivative::Derivative;
 
 /// A time integrator.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Scheme {
     /// Name as written in a script.
     pub name: &'static str,
@@ -31,10 +34,72 @@ pub struct Scheme {
     pub velocity: Affine,
     /// Acceleration there; read where it is remembered.
     pub acceleration: Affine,
-    /// Share `w` of the forces of the step; the rest is that of the forces at the end of the step before.
+    /// Share `w` of the forces of the step; the rest is that of the forces of the steps before.
     pub weight: f64,
+    /// How forces act in the steps that follow.
+    pub lag: Lag,
+    /// How a step goes.
+    pub course: Course,
+    /// Numbers that a user has chosen, by their names.
+    pub parameters: Parameters,
     /// What it keeps.
     pub promises: Promises,
+}
+
+/// How the forces of a step act in the steps that follow.
+///
+/// The step's own forces are `w f`, what is remembered of those before `R = used m`. From them follow the force `phi_1` that the
+/// acceleration at the end answers, `gamma phi_1 + (1 - gamma) phi_0 = w f + R`, and what is remembered next,
+/// `m_1 = force f + inertia phi_1`. With `inertia = 0` that is the force at the end, and nothing older.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lag {
+    /// Factor of what is remembered in this step.
+    pub used: f64,
+    /// Of the forces of this step in what the next one finds.
+    pub force: f64,
+    /// Of the force that the acceleration at the end answers there.
+    pub inertia: f64,
+    /// Share of the end in the mean acceleration of a step.
+    pub gamma: f64,
+}
+
+impl Lag {
+    /// Forces act in their own step, and by what is left of the whole of them in the next one.
+    pub const fn once(weight: f64) -> Lag {
+        Lag { used: 1.0, force: 1.0 - weight, inertia: 0.0, gamma: 1.0 }
+    }
+
+    /// Whether forces act longer than in the step that follows.
+    pub fn is_long(&self) -> bool {
+        self.inertia != 0.0
+    }
+}
+
+/// How a step goes.
+#[derive(Clone, Copy, Debug)]
+pub enum Course {
+    /// At once, by the coefficients of the row.
+    Whole,
+    /// At once, by those of the row that belongs to the size of the step before over that of this one: 0 where none was. The row itself has
+    /// those of equal steps.
+    ByRatio(fn(f64) -> Scheme),
+    /// In stages, one after the other: each has its share of the step and is a scheme, which finds what the one before has left. What the
+    /// row itself has is that of the last.
+    Stages(&'static [(f64, Scheme)]),
+}
+
+/// The numbers that make one row of a family, by their names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Names as written in a script.
+    pub names: &'static [&'static str],
+    /// Their values, 0 beyond the names.
+    pub values: [f64; 2],
+}
+
+impl Parameters {
+    /// Of a scheme that stands alone.
+    pub const NONE: Parameters = Parameters { names: &[], values: [0.0; 2] };
 }
 
 /// A vector that steps find as the step before has left it. At the start, after `settle`, and for a state of another scheme it is computed
@@ -44,8 +109,10 @@ pub struct Scheme {
 pub enum History {
     /// Accelerations at the end of the step `[length/time^2]`: at the start those of the static forces, `M a_0 = -f_0`.
     Acceleration,
-    /// Static forces there, those of contact among them `[force]`.
+    /// Static forces there, those of contact among them, and what the [`Lag`] keeps of older ones `[force]`.
     Force,
+    /// The static force that the acceleration answers, `M a_1 = -phi_1` at nodes that nothing holds `[force]`.
+    Answered,
 }
 
 /// Coefficients, without dimension, of a quantity at the end of a step of size `dt`:
@@ -102,6 +169,43 @@ impl Scheme {
         self.remembers.contains(&what)
     }
 
+    /// Names and values of its parameters.
+    pub fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.parameters.names.iter().copied().zip(self.parameters.values)
+    }
+
+    /// The scheme with its parameters.
+    pub fn describe(&self) -> String {
+        let given: Vec<String> = self.given().map(|(name, value)| format!("{name} = {value}")).collect();
+        if given.is_empty() { self.name.into() } else { format!("{}, {}", self.name, given.join(", ")) }
+    }
+
+    /// The row by which a step of a size goes after one of size `before`, 0 where none was.
+    pub fn after(&self, before: f64, dt: f64) -> Scheme {
+        match self.course {
+            Course::ByRatio(row) => Scheme { course: self.course, ..row(before / dt) },
+            Course::Whole | Course::Stages(_) => *self,
+        }
+    }
+
+    /// The stages of a step; none where it goes at once.
+    pub fn stages(&self) -> &'static [(f64, Scheme)] {
+        match self.course {
+            Course::Stages(stages) => stages,
+            Course::Whole | Course::ByRatio(_) => &[],
+        }
+    }
+
+    /// Whether the forces of some step act longer than in the one that follows.
+    pub fn is_long(&self) -> bool {
+        self.lag.is_long() || self.stages().iter().any(|(_, stage)| stage.lag.is_long())
+    }
+
+    /// What is remembered of forces that have been the same for long, over the force.
+    pub fn left(&self) -> f64 {
+        self.lag.force + self.lag.inertia
+    }
+
     /// Factor of the mass in the derivative of the inertia force with respect to `q_1` `[1/time^2]`.
     #[inline(always)]
     pub fn inertia(&self, dt: f64) -> f64 {
@@ -134,6 +238,22 @@ impl Scheme {
     /// # Errors
     /// What is wrong with it, in words.
     pub fn check(&self) -> Result<(), &'static str> {
+        let Course::Stages(stages) = self.course else { return self.check_row(self.left()) };
+        let mut found = self.left();
+        for (share, stage) in stages {
+            if !(*share > 0.0 && *share < 1.0) {
+                return Err("a stage is no part of the step");
+            }
+            stage.check_row(found)?;
+            found = stage.left();
+        }
+        let whole: f64 = stages.iter().map(|(share, _)| share).sum();
+        let ends_as_the_row = stages.last().is_some_and(|(_, last)| last.left() == self.left() && last.remembers == self.remembers);
+        if (whole - 1.0).abs() < 8.0 * f64::EPSILON && ends_as_the_row { Ok(()) } else { Err("the stages are no step together") }
+    }
+
+    /// Whether a row is a scheme where a steady force is remembered by a factor.
+    fn check_row(&self, found: f64) -> Result<(), &'static str> {
         const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
         let is = |value: f64, expected: f64| (value - expected).abs() <= ROUND_OFF * (1.0 + self.velocity.moved);
         let (v, a) = (self.velocity, self.acceleration);
@@ -144,6 +264,11 @@ impl Scheme {
             (
                 (self.weight < 1.0) == self.remembers(History::Force),
                 "forces are remembered exactly where their share `weight` is less than 1",
+            ),
+            (self.weight == 1.0 || is(self.weight + self.lag.used * found, 1.0), "a steady force does not act as a whole"),
+            (
+                self.lag.gamma > 0.0 && (self.lag.gamma == 1.0 || !self.lag.is_long() || self.remembers(History::Answered)),
+                "the force that accelerations answer is read and not remembered",
             ),
             (v.acceleration == 0.0 || self.remembers(History::Acceleration), "the acceleration is read and not remembered"),
             (
@@ -157,7 +282,7 @@ impl Scheme {
 
 impl PartialEq for Scheme {
     fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
+        self.name == other.name && self.parameters == other.parameters
     }
 }
 

@@ -2,7 +2,7 @@
 //! Div. ASCE 85, 1959).
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, History, Promises, Scheme};
+use super::scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
 
 /// Linear momentum exact, energy and angular momentum in small motions only.
 pub static TRAPEZOIDAL: Scheme = Scheme {
@@ -13,5 +13,8 @@ pub static TRAPEZOIDAL: Scheme = Scheme {
     velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
     acceleration: Affine::NONE,
     weight: 0.5,
+    lag: Lag::once(0.5),
+    course: Course::Whole,
+    parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
 };

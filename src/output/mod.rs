@@ -37,6 +37,7 @@ mod report;
 mod response;
 mod rows_csv;
 mod run_lock;
+mod study_page;
 mod summary;
 mod table;
 mod vtu;
@@ -82,6 +83,7 @@ pub use report::{Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSim
 pub use response::Response;
 pub use rows_csv::{RowsCsv, read_rows, rows_csv};
 pub use run_lock::RunLock;
+pub use study_page::study_page;
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, SUMMARY, Summary, WallSeconds, drifts, peak_memory_bytes,
 };

@@ -20,6 +20,7 @@ mod reactions;
 mod ring_on_ring;
 mod schemes;
 mod settle;
+mod spectra;
 mod springs;
 mod tied_bodies;
 mod torque_on_ring;

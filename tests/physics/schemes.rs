@@ -220,7 +220,7 @@ fn viscous_bodies_fade_in_every_scheme() {
 #[test]
 fn rows_that_are_no_scheme_are_refused() {
     let refused = |scheme: Scheme| {
-        let options = Options::new(Box::leak(Box::new(scheme)), 0.01);
+        let options = Options::new(&scheme, 0.01);
         match Simulation::new(&oscillator().expect("the model is sound"), options) {
             Err(error @ ModelError::UnsoundIntegrator { .. }) => error.to_string(),
             _ => panic!("it is taken"),

@@ -29,6 +29,8 @@ struct Outside {
     /// Work of supports that move, and the angular momentum that they give besides that of their reactions.
     prescribed_work: f64,
     slip_moment: [f64; 3],
+    /// Share of loads and obstacles that is the step's own, where forces act longer than in the step that follows.
+    own: [Vec<f64>; 2],
 }
 
 impl Outside {
@@ -76,9 +78,9 @@ where
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
-        let remembered = self.remembered(motion, &at, &v_1);
         let shear = self.shear(motion, &lambda);
         let mut outside = self.outside(start, motion, &at, [&lambda, &shear], &v_1)?;
+        let remembered = self.remembered(motion, &at, &v_1, &outside.own);
         if let Some(jump) = &jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
             outside.obstacle_work += jump.work;
@@ -157,25 +159,30 @@ where
     }
 
     /// What the time integrator remembers of this step; nothing changes where it remembers nothing.
-    fn remembered(&self, motion: &Motion, at: &Linearization, v_1: &[f64]) -> Arc<SchemeMemory> {
-        let mut remembered = SchemeMemory::default();
-        for what in motion.scheme.remembers {
-            match what {
-                History::Force => remembered.force = self.remembered_force(motion, &at.forces, v_1),
-                History::Acceleration => remembered.acceleration = motion.accelerations_after(&at.moved),
-            }
+    fn remembered(&self, motion: &Motion, at: &Linearization, v_1: &[f64], outside: &[Vec<f64>; 2]) -> Arc<SchemeMemory> {
+        let (scheme, before) = (motion.scheme, motion.remembered);
+        if scheme.remembers.is_empty() {
+            return self.state.remembered.clone();
         }
-        if motion.scheme.remembers.is_empty() { self.state.remembered.clone() } else { Arc::new(remembered) }
+        let mut remembered = SchemeMemory { of: before.of.clone(), dt: motion.dt, ..SchemeMemory::default() };
+        if scheme.remembers(History::Force) {
+            remembered.force = before.force.after(scheme, &self.own_forces(motion, &at.forces, v_1));
+        }
+        if scheme.remembers(History::Acceleration) {
+            remembered.acceleration = motion.accelerations_after(&at.moved);
+        }
+        let lagging = before.outside.iter().zip(outside).map(|(before, own)| before.after(scheme, own));
+        remembered.outside.iter_mut().zip(lagging).for_each(|(slot, lagging)| *slot = lagging);
+        Arc::new(remembered)
     }
 
-    /// Its share of the static forces of this step: the residual is inertia, this step's share of them and what was remembered, so this
-    /// step's share is what the others leave.
-    fn remembered_force(&self, motion: &Motion, forces: &Forces, v_1: &[f64]) -> Vec<f64> {
-        let (Motion { scheme, dt, v_0, .. }, remembered) = (*motion, motion.remembered_force());
+    /// Share of the static forces that is this step's own: the residual is inertia, this share and what was remembered.
+    fn own_forces(&self, motion: &Motion, forces: &Forces, v_1: &[f64]) -> Vec<f64> {
+        let Motion { dt, v_0, .. } = *motion;
         let rate: Vec<f64> = v_1.iter().zip(v_0).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect();
         let inertia = self.system.nodes.momenta_of(&rate);
-        let share = |k: usize| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered[k];
-        (0..v_1.len()).map(|k| (1.0 - scheme.weight) / scheme.weight * share(k)).collect()
+        let own = (0..v_1.len()).zip(motion.remembered_force());
+        own.map(|(k, remembered)| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered).collect()
     }
 
     /// The multipliers of the tangential rows in a step, by the shares that its time integrator gives to start and end; those of others are
@@ -196,9 +203,9 @@ where
         v_1: &[f64],
     ) -> Result<Outside, StepError> {
         let (system, scheme, unknowns) = (&self.system, motion.scheme, at.q_1.len());
-        let before = 1.0 - scheme.weight;
+        let (before, is_long) = (1.0 - scheme.weight, self.options.integrator.is_long());
         let mut load = at.forces.load.clone();
-        if scheme.remembers(History::Force) {
+        if scheme.remembers(History::Force) && !is_long {
             let mut load_n = vec![0.0; unknowns];
             system.loads_into(start.q_0, start.time, &mut load_n)?;
             load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += before * n);
@@ -207,13 +214,18 @@ where
         self.ground_into(start, motion, at, &mut obstacles, &mut load)?;
         for pair in &system.pairs {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
-            let (lambda_n, lambda) = (shares(&self.state.lambda, before), shares(lambda, scheme.weight));
+            let (lambda_n, lambda) = (shares(&self.state.lambda, if is_long { 0.0 } else { before }), shares(lambda, scheme.weight));
             obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
+        }
+        if is_long {
+            // As if the forces of the end had acted all the time.
+            obstacle_work /= scheme.weight;
         }
         for block in system.blocks(&at.pairs, &at.slips).filter(|block| block.is_slip() && block.pair.kind == PairKind::Obstacle) {
             for row in block.live_rows() {
+                let shear = if is_long { scheme.weight * lambda[row.row] } else { shear[row.row] };
                 for (k, entry) in row.unknowns::<D>() {
-                    let force = shear[row.row] * block.evaluation.gradient_bar[entry];
+                    let force = shear * block.evaluation.gradient_bar[entry];
                     obstacles[k] += force;
                     obstacle_work += force * at.moved[k];
                 }
@@ -223,7 +235,14 @@ where
         }
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
-        Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment })
+        let mut own = [Vec::new(), Vec::new()];
+        if is_long {
+            own = [load.clone(), obstacles.clone()];
+            for (force, lagging) in [&mut load, &mut obstacles].into_iter().zip(&motion.remembered.outside) {
+                force.iter_mut().zip(&lagging.left).for_each(|(force, left)| *force += scheme.lag.used * left);
+            }
+        }
+        Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment, own })
     }
 
     /// Adds what the ground and others outside exert through parts, and the loads of parts at the start; those of the step are there.

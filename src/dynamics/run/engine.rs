@@ -69,7 +69,7 @@ where
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
-        let mut system = System::<D>::new(model, options.threads, default_rule(options.integrator))?;
+        let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator))?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);

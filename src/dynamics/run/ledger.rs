@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::part::{Part, PartDefinition, Pose};
 use crate::dynamics::step::system::System;
+use crate::math::tolerances;
 
 /// One accepted step in numbers; a row of `history.csv`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -193,6 +194,44 @@ where
 }
 
 impl LedgerRow {
+    /// Makes the row of a stage of size `own` that of all stages so far, of which `before` is that of the stages before it: works add up,
+    /// forces are means over what has passed of the whole step of size `whole`, which begins after the step `first`.
+    pub(super) fn join(&mut self, before: &LedgerRow, first: usize, own: f64, whole: f64) {
+        let passed = if before.step > first { before.dt } else { 0.0 };
+        self.step = first + 1;
+        self.dt = if passed + own < whole * (1.0 - tolerances::SAME_MOMENT) { passed + own } else { whole };
+        if passed == 0.0 {
+            return;
+        }
+        let sums = |row: &LedgerRow| {
+            [row.load_work, row.contact_work, row.friction_work, row.dissipation, row.damping, row.energy_defect]
+        };
+        let [load, contact, friction, dissipation, damping, defect] = sums(before);
+        self.load_work += load;
+        self.contact_work += contact;
+        self.friction_work += friction;
+        self.dissipation += dissipation;
+        self.damping += damping;
+        self.energy_defect += defect;
+        self.momentum_defect += before.momentum_defect;
+        self.angular_momentum_defect += before.angular_momentum_defect;
+        let share = own / (passed + own);
+        let mean = |now: &mut f64, then: f64| *now = share * *now + (1.0 - share) * then;
+        for (now, then) in self.contacts.iter_mut().zip(&before.contacts) {
+            (0..3).for_each(|i| mean(&mut now.force[i], then.force[i]));
+            mean(&mut now.normal_force, then.normal_force);
+            mean(&mut now.pressure, then.pressure);
+            now.friction_work += then.friction_work;
+        }
+        self.parts.iter_mut().zip(&before.parts).for_each(|(now, then)| now.dissipated += then.dissipated);
+        for (now, then) in self.reactions.iter_mut().zip(&before.reactions) {
+            (0..3).for_each(|i| {
+                mean(&mut now.force[i], then.force[i]);
+                mean(&mut now.moment[i], then.moment[i]);
+            });
+        }
+    }
+
     /// `kinetic + strain + potential` `[energy]`.
     pub fn total(&self) -> f64 {
         self.kinetic + self.strain + self.potential

@@ -14,7 +14,7 @@ use crate::linear::Work;
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Time integrator.
-    pub integrator: &'static Scheme,
+    pub integrator: Scheme,
     /// Nominal step size `[time]`.
     pub dt: f64,
     /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
@@ -35,10 +35,10 @@ pub struct Options {
 
 impl Options {
     /// Defaults for an integrator and a step size.
-    pub fn new(integrator: &'static Scheme, dt: f64) -> Self {
+    pub fn new(integrator: &Scheme, dt: f64) -> Self {
         let tolerance = crate::math::tolerances::NEWTON_ENERGY;
         Options {
-            integrator,
+            integrator: *integrator,
             dt,
             tolerance,
             accepts_overlap: false,

@@ -8,9 +8,9 @@ use crate::contact::Outlook;
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::scheme_memory::SchemeMemory;
+use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};
 use crate::dynamics::step::start::{StepKind, StepStart};
-use crate::integrators::History;
+use crate::integrators::{Derivative, History};
 
 /// Part of a step over which the acceleration of a prescribed node is the change of its velocity: a kink at the start does not count.
 const SOON: f64 = 0.125;
@@ -23,6 +23,7 @@ where
     pub(super) fn remember(&mut self) -> Result<(), StepError> {
         let state = self.state.clone();
         if self.options.integrator.remembers.is_empty() {
+            Arc::make_mut(&mut self.state).remembered = Arc::default();
             return Ok(());
         }
         let undamped = vec![0.0; self.system.bodies.len()];
@@ -42,20 +43,38 @@ where
     /// What the time integrator remembers of the forces at an iterate at rest.
     fn memory_at(&mut self, at: &Linearization) -> Result<SchemeMemory, Failure> {
         let scheme = self.options.integrator;
-        let (forces, mut remembered) = (&at.forces, SchemeMemory::default());
-        let (before, share) = (1.0 - scheme.weight, forces.whole(1.0 - scheme.weight));
+        let (forces, mut remembered) = (&at.forces, SchemeMemory { of: scheme.describe(), ..SchemeMemory::default() });
+        let residual = |factor: f64| (0..at.q_1.len()).map(|k| factor * forces.residual(k)).collect();
         if scheme.remembers(History::Force) {
-            remembered.force = (0..at.q_1.len()).map(|k| share * forces.residual(k)).collect();
+            remembered.force.left = residual(forces.whole(scheme.left()));
+        }
+        if scheme.remembers(History::Answered) {
+            remembered.force.answered = residual(forces.whole(1.0));
+        }
+        if scheme.is_long() {
+            remembered.outside = self.outside_at(at).map(|force| Lagging::steady(&scheme, &force));
         }
         if scheme.remembers(History::Acceleration) {
             let given = self.prescribed_accelerations(at.q_1.len()).map_err(Failure::Fatal)?;
             let accelerations = self.system.accelerations(at, given)?;
             // The order of elimination may be another one now.
             Arc::make_mut(&mut self.state).search = self.system.search();
-            remembered.force.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= before * tie);
+            remembered.force.left.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= scheme.left() * tie);
+            remembered.force.answered.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= tie);
             remembered.acceleration = accelerations.nodes;
         }
         Ok(remembered)
+    }
+
+    /// Loads and the forces of obstacles at an iterate at rest.
+    fn outside_at(&self, at: &Linearization) -> [Vec<f64>; 2] {
+        let (none, mut obstacles) = (vec![0.0; self.system.multipliers], vec![0.0; at.q_1.len()]);
+        for pair in &self.system.pairs {
+            let rows = pair.rows.clone();
+            pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, &none[rows.clone()], &at.lambda[rows], &mut obstacles);
+        }
+        let whole = at.forces.whole(1.0);
+        [at.forces.load.iter().map(|load| whole * load).collect(), obstacles]
     }
 
     /// Accelerations of prescribed nodes from now on, 0 for all others of so many unknowns.

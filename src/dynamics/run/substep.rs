@@ -1,5 +1,7 @@
 //! One piece of a step: from a state to a new one, or why there is none. A step is a transaction; the state itself is not changed here.
 
+use std::sync::Arc;
+
 use super::engine::Engine;
 use super::options::Options;
 use super::state::State;
@@ -11,6 +13,7 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed, rigid_motion};
 use crate::dynamics::step::start::{Motion, StepKind, StepStart};
+use crate::integrators::Scheme;
 use crate::math::tolerances;
 
 /// How much more motion than was expected a step may have: impacts add elastic motion to the prediction. Where something was overlooked, as
@@ -25,8 +28,31 @@ where
     ///
     /// A step that `may_be_halved` is not tried when its predicted motion is too large.
     pub fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
-        match self.piece_within(dt, 1.0, may_be_halved) {
-            Err(Failure::Overlooked { .. }) => self.piece_within(dt, MORE_MOTION, may_be_halved),
+        let integrator = self.options.integrator;
+        let stages = integrator.stages();
+        if stages.is_empty() {
+            return self.stage(&integrator.after(self.state.remembered.dt, dt), dt, may_be_halved);
+        }
+        let before = self.state.clone();
+        let end = stages.iter().try_fold(before.clone(), |_, (share, stage)| {
+            let mut state = self.stage(stage, share * dt, may_be_halved)?;
+            state.row.time = self.state.row.time + share * dt;
+            state.carried = state.row.time;
+            state.row.join(&self.state.row, before.row.step, share * dt, dt);
+            self.state = Arc::new(state);
+            Ok(self.state.clone())
+        });
+        self.state = before;
+        if end.is_err() {
+            self.restore_search();
+        }
+        end.map(|state| Arc::unwrap_or_clone(state))
+    }
+
+    /// One stage of a piece, or all of it.
+    fn stage(&mut self, scheme: &Scheme, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
+        match self.piece_within(scheme, dt, 1.0, may_be_halved) {
+            Err(Failure::Overlooked { .. }) => self.piece_within(scheme, dt, MORE_MOTION, may_be_halved),
             outcome => outcome,
         }
     }
@@ -41,10 +67,10 @@ where
         Err(StepError::TurnsFar { boundary: boundary.into(), time, dt, angle })
     }
 
-    /// [`Self::piece`] with a multiple of the expected motion.
-    fn piece_within(&mut self, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
+    /// [`Self::stage`] with a multiple of the expected motion.
+    fn piece_within(&mut self, scheme: &Scheme, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
         let (state, reach) = (self.state.clone(), self.options.reach);
-        let (scheme, time) = (self.options.integrator, state.row.time);
+        let time = state.row.time;
         self.check_turns(dt).map_err(Failure::Fatal)?;
         let (displacement, prescribed_v_1) = self.system.supports.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
         let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);

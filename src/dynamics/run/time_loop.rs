@@ -267,7 +267,7 @@ where
     /// A nominal step: from kink to kink of what acts, in pieces where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let state = &self.state;
-        if state.row.step == 0 || !state.remembered.is_of(self.options.integrator, state.positions.len()) {
+        if state.row.step == 0 || !state.remembered.is_of(&self.options.integrator) {
             self.remember()?;
         }
         let from = self.state.row.time;

@@ -36,7 +36,7 @@ pub enum StepKind<'a> {
 #[derive(Clone, Copy)]
 pub struct Motion<'a> {
     /// The time integrator.
-    pub scheme: &'static Scheme,
+    pub scheme: &'a Scheme,
     /// Size of the step.
     pub dt: f64,
     /// Velocities at the start.
@@ -90,7 +90,7 @@ impl StepStart<'_> {
     }
 
     /// How the step is integrated.
-    fn scheme(&self) -> &'static Scheme {
+    fn scheme(&self) -> &Scheme {
         match &self.kind {
             StepKind::Motion(motion) => motion.scheme,
             StepKind::Rest { .. } => &REST,
@@ -115,12 +115,10 @@ impl StepStart<'_> {
         self.scheme().weight
     }
 
-    /// Its share of the static forces at the end of the step before; empty where it remembers none.
-    pub fn remembered_force(&self) -> &[f64] {
-        match &self.kind {
-            StepKind::Motion(motion) => motion.remembered_force(),
-            StepKind::Rest { .. } => &[],
-        }
+    /// What the static forces of the steps before do in this one; nothing where none are remembered.
+    pub fn remembered_force(&self) -> impl Iterator<Item = f64> {
+        let motion = if let StepKind::Motion(motion) = &self.kind { Some(motion) } else { None };
+        motion.into_iter().flat_map(Motion::remembered_force)
     }
 
     /// Size of the step, 0 at rest.
@@ -218,9 +216,10 @@ impl Motion<'_> {
         moved.iter().zip(start).map(|(moved, (v_0, a_0))| row.acceleration(*moved, *v_0, *a_0, dt)).collect()
     }
 
-    /// Its share of the static forces at the end of the step before; empty where the scheme remembers none.
-    pub fn remembered_force(&self) -> &[f64] {
-        if self.scheme.remembers(History::Force) { &self.remembered.force } else { &[] }
+    /// What the static forces of the steps before do in this one; nothing where the scheme remembers none.
+    pub fn remembered_force(&self) -> impl Iterator<Item = f64> {
+        let force = if self.scheme.remembers(History::Force) { &self.remembered.force.left[..] } else { &[] };
+        force.iter().map(|force| self.scheme.lag.used * force)
     }
 
     /// Accelerations at the start; empty where the scheme remembers none.

@@ -4,7 +4,7 @@
 
 use super::digits::number_text;
 use super::wording::{joined, with_article};
-use crate::math::catalogue::Interval;
+use crate::math::catalogue::{self, Interval};
 
 /// What a parameter takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,6 +146,15 @@ impl Parameter {
     /// A required number with its dimension and range.
     pub fn number(name: &'static str, dimension: &'static str, range: Interval, summary: &'static str) -> Self {
         Parameter { dimension, range, ..Parameter::new(name, Kind::Number, summary) }
+    }
+
+    /// The number that a row of a catalogue asks for, as a key of an options map.
+    pub fn of_catalogue(row: &catalogue::Parameter) -> Self {
+        let key = Parameter::number(row.name, row.dimension, row.range, row.summary);
+        match row.default {
+            Some(value) => key.or(Absent::Number(value)),
+            None => key,
+        }
     }
 
     /// The same, which may be left out.

@@ -4,22 +4,13 @@ use rhai::Dynamic;
 
 use super::handle::MaterialHandle;
 use crate::materials::{CATALOGUE, LINEAR, Material, MaterialError, MaterialRow, VolumetricForm};
-use crate::math::catalogue::Parameter as Constant;
+use crate::math::catalogue;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::number_text;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::wording::{did_you_mean, joined};
-
-/// A catalogue's parameter as a key of an options map.
-fn key(parameter: &Constant) -> Parameter {
-    let key = Parameter::number(parameter.name, parameter.dimension, parameter.range, parameter.summary);
-    match parameter.default {
-        Some(value) => key.or(Absent::Number(value)),
-        None => key,
-    }
-}
 
 /// The key that chooses the form of the volumetric part.
 const VOLUMETRIC: &str = "volumetric";
@@ -30,7 +21,7 @@ fn options_of(row: &MaterialRow) -> Vec<Parameter> {
         Parameter::new(VOLUMETRIC, Kind::Choice(all), "the form of the energy's part that depends on the volume alone")
             .or(Absent::Text(all[0]))
     });
-    row.parameters.iter().map(key).chain(form).collect()
+    row.parameters.iter().map(Parameter::of_catalogue).chain(form).collect()
 }
 
 /// The row of the same law with a form of that name.
@@ -40,7 +31,7 @@ fn of_form(row: &'static MaterialRow, name: &str) -> &'static MaterialRow {
 }
 
 fn constructor(row: &'static MaterialRow) -> Function {
-    let is_given = |(parameter, value): &(&Constant, f64)| parameter.default.is_none_or(|default| default != *value);
+    let is_given = |(parameter, value): &(&catalogue::Parameter, f64)| parameter.default.is_none_or(|default| default != *value);
     let values = row.parameters.iter().zip(row.example(1000.0, 1000.0)).filter(is_given);
     let values: Vec<String> = values.map(|(parameter, value)| format!("{}: {}", parameter.name, number_text(value))).collect();
     Function {

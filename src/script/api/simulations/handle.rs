@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use super::artifacts::{Artifacts, Keeping};
 use super::columns::Probe;
+use super::integrators::title;
 use super::journal::Journal;
 use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
 use crate::script::api::models::data::ModelData;
@@ -117,7 +118,7 @@ impl Handle for SimulationHandle {
         let (options, number) = (simulation.options(), brief);
         let mut lines = vec![
             format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step),
-            format!("  {}, dt = {}, {} unknowns", options.integrator.name, number_text(options.dt), simulation.unknowns()),
+            format!("  {}, dt = {}, {} unknowns", title(&options.integrator), number_text(options.dt), simulation.unknowns()),
             format!(
                 "  energy {}: kinetic {}, strain {}, potential {}",
                 number(row.total()),

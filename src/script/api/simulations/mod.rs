@@ -12,6 +12,7 @@ pub mod following;
 pub mod forensics;
 pub mod handle;
 pub mod history;
+pub mod integrators;
 pub mod joints;
 pub mod journal;
 pub mod modes;
@@ -38,7 +39,8 @@ pub mod writing;
 
 /// The functions of this topic, in the order of the reference; those of probes and results stand beside them.
 pub fn functions() -> Vec<Function> {
-    let mut all = simulate::functions();
+    let mut all = integrators::functions();
+    all.extend(simulate::functions());
     all.extend([stepping::step(), stepping::run_to(), settling::settle(), stepping::on_step()]);
     all.extend(states::functions());
     all.extend(forensics::functions());

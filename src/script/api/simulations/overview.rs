@@ -1,6 +1,7 @@
 //! A simulation at the prompt: time, ledger and contacts as tables.
 
 use super::handle::{SimulationHandle, angular_text};
+use super::integrators::title as integrator_title;
 use crate::script::language::digits::{brief, brief_vector, number_text};
 use crate::script::language::handle::Handle;
 use crate::script::language::tables::table;
@@ -13,7 +14,8 @@ impl SimulationHandle {
         let Ok(simulation) = data.simulation.try_borrow() else { return self.describe() };
         let (row, options) = (simulation.row(), simulation.options());
         let title = format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step);
-        let method = format!("  {}, dt = {}, {} unknowns", options.integrator.name, number_text(options.dt), simulation.unknowns());
+        let method =
+            format!("  {}, dt = {}, {} unknowns", integrator_title(&options.integrator), number_text(options.dt), simulation.unknowns());
         let history = data.history.borrow();
         let worst = history.iter().map(|row| row.energy_defect.abs()).fold(0.0, f64::max);
         let ledger = [

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::columns::{further_values, model_columns, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, busy};
+use super::integrators::title;
 use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation, default_rule};
@@ -240,7 +241,7 @@ fn contacts(model: &Model, simulation: &Simulation) -> Vec<Vec<String>> {
         let update = match (interaction.is_tie(), interaction.equality) {
             (true, _) => "tied".into(),
             (_, true) => "bilateral".into(),
-            _ => interaction.update.unwrap_or_else(|| default_rule(simulation.options().integrator)).name.to_string(),
+            _ => interaction.update.unwrap_or_else(|| default_rule(&simulation.options().integrator)).name.to_string(),
         };
         let method = interaction.method.name.replace('_', " ");
         vec![interaction.name.clone(), model.boundary_name(&interaction.secondary), primary, method, update, enforcement]
@@ -252,7 +253,7 @@ fn integration(simulation: &Simulation) -> Vec<Vec<String>> {
     let options = simulation.options();
     let row = |name: &str, value: String| vec![name.to_string(), value];
     vec![
-        row("integrator", format!("{}: {}", options.integrator.name.replace('_', " "), options.integrator.summary)),
+        row("integrator", format!("{}: {}", title(&options.integrator).replace('_', " "), options.integrator.summary)),
         row("step size", number_text(options.dt)),
         row("tolerance", number_text(options.tolerance)),
         row("halvings at most", options.max_halvings.to_string()),

@@ -10,10 +10,10 @@ use super::artifacts::{Artifacts, Keeping, Start};
 use super::columns::{Probe, probe_columns};
 use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
+use super::integrators::{IntegratorHandle, title};
 use super::journal::Journal;
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
-use crate::integrators::{self, Scheme};
 use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -36,38 +36,9 @@ use crate::script::language::host::Host;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// A time integrator in a script.
-#[derive(Clone)]
-pub struct IntegratorHandle(pub &'static Scheme);
-
-impl Handle for IntegratorHandle {
-    const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()` or `newmark()`";
-
-    fn describe(&self) -> String {
-        format!("{}()", self.0.name)
-    }
-}
-
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    let mut all: Vec<Function> = integrators::CATALOGUE.iter().map(|&integrator| integrator_function(integrator)).collect();
-    all.push(simulate());
-    all
-}
-
-fn integrator_function(integrator: &'static Scheme) -> Function {
-    Function {
-        name: integrator.name,
-        form: Form::Function,
-        topic: Topic::Simulation,
-        summary: integrator.summary,
-        parameters: Vec::new(),
-        returns: IntegratorHandle::NAME,
-        example: format!("print({}());", integrator.name).into(),
-        see_also: &["simulate"],
-        body: body(move |_| Ok(Dynamic::from(IntegratorHandle(integrator)))),
-    }
+    vec![simulate()]
 }
 
 fn simulate() -> Function {
@@ -134,7 +105,7 @@ fn simulate() -> Function {
 fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let (original, options) = (call.handle::<ModelHandle>("model")?, call.options("options")?);
     let IntegratorHandle(integrator) = options.handle("integrator")?;
-    let mut kernel = Options::new(integrator, options.number("dt")?);
+    let mut kernel = Options::new(&integrator, options.number("dt")?);
     kernel.tolerance = options.number("tolerance")?;
     kernel.max_halvings = options.integer("max_halvings")? as usize;
     kernel.threads = call.host.settings.threads;
@@ -338,7 +309,7 @@ fn described_for_check(handle: &SimulationHandle) -> String {
     format!(
         "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
         handle.0.name,
-        options.integrator.name,
+        title(&options.integrator),
         number_text(options.dt),
         simulation.unknowns(),
         model.describe()

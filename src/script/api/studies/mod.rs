@@ -7,6 +7,7 @@ use crate::script::api::files::results;
 use crate::script::language::function::Function;
 
 pub mod compare;
+pub mod integrators;
 pub mod invariance;
 pub mod measured;
 pub mod minimize;
@@ -24,7 +25,7 @@ pub fn functions() -> Vec<Function> {
 
 /// Its other functions.
 pub fn studies() -> Vec<Function> {
-    let mut all = vec![sweep::sweep(), minimize::minimize(), compare::compare(), measured::read_csv()];
+    let mut all = vec![sweep::sweep(), minimize::minimize(), compare::compare(), integrators::compare_integrators(), measured::read_csv()];
     all.extend(tables::functions());
     all
 }

@@ -31,6 +31,24 @@ pub fn name_parameter(absent: &'static str) -> Parameter {
         .or(Absent::Text(absent))
 }
 
+/// The name that options give to a study, with a number where an earlier study of the session has it.
+///
+/// # Errors
+/// A name that is no name of a file.
+pub fn free_name(call: &Call, options: &Options) -> Result<String, Failure> {
+    let argument = options.argument("name");
+    let name = argument.text()?;
+    if name.is_empty() || !name.chars().all(|letter| letter.is_alphanumeric() || "-_".contains(letter)) {
+        let failure = argument.fail(format!("{} must be letters, digits, `-` and `_`", argument.title()));
+        return Err(failure.label(format!("this is \"{name}\"")).hint("leave out folder and ending: they are given"));
+    }
+    let names = call.host.slots.get::<Names>();
+    let numbered = (2..).map(|number| format!("{name}-{number}"));
+    let free = std::iter::once(name.clone()).chain(numbered).find(|name| !names.0.borrow().contains(name)).unwrap_or_default();
+    names.0.borrow_mut().insert(free.clone());
+    Ok(free)
+}
+
 /// The files of a study.
 #[derive(Default)]
 pub struct Record {
@@ -45,18 +63,10 @@ impl Record {
     /// # Errors
     /// A name that is no name of a file, a file that cannot be written.
     pub fn begin(call: &Call, options: &Options) -> Result<Self, Failure> {
-        let (argument, host) = (options.argument("name"), call.host);
-        let name = argument.text()?;
-        if name.is_empty() || !name.chars().all(|letter| letter.is_alphanumeric() || "-_".contains(letter)) {
-            let failure = argument.fail(format!("{} must be letters, digits, `-` and `_`", argument.title()));
-            return Err(failure.label(format!("this is \"{name}\"")).hint("leave out folder and ending: they are given"));
-        }
+        let host = call.host;
         let files = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))?;
+        let free = free_name(call, options)?;
         let Some(files) = files else { return Ok(Record::default()) };
-        let names = host.slots.get::<Names>();
-        let numbered = (2..).map(|number| format!("{name}-{number}"));
-        let free = std::iter::once(name.clone()).chain(numbered).find(|name| !names.0.borrow().contains(name)).unwrap_or_default();
-        names.0.borrow_mut().insert(free.clone());
         let open = || {
             let (log, records) = match (is_kept(host), Journal::of(host).is_resumed()) {
                 (false, _) => (None, Vec::new()),

@@ -81,12 +81,17 @@ pub fn threads(call: &Call, options: &Options) -> Result<usize, Failure> {
     if argument.is_given() { Ok(worthwhile(argument.integer()? as usize)) } else { Ok(call.host.settings.workers) }
 }
 
-/// The closure that options give under a name.
+/// The closure of one point that options give under a name.
 pub fn closure(call: &Call, options: &Options, name: &str) -> Result<Callback, Failure> {
+    closure_of(call, options, name, "|p|")
+}
+
+/// The closure that options give under a name, with its parameters.
+pub fn closure_of(call: &Call, options: &Options, name: &str, parameters: &str) -> Result<Callback, Failure> {
     let argument = options.argument(name);
     let function = argument.value().read_lock::<FnPtr>().map(|function| function.clone());
     let function = function.ok_or_else(|| argument.wrong_type())?;
-    argument.check_parameters(&function, "|p|")?;
+    argument.check_parameters(&function, parameters)?;
     Ok(Callback::new(call, function))
 }
 

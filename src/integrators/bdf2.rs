@@ -1,0 +1,73 @@
+//! The backward differentiation formula of second order for positions and velocities (Gear, Numerical Initial Value Problems, 1971), for
+//! steps of different sizes, and the method of Bank et al. (IEEE Trans. Electron Devices 32, 1985), of which it is the second stage.
+//!
+//! ```text
+//! (q_1 - q_0) / dt = w v_1 + c (q_0 - q_b) / dt_b,    (v_1 - v_0) / dt = -w M^-1 f_1 + c (v_0 - v_b) / dt_b
+//! w = (r + 1) / (r + 2),    c = 1 / (r + 2),    r = dt_b / dt
+//! ```
+//!
+//! after a step of size `dt_b` from `q_b`, `v_b`. Its mean velocity is remembered as the acceleration that a motion of constant
+//! acceleration would have, `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`, its mean acceleration as the force that it answers. After a step of
+//! no size, as at the start, it is the trapezoidal rule.
+
+use std::f64::consts::SQRT_2;
+
+use super::derivative::Derivative;
+use super::scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
+
+const PROMISES: Promises = Promises { energy: false, momentum: true, angular_momentum: false, order: 2 };
+
+/// Velocity and what is remembered as an acceleration, where the velocity at the end is `2 (q_1 - q_0)/dt - v_0` and a multiple of what it
+/// falls short of it.
+const fn kinematics(velocity: Affine) -> [Affine; 2] {
+    let Affine { moved, velocity: of_velocity, acceleration } = velocity;
+    [velocity, Affine { moved: 2.0 * (moved - 1.0), velocity: 2.0 * of_velocity, acceleration: 2.0 * acceleration }]
+}
+
+/// The row after a step of `ratio` times the size.
+const fn after(ratio: f64) -> Scheme {
+    let (weight, before) = ((ratio + 1.0) / (ratio + 2.0), 1.0 / (ratio + 2.0));
+    let [velocity, acceleration] =
+        kinematics(Affine { moved: 1.0 / weight, velocity: -before / weight, acceleration: 0.5 * ratio * before / weight });
+    Scheme {
+        name: "bdf2",
+        summary: "backward differentiation formula of second order: damps fast vibrations within a few steps, and slow ones more than \
+                  `generalized_alpha`; keeps the linear momentum alone",
+        derivative: Derivative::AT_END,
+        remembers: &[History::Acceleration, History::Force],
+        velocity,
+        acceleration,
+        weight,
+        lag: Lag { used: before, force: 0.0, inertia: 1.0, gamma: 1.0 },
+        course: Course::Whole,
+        parameters: Parameters::NONE,
+        promises: PROMISES,
+    }
+}
+
+/// The linear momentum exact; what vibrates faster than the steps vanishes.
+pub static BDF2: Scheme = Scheme { course: Course::ByRatio(after), ..after(1.0) };
+
+/// The first stage: the trapezoidal rule, which leaves the mean of its forces.
+const FIRST: Scheme = {
+    let [velocity, acceleration] = kinematics(Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 });
+    Scheme { velocity, acceleration, weight: 0.5, lag: Lag { used: 1.0, force: 0.0, inertia: 1.0, gamma: 1.0 }, ..LAST }
+};
+
+/// The second stage, which leaves half of the force at its end.
+const LAST: Scheme = {
+    let row = after(SQRT_2);
+    Scheme {
+        name: "tr_bdf2",
+        summary: "trapezoidal rule and backward differentiation in one step (Bank et al. 1985), of second order: twice the work of a step, \
+                  and removes what vibrates faster than the steps at once; keeps the linear momentum alone",
+        lag: Lag { used: row.lag.used, force: 0.5, inertia: 0.0, gamma: 1.0 },
+        ..row
+    }
+};
+
+/// Stages whose matrices have the same factors of the mass.
+static STAGES: [(f64, Scheme); 2] = [(2.0 - SQRT_2, FIRST), (SQRT_2 - 1.0, LAST)];
+
+/// The linear momentum exact; what vibrates faster than the steps vanishes.
+pub static TR_BDF2: Scheme = Scheme { course: Course::Stages(&STAGES), ..LAST };

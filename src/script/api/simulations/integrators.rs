@@ -1,0 +1,70 @@
+//! Time integrators in scripts: one function for each row of the catalogue.
+
+use rhai::Dynamic;
+
+use crate::integrators::{self, Family, Scheme};
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::number_text;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// A time integrator in a script.
+#[derive(Clone)]
+pub struct IntegratorHandle(pub Scheme);
+
+impl Handle for IntegratorHandle {
+    const NAME: &'static str = "Integrator";
+    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()`, `newmark()`, \
+         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()` or `tr_bdf2()`";
+
+    fn describe(&self) -> String {
+        let title = title(&self.0);
+        if title.ends_with(')') { title } else { format!("{title}()") }
+    }
+}
+
+/// An integrator as tables show it: its name, or the call that makes it where its numbers are not the defaults.
+pub fn title(integrator: &Scheme) -> String {
+    if integrators::CATALOGUE.contains(&integrator) {
+        return integrator.name.into();
+    }
+    let given: Vec<String> = integrator.given().map(|(name, value)| format!("{name}: {}", number_text(value))).collect();
+    format!("{}(#{{ {} }})", integrator.name, given.join(", "))
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    integrators::CATALOGUE.iter().map(|&integrator| integrator_function(integrator)).collect()
+}
+
+fn integrator_function(integrator: &'static Scheme) -> Function {
+    let family = integrators::FAMILIES.iter().find(|family| family.default == integrator);
+    let keys = |family: &Family| family.parameters.iter().map(Parameter::of_catalogue).collect();
+    let parameters = family.map(|family| {
+        let options = Parameter::new("options", Kind::Options(keys(family)), "the numbers of the method");
+        options.or(Absent::Means("its defaults"))
+    });
+    let example = match family.and_then(|family| family.parameters.last()) {
+        Some(last) => format!("print({}());\nprint({0}(#{{ {}: {:?} }}));", integrator.name, last.name, last.default.unwrap_or_default()),
+        None => format!("print({}());", integrator.name),
+    };
+    Function {
+        name: integrator.name,
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: integrator.summary,
+        parameters: parameters.into_iter().collect(),
+        returns: IntegratorHandle::NAME,
+        example: example.into(),
+        see_also: &["simulate"],
+        body: body(move |call| {
+            let Some(family) = family else { return Ok(Dynamic::from(IntegratorHandle(*integrator))) };
+            let (options, mut values) = (call.options("options")?, [0.0; 2]);
+            for (value, parameter) in values.iter_mut().zip(family.parameters) {
+                *value = options.number(parameter.name)?;
+            }
+            Ok(Dynamic::from(IntegratorHandle((family.make)(values))))
+        }),
+    }
+}
