@@ -12,8 +12,9 @@ use super::contact_pair::{ContactPair, PairKind};
 use super::laws::Unilateral;
 use crate::bodies::Frame;
 use crate::contact::{PointConstraints, PointFunction, PointVector};
+use crate::dynamics::model::boundaries::inner_nodes;
 use crate::dynamics::model::definitions::Model;
-use crate::dynamics::model::interactions::BodyBoundary;
+use crate::dynamics::model::interactions::{BodyBoundary, Partner};
 use crate::dynamics::model::joints::{Anchor, JointDefinition, JointKind};
 use crate::dynamics::model::update_rules::PERSISTENCY;
 use crate::math::norms::largest_size;
@@ -82,7 +83,16 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
         let first = first(on.body) as u32;
         model.bodies[on.body].mesh.boundary_nodes(&on.boundary).into_iter().map(move |node| node + first).collect::<Vec<_>>()
     };
-    all.filter(|on| model.bodies[on.body].rigid.is_some()).flat_map(nodes).collect()
+    let mut used: BTreeSet<u32> = all.filter(|on| model.bodies[on.body].rigid.is_some()).flat_map(nodes).collect();
+    // The offset of a tie in space goes with a node within the body.
+    for interaction in model.interactions.iter().filter(|_| model.dimension() == 3) {
+        if let Partner::Tied { to, .. } = &interaction.partner
+            && model.bodies[to.body].rigid.is_some()
+        {
+            used.extend(inner_nodes(model, to, first(to.body)));
+        }
+    }
+    used
 }
 
 /// The constraints of rigid bodies and joints: for each body its rigidity and what it carries, then one pair for each joint.
