@@ -68,9 +68,7 @@ impl PartDefinition for DragDefinition {
                 let shares = shares.iter().map(|&(node, share)| (node, share * area)).collect();
                 Dragged::Nodes(*body, shares, law.changed([length / time, mass / (length * time * time)]))
             }
-            Dragged::Mass(body, definition, rate) => {
-                Dragged::Mass(*body, Box::new(changed_mass(definition, change)), rate / time)
-            }
+            Dragged::Mass(body, definition, rate) => Dragged::Mass(*body, Box::new(changed_mass(definition, change)), rate / time),
         };
         Arc::new(DragDefinition { name: self.name.clone(), on })
     }

@@ -25,8 +25,12 @@ pub fn body_force() -> Function {
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
             Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-            Parameter::new("force", Kind::Closure("|x, v, t|"), "the force per mass as an array, of position and velocity as arrays, and time")
-                .of("length/time^2"),
+            Parameter::new(
+                "force",
+                Kind::Closure("|x, v, t|"),
+                "the force per mass as an array, of position and velocity as arrays, and time",
+            )
+            .of("length/time^2"),
         ],
         returns: "",
         example: plate_example("press.body_force(\"to the center\", plate, |x, v, t| [-4.0 * x[0], -4.0 * x[1]]);"),

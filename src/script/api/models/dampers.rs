@@ -72,8 +72,8 @@ pub fn add_damper() -> Function {
         name: "add_damper",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "joins points of bodies, centroids of boundaries or the ground by a damper, which pulls against the speed at which its ends \
-                  part: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each step",
+        summary: "joins points of bodies, centroids of boundaries or the ground by a damper, which pulls against the speed at which its \
+                  ends part: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each step",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
             Parameter::new("options", Kind::Options(keys), "ends and law"),
@@ -103,8 +103,8 @@ pub fn add_drag() -> Function {
         name: "add_drag",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "lets what is at rest around a boundary drag at it: a force per undeformed area against the velocity of each node, linear, \
-                  a power, or a text in the speed; it takes momentum, and the history has its `dissipation`",
+        summary: "lets what is at rest around a boundary drag at it: a force per undeformed area against the velocity of each node, \
+                  linear, a power, or a text in the speed; it takes momentum, and the history has its `dissipation`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
             Parameter::new("options", Kind::Options(keys), "boundary and law"),

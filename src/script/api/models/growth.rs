@@ -21,11 +21,13 @@ pub fn grow() -> Function {
         name: "grow",
         form: Form::Method(BodyHandle::receiver()),
         topic: Topic::Model,
-        summary: "makes the stress-free body larger or smaller by a factor while its nodes stay where they are, so that it starts strained: \
-                  a shrink fit, or warming by `1 + alpha dT`; its mass is kept, `settle` finds the equilibrium",
+        summary: "makes the stress-free body larger or smaller by a factor while its nodes stay where they are, so that it starts \
+                  strained: a shrink fit, or warming by `1 + alpha dT`; its mass is kept, `settle` finds the equilibrium",
         parameters: vec![Parameter::number("factor", "1", Interval::Positive, "stress-free length over the present one")],
         returns: "",
-        example: plate_example("plate.grow(1.002);\nlet sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.01 });\nsim.settle();"),
+        example: plate_example(
+            "plate.grow(1.002);\nlet sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.01 });\nsim.settle();",
+        ),
         see_also: &["initial_displacement", "settle"],
         body: body(|call| {
             let (body, factor) = (call.receiver::<BodyHandle>(), call.number("factor")?);

@@ -36,7 +36,14 @@ pub fn functions() -> Vec<Function> {
     all.extend(properties::functions());
     all.extend(loads::functions());
     all.push(body_forces::body_force());
-    all.extend([springs::add_spring(), dampers::add_damper(), dampers::add_drag(), dampers::add_damping(), chambers::add_chamber(), masses::add_mass()]);
+    all.extend([
+        springs::add_spring(),
+        dampers::add_damper(),
+        dampers::add_drag(),
+        dampers::add_damping(),
+        chambers::add_chamber(),
+        masses::add_mass(),
+    ]);
     all.extend(bodies::functions());
     all.extend(bodies::boundary_functions());
     all
