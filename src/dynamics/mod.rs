@@ -23,6 +23,7 @@ pub use parts::force_laws::{Elastic, Sides, SpringLaw, Viscous};
 pub use parts::line::End;
 pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
+pub use parts::torsion::TorsionDefinition;
 pub use run::energy_account::EnergyAccount;
 pub use run::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, NodeState, PlacedObstacle, RedundantConstraints,

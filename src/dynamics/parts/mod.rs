@@ -22,5 +22,6 @@ pub mod slip_group;
 pub mod slip_vector;
 pub mod spring;
 pub mod supports;
+pub mod torsion;
 pub mod viscosity;
 pub mod viscous_points;

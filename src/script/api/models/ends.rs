@@ -15,7 +15,7 @@ use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::did_you_mean;
 
 /// The word for what does not move.
-const GROUND: &str = "ground";
+pub const GROUND: &str = "ground";
 
 /// The keys of two ends.
 pub fn end_parameters() -> Vec<Parameter> {

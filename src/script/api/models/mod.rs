@@ -38,6 +38,7 @@ pub fn functions() -> Vec<Function> {
     all.push(body_forces::body_force());
     all.extend([
         springs::add_spring(),
+        springs::add_torsion_spring(),
         dampers::add_damper(),
         dampers::add_drag(),
         dampers::add_damping(),
