@@ -113,7 +113,7 @@ impl Torsion {
         angle + TAU * ((before - angle) / TAU).round()
     }
 
-    /// How far the angle turns from one configuration to another, by less than half a turn of each direction, with the accuracy of its size.
+    /// How far the angle turns from one configuration to another, with the accuracy of its size: each direction by less than half a turn.
     fn turned(&self, x_0: &[f64], x_1: &[f64]) -> f64 {
         let turn = |(k, sign): (usize, f64)| {
             let ([ax, ay], [bx, by]) = ([0, 1].map(|i| x_0[k + 2 + i] - x_0[k + i]), [0, 1].map(|i| x_1[k + 2 + i] - x_1[k + i]));

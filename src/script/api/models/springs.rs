@@ -90,16 +90,16 @@ pub fn add_torsion_spring() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "turns two plane bodies, or a body and the ground, against each other by a torsional spring: its elongation `x` is the \
-                  angle by which their directions have turned from the undeformed bodies, over whole turns; the history has its `angle`, \
-                  `moment` and `energy`",
+                  angle by which their directions have turned from the undeformed bodies, over whole turns; the history has its \
+                  `angle`, `moment` and `energy`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
             Parameter::new("options", Kind::Options(keys), "directions and law"),
         ],
         returns: "",
         example: plate_example(&format!(
-            "{TOUCH}press.add_torsion_spring(\"hinge\", #{{ from: table, from_points: [[0.0, -1.0], [2.0, -1.0]],\n    to: plate, to_points: \
-             [[0.0, 0.0], [2.0, 0.0]], stiffness: 20.0 }});"
+            "{TOUCH}press.add_torsion_spring(\"hinge\", #{{ from: table, from_points: [[0.0, -1.0], [2.0, -1.0]],\n    to: plate, \
+             to_points: [[0.0, 0.0], [2.0, 0.0]], stiffness: 20.0 }});"
         )),
         see_also: &["add_spring", "add_damper", "torque"],
         body: body(|call| {
