@@ -4,6 +4,7 @@
 //! Nothing is asked of the field, so its work is that of a load. What it depends on is differentiated by differences.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 use super::body_mass::{BodyMass, changed_mass};
@@ -128,8 +129,8 @@ impl Part for BodyForce {
         let (d, wants_slope) = (self.dimension, sums.tangent.is_some());
         let mut fields: BTreeMap<u32, At> = BTreeMap::new();
         for &(_, node, ..) in &self.mass.entries {
-            if !fields.contains_key(&node) {
-                fields.insert(node, self.at(node, at, wants_slope).map_err(Refusal::Load)?);
+            if let Entry::Vacant(place) = fields.entry(node) {
+                place.insert(self.at(node, at, wants_slope).map_err(Refusal::Load)?);
             }
         }
         for (row, column, mass, block) in &self.mass.entries {

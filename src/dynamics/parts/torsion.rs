@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn its_moments_do_the_work_of_the_potential_over_whole_turns() {
         let table = Elastic::Table(Arc::new(vec![(-1.0, -2.0), (0.0, 0.0), (7.0, 10.0)]));
-        for (bodies, turn) in [(2, 0.4), (1, 0.4), (2, 1e-3), (1, 2.0)] {
+        for (bodies, turn) in [(2, 0.4f64), (1, 0.4), (2, 1e-3), (1, 2.0)] {
             let law = SpringLaw { elastic: table.clone(), sides: Sides::Both };
             let directions = (0..bodies).map(|body| (body, [0, 1])).collect();
             let definition = TorsionDefinition { name: "t".into(), directions, law };
