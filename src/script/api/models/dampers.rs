@@ -23,8 +23,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 /// The keys of a force by a speed.
 fn law_parameters(of_coefficient: &'static str) -> [Parameter; 5] {
     [
-        Parameter::number("coefficient", of_coefficient, Interval::Positive, "force at speed 1 (plane: per thickness)")
-            .or(Absent::Means("`force` is given")),
+        Parameter::number("coefficient", "any", Interval::Positive, of_coefficient).or(Absent::Means("`force` is given")),
         Parameter::number("exponent", "1", Interval::Positive, "the force grows with this power of the speed").or(Absent::Number(1.0)),
         Parameter::number("smoothing", "length/time", Interval::Positive, "speed below which a power less than 1 is linear")
             .or(Absent::Means("none, for powers from 1 on")),
@@ -67,7 +66,7 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
 /// `add_damper`.
 pub fn add_damper() -> Function {
     let mut keys = end_parameters();
-    keys.extend(law_parameters("force (time/length)^exponent"));
+    keys.extend(law_parameters("force at speed 1, `[force (time/length)^exponent]` (plane: per thickness)"));
     Function {
         name: "add_damper",
         form: Form::Method(ModelHandle::receiver()),
@@ -98,7 +97,7 @@ pub fn add_damper() -> Function {
 /// `add_drag`.
 pub fn add_drag() -> Function {
     let mut keys = vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "the boundary that feels it")];
-    keys.extend(law_parameters("stress (time/length)^exponent"));
+    keys.extend(law_parameters("force per area at speed 1, `[stress (time/length)^exponent]`"));
     Function {
         name: "add_drag",
         form: Form::Method(ModelHandle::receiver()),
