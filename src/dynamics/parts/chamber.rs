@@ -476,9 +476,12 @@ mod tests {
     use crate::linear::Vertex;
     use crate::math::workers::Workers;
 
+    /// Dimension, whether it is round, facets, positions.
+    type Case = (usize, bool, Vec<Vec<u32>>, Vec<f64>);
+
     /// Chambers: a square and one of edges of second order in the plane, a cone around an axis, a tetrahedron in space; facets look away
     /// from the gas's side, as those of the bodies around it.
-    fn chambers() -> Vec<(usize, bool, Vec<Vec<u32>>, Vec<f64>)> {
+    fn chambers() -> Vec<Case> {
         vec![
             (2, false, vec![vec![1, 0], vec![2, 1], vec![3, 2], vec![0, 3]], vec![0.0, 0.0, 1.0, 0.1, 1.2, 1.0, 0.0, 0.9]),
             (2, false, vec![vec![1, 0, 2], vec![0, 1, 3]], vec![0.0, 0.0, 1.0, 0.1, 0.5, -0.4, 0.6, 0.7]),
