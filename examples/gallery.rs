@@ -27,6 +27,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/crushed_hose", "hose-gap.svg"),
     ("scenarios/bouncing_ring", "ring.svg"),
     ("scenarios/slider_crank", "slider_crank.svg"),
+    ("scenarios/balloon", "balloon.svg"),
     ("scenarios/colliding_rings", "rings.svg"),
     ("scenarios/ring_on_ring", "rings.svg"),
     ("scenarios/cylinder_in_ring", "cylinder.svg"),

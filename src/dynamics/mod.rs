@@ -16,12 +16,15 @@ pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Re
 pub use model::prescription::{PrescribedMotion, Prescription, Turn};
 pub use model::remedy::{Ease, Remedy};
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY, default_rule};
+pub use parts::body_force::{BodyField, BodyForceDefinition};
 pub use parts::chamber::{ChamberDefinition, Gas};
 pub use parts::damper::DamperDefinition;
+pub use parts::drag::{DragDefinition, Dragged};
 pub use parts::force_laws::{Elastic, Sides, SpringLaw, Viscous};
 pub use parts::line::End;
 pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
+pub use parts::torsion::TorsionDefinition;
 pub use run::energy_account::EnergyAccount;
 pub use run::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, NodeState, PlacedObstacle,

@@ -139,7 +139,7 @@ pub enum ModelError {
         spring: String,
     },
     /// A chamber whose surface has a rim.
-    #[error("the surface of chamber \"{chamber}\" is open at ({}, {}, {})", three_digits(place[0]), three_digits(place[1]), three_digits(place[2]))]
+    #[error("the surface of chamber \"{chamber}\" is open at ({})", place.map(three_digits).join(", "))]
     OpenChamber {
         /// Name of the chamber.
         chamber: String,

@@ -46,11 +46,11 @@ impl Gas {
         self.pressure * (-self.exponent * (volume / self.volume).ln()).exp()
     }
 
-    /// What it stores at a volume, with the work against the pressure outside, 0 at the volume `V_r` `[energy]`.
-    pub fn energy(&self, volume: f64) -> f64 {
-        let (growth, a) = ((volume / self.volume).ln(), 1.0 - self.exponent);
+    /// What it stores at a volume that is larger than `V_r` by `change`, with the work against the pressure outside `[energy]`.
+    pub fn energy(&self, change: f64) -> f64 {
+        let (growth, a) = ((change / self.volume).ln_1p(), 1.0 - self.exponent);
         let expanded = if a == 0.0 { growth } else { (a * growth).exp_m1() / a };
-        self.ambient * (volume - self.volume) - self.pressure * self.volume * expanded
+        self.ambient * change - self.pressure * self.volume * expanded
     }
 
     /// Mean pressure beyond that outside on the way from a volume to one that is larger by `change`, and its derivative with respect to the
@@ -145,9 +145,12 @@ impl ChamberDefinition {
             facets.push(local.collect());
         }
         let (dimension, is_round) = (numbering.dimension, self.is_round);
-        let mut chamber = Chamber { dimension, is_round, nodes, facets, gas: self.gas, rim_point: self.rim_point, places: Vec::new() };
+        let (gas, rim_point, places) = (self.gas, self.rim_point, Vec::new());
+        let mut chamber = Chamber { dimension, is_round, nodes, facets, gas, rim_point, rest: Vec::new(), rest_volume: 0.0, places };
+        chamber.rest = chamber.own(numbering.reference);
+        chamber.rest_volume = chamber.polynomial(&chamber.rest);
         if self.gas.volume == 0.0 {
-            chamber.gas.volume = chamber.volume(&chamber.own(numbering.reference));
+            chamber.gas.volume = chamber.rest_volume;
         }
         chamber
     }
@@ -182,7 +185,7 @@ impl PartDefinition for ChamberDefinition {
             (0..count).for_each(|node| reference.extend_from_slice(&point(body, node)[..dimension]));
         }
         let chamber = self.kernel(&Numbering { dimension, first: &first, reference: &reference });
-        let volume = chamber.volume(&chamber.own(&reference));
+        let volume = chamber.rest_volume;
         if volume > 0.0 { Ok(()) } else { Err(ModelError::ChamberOfNoVolume { chamber: self.name.clone(), volume }) }
     }
 
@@ -221,6 +224,9 @@ struct Chamber {
     facets: Vec<Vec<usize>>,
     gas: Gas,
     rim_point: Option<[f64; 3]>,
+    /// Positions of its nodes in the undeformed bodies, and the volume there.
+    rest: Vec<f64>,
+    rest_volume: f64,
     /// Blocks of the nodes, row by row.
     places: Vec<Block>,
 }
@@ -300,8 +306,22 @@ impl Chamber {
         }
     }
 
-    /// Enclosed volume with its nodes there.
+    /// Enclosed volume with its nodes there, with the accuracy of its change from rest.
     fn volume(&self, x: &[f64]) -> f64 {
+        self.rest_volume + self.change(&self.rest, x)
+    }
+
+    /// How much larger the volume is at one configuration than at another, with the accuracy of its own size.
+    fn change(&self, x_0: &[f64], x_1: &[f64]) -> f64 {
+        let middle: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| 0.5 * (a + b)).collect();
+        let moved: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| b - a).collect();
+        let along = |gradient: &[f64]| gradient.iter().zip(&moved).map(|(g, d)| g * d).sum::<f64>();
+        let linear = along(&self.gradient(&middle));
+        if self.dimension == 2 && !self.is_round { linear } else { linear + along(&self.gradient(&moved)) / 12.0 }
+    }
+
+    /// Enclosed volume by the theorem of Gauss.
+    fn polynomial(&self, x: &[f64]) -> f64 {
         let (d, g) = (self.dimension, self.gradient(x));
         if self.is_round {
             return 0.5 * x.iter().zip(&g).step_by(2).map(|(r, g)| r * g).sum::<f64>();
@@ -437,7 +457,7 @@ impl Part for Chamber {
     }
 
     fn energy(&self, at: Pose, _memory: &[f64]) -> f64 {
-        self.gas.energy(self.volume(&self.own(at.q)))
+        self.gas.energy(self.rest_volume - self.gas.volume + self.change(&self.rest, &self.own(at.q)))
     }
 
     fn is_outside(&self) -> bool {
@@ -456,9 +476,12 @@ mod tests {
     use crate::linear::Vertex;
     use crate::math::workers::Workers;
 
+    /// Dimension, whether it is round, facets, positions.
+    type Case = (usize, bool, Vec<Vec<u32>>, Vec<f64>);
+
     /// Chambers: a square and one of edges of second order in the plane, a cone around an axis, a tetrahedron in space; facets look away
     /// from the gas's side, as those of the bodies around it.
-    fn chambers() -> Vec<(usize, bool, Vec<Vec<u32>>, Vec<f64>)> {
+    fn chambers() -> Vec<Case> {
         vec![
             (2, false, vec![vec![1, 0], vec![2, 1], vec![3, 2], vec![0, 3]], vec![0.0, 0.0, 1.0, 0.1, 1.2, 1.0, 0.0, 0.9]),
             (2, false, vec![vec![1, 0, 2], vec![0, 1, 3]], vec![0.0, 0.0, 1.0, 0.1, 0.5, -0.4, 0.6, 0.7]),

@@ -261,7 +261,10 @@ impl Viscous {
     /// A speed at which it drives instead of damping, or has no value: tried over many decades in both directions.
     pub fn drives_at(&self) -> Option<f64> {
         let speeds = DECADES.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(decade)));
-        let is_wrong = |v: &f64| !(self.force(*v).0 * v.signum() >= 0.0);
+        let is_wrong = |v: &f64| {
+            let against = self.force(*v).0 * v.signum();
+            against.is_nan() || against < 0.0
+        };
         if self.force(0.0).0 != 0.0 {
             return Some(0.0);
         }

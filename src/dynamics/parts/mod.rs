@@ -3,9 +3,12 @@
 //! A [`Part`](super::model::part::Part) pushes on nodes; a [`ContactPair`](contact_pair::ContactPair) constrains them.
 
 pub mod body;
+pub mod body_force;
+pub mod body_mass;
 pub mod chamber;
 pub mod contact_pair;
 pub mod damper;
+pub mod drag;
 pub mod force_laws;
 pub mod friction_rows;
 pub mod laws;
@@ -20,5 +23,6 @@ pub mod slip_group;
 pub mod slip_vector;
 pub mod spring;
 pub mod supports;
+pub mod torsion;
 pub mod viscosity;
 pub mod viscous_points;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::ledger::LedgerRow;
+use super::ledger::{LedgerRow, heat};
 use super::quantities::Touching;
 use super::slip_memory::{add_heat, slipped};
 use super::state::State;
@@ -100,15 +100,11 @@ where
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             ..LedgerRow::default()
         };
-        let others = !system.others.is_empty();
-        let (memory, dissipated) = if others { system.memory_after(start, &at) } else { (self.state.memory.clone(), Vec::new()) };
-        row.dissipation = dissipated.iter().sum::<f64>() + 0.0;
+        let (memory, dissipated) =
+            if system.others.is_empty() { (self.state.memory.clone(), Vec::new()) } else { system.memory_after(start, &at) };
         row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
-        row.damping = row.parts.iter().map(|part| part.dissipated).sum::<f64>() + 0.0;
-        row.potential = system.nodes.potential_energy(&at.q_1)
-            + system.penalty_energy(&penalty_gap)
-            + system.stored_energy(at.pose(), &memory)
-            + row.reserve;
+        [row.dissipation, row.damping] = heat(&dissipated, &row.parts);
+        row.potential = self.potential(&at, &penalty_gap, &memory) + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
         let frictional = self.friction_work(&at, &shear, jump.as_ref());
@@ -146,6 +142,12 @@ where
         };
         self.system.recycle(at);
         Ok(state)
+    }
+
+    /// Potential energy at the end of a step, without what closed contacts keep.
+    fn potential(&self, at: &Linearization, penalty_gap: &[f64], memory: &[Vec<f64>]) -> f64 {
+        let system = &self.system;
+        system.nodes.potential_energy(&at.q_1) + system.penalty_energy(penalty_gap) + system.stored_energy(at.pose(), memory)
     }
 
     /// Sums over the contacts, with the work of friction in each.

@@ -177,6 +177,11 @@ impl ProbeValues {
     }
 }
 
+/// What all parts turned into heat, and the share of the model's own parts `[energy]`; no zero with a sign.
+pub(super) fn heat(dissipated: &[f64], own: &[PartTotals]) -> [f64; 2] {
+    [dissipated.iter().sum(), own.iter().map(|part| part.dissipated).sum()].map(|sum: f64| sum + 0.0)
+}
+
 impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,

@@ -225,7 +225,7 @@ impl ScalarText {
                 }
                 let error = error(&expression.span, format!("{what} names `{name}`, which has no value"), "no value");
                 let error = error.cause(format!("its variable is `{}`, every other name is a constant", self.variable));
-                Err(error.hint(format!("give the constant its value, `constants: #{{ {name}: 1.0 }}`")))
+                Err(error.hint("give the constant its value"))
             }
             Form::Negative(inner) => self.check(inner, what),
             Form::Binary(_, a, b) => self.check(a, what).and_then(|()| self.check(b, what)),

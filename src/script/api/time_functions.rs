@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rhai::{Dynamic, FnPtr};
 
-use crate::dynamics::{Amplitude, Constant, Hat, PlaceFunction, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
+use crate::dynamics::{Amplitude, BodyField, Constant, Hat, PlaceFunction, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::callback::Callback;
@@ -134,6 +134,42 @@ impl ScriptFunction {
                     .cause(format!("it gives {given}"))
                     .hint("let its last expression be the number");
                 Err(ClosureError::boxed(callback.refuse(failure)))
+            }
+        }
+    }
+}
+
+/// A closure of position, velocity and time that gives a vector.
+pub fn body_field(call: &Call, function: FnPtr, dimension: usize) -> Arc<dyn BodyField> {
+    Arc::new(ScriptField { function: kept(call, function), dimension })
+}
+
+/// Such a closure as the solver holds it.
+struct ScriptField {
+    function: ScriptFunction,
+    dimension: usize,
+}
+
+impl BodyField for ScriptField {
+    fn value(&self, position: [f64; 3], velocity: [f64; 3], time: f64) -> Result<[f64; 3], TimeFunctionError> {
+        let closure = self.function.0.get().ok_or("the closure belongs to another thread")?;
+        let (Closure { callback, host }, d) = (&*closure, self.dimension);
+        let array = |vector: [f64; 3]| Dynamic::from(vector[..d].iter().map(|&x| Dynamic::from(x)).collect::<rhai::Array>());
+        let called = callback.call([array(position), array(velocity), Dynamic::from(time)]);
+        let value = called.map_err(|error| ClosureError::boxed(callback.wrap(*error)))?;
+        let numbers: Option<Vec<f64>> = value.read_lock::<rhai::Array>().and_then(|array| array.iter().map(as_number).collect());
+        match numbers {
+            Some(numbers) if numbers.len() == d && numbers.iter().all(|number| number.is_finite()) => {
+                let mut vector = [0.0; 3];
+                vector[..d].copy_from_slice(&numbers);
+                Ok(vector)
+            }
+            _ => {
+                let given = host.engine().map_or(String::new(), |engine| describe(&engine.borrow(), &value));
+                let title = format!("the closure must give {d} finite numbers at t = {}", number_text(time));
+                let failure = Failure::script(title).label("given here").cause(format!("it gives {given}"));
+                let hint = "let its last expression be the force per mass, such as `[0.0, -9.81]`";
+                Err(ClosureError::boxed(callback.refuse(failure.hint(hint))))
             }
         }
     }

@@ -60,9 +60,16 @@ fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> R
 /// # Errors
 /// No point, or one outside the body.
 pub fn node_at(argument: &Argument, body: &BodyHandle) -> Result<u32, Failure> {
+    node_at_point(argument, body, argument.vector(body.definition().mesh.dimension())?)
+}
+
+/// The node of a body nearest to a point that an argument contains.
+///
+/// # Errors
+/// One outside the body.
+pub fn node_at_point(argument: &Argument, body: &BodyHandle, point: [f64; 3]) -> Result<u32, Failure> {
     let definition = body.definition();
     let (mesh, dimension) = (&definition.mesh, definition.mesh.dimension());
-    let point = argument.vector(dimension)?;
     let distance = |at: &[f64; 3]| (0..3).map(|i| (at[i] - point[i]).powi(2)).sum::<f64>().sqrt();
     let distances = mesh.points.iter().map(distance).enumerate();
     let (node, nearest) = distances.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a mesh has nodes");

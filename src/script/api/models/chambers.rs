@@ -21,7 +21,7 @@ pub fn add_chamber() -> Function {
     let keys = vec![
         Parameter::new("boundaries", Kind::Either("a boundary of a Body, or an array of them"), "the boundaries that face the gas"),
         Parameter::number("pressure", "stress", Interval::Positive, "absolute pressure of the gas at the volume `volume`"),
-        Parameter::number("volume", "volume (plane: area)", Interval::Positive, "the volume at which it has that pressure")
+        Parameter::number("volume", "volume", Interval::Positive, "the volume (plane: area) at which it has that pressure")
             .or(Absent::Means("that which the undeformed bodies enclose")),
         Parameter::number(
             "exponent",

@@ -1,13 +1,16 @@
-//! Dampers between bodies, boundaries and the ground.
+//! What takes energy: dampers between ends, drag on boundaries, the damping of Rayleigh of bodies.
 
 use std::sync::Arc;
 
 use rhai::Dynamic;
 
+use super::arguments::{body_of, boundary_of};
 use super::change::change;
 use super::ends::{constants_parameter, end_parameters, ends_of, one_of, text_of};
-use super::handle::ModelHandle;
-use crate::dynamics::{DamperDefinition, Viscous};
+use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
+use crate::bodies::nodal_areas;
+use crate::dynamics::{DamperDefinition, DragDefinition, Dragged, Viscous};
+use crate::materials::Viscosity;
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::language::arguments::{Arguments, Options};
@@ -20,8 +23,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 /// The keys of a force by a speed.
 fn law_parameters(of_coefficient: &'static str) -> [Parameter; 5] {
     [
-        Parameter::number("coefficient", of_coefficient, Interval::Positive, "force at speed 1 (plane: per thickness)")
-            .or(Absent::Means("`force` is given")),
+        Parameter::number("coefficient", "any", Interval::Positive, of_coefficient).or(Absent::Means("`force` is given")),
         Parameter::number("exponent", "1", Interval::Positive, "the force grows with this power of the speed").or(Absent::Number(1.0)),
         Parameter::number("smoothing", "length/time", Interval::Positive, "speed below which a power less than 1 is linear")
             .or(Absent::Means("none, for powers from 1 on")),
@@ -64,13 +66,13 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
 /// `add_damper`.
 pub fn add_damper() -> Function {
     let mut keys = end_parameters();
-    keys.extend(law_parameters("force (time/length)^exponent"));
+    keys.extend(law_parameters("force at speed 1, `[force (time/length)^exponent]` (plane: per thickness)"));
     Function {
         name: "add_damper",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "joins points of bodies, centroids of boundaries or the ground by a damper, which pulls against the speed at which its ends \
-                  part: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each step",
+        summary: "joins points of bodies, centroids of boundaries or the ground by a damper, which pulls against the speed at which its \
+                  ends part: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each step",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
             Parameter::new("options", Kind::Options(keys), "ends and law"),
@@ -81,12 +83,95 @@ pub fn add_damper() -> Function {
              }});\npress.add_damper(\"orifice\", #{{ from: plate, from_point: [1.0, 1.0], to: table, to_point: [1.0, -1.0],\n    force: \
              \"c*v*abs(v)\", constants: #{{ c: 0.5 }} }});\nprint(press);"
         )),
-        see_also: &["add_spring", "add_chamber", "with_viscosity"],
+        see_also: &["add_spring", "add_chamber", "viscous"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
             change(call, &model, |data| data.model.parts.push(Arc::new(DamperDefinition { name, ends, law })))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `add_drag`.
+pub fn add_drag() -> Function {
+    let mut keys = vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "the boundary that feels it")];
+    keys.extend(law_parameters("force per area at speed 1, `[stress (time/length)^exponent]`"));
+    Function {
+        name: "add_drag",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "lets what is at rest around a boundary drag at it: a force per undeformed area against the velocity of each node, \
+                  linear, a power, or a text in the speed; it takes momentum, and the history has its `dissipation`",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::new("options", Kind::Options(keys), "boundary and law"),
+        ],
+        returns: "",
+        example: plate_example("press.add_drag(\"air\", #{ boundary: plate.boundary(\"top\"), coefficient: 0.02, exponent: 2.0 });"),
+        see_also: &["add_damper", "add_damping"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.name("name")?, call.options("options")?);
+            let (argument, law) = (options.argument("boundary"), law_of(&options)?);
+            let on = boundary_of(&argument, &model)?;
+            let shares = {
+                let data = model.0.borrow();
+                let body = &data.model.bodies[on.body];
+                nodal_areas(&body.mesh, &on.boundary, body.formulation.plane)
+            };
+            if on.boundary.facets.is_empty() {
+                return Err(argument.fail("drag needs a boundary with facets").hint("choose a boundary that has facets").into());
+            }
+            let on = Dragged::Nodes(on.body, shares, law);
+            change(call, &model, |data| data.model.parts.push(Arc::new(DragDefinition { name, on })))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `add_damping`.
+pub fn add_damping() -> Function {
+    let rate = |name, dimension, what| Parameter::number(name, dimension, Interval::NonNegative, what).or(Absent::Number(0.0));
+    let keys = vec![
+        rate("mass", "1/time", "the rate alpha: a mode of circular frequency w loses the share alpha/(2 w) of the critical damping"),
+        rate("stiffness", "time", "the time beta: such a mode loses the share beta w/2"),
+    ];
+    Function {
+        name: "add_damping",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "damps a body as Rayleigh does: proportional to its mass, as drag that takes momentum and has a column \
+                  `damping of ….dissipation`, and to its stiffness at rest, as a viscosity of its material, which keeps momenta",
+        parameters: vec![
+            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+            Parameter::new("options", Kind::Options(keys), "both shares"),
+        ],
+        returns: "",
+        example: plate_example("press.add_damping(plate, #{ mass: 2.0, stiffness: 1e-4 });"),
+        see_also: &["add_drag", "add_damper", "viscous"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (body, options) = (body_of(&call.argument("body"), &model)?, call.options("options")?);
+            let (rate, time) = (options.number("mass")?, options.number("stiffness")?);
+            let mut definition = body.definition();
+            // The moduli of Lame at rest, of Young's modulus and the bulk over the shear modulus.
+            let (material, ratio) = (definition.material.clone(), definition.material.bulk_over_shear());
+            let shear = material.youngs_modulus() * (3.0 * ratio + 1.0) / (9.0 * ratio);
+            let viscosity = material.viscosity().clone();
+            let viscosity =
+                Viscosity { shear: viscosity.shear + time * shear, bulk: viscosity.bulk + time * shear * (ratio - 2.0 / 3.0), ..viscosity };
+            let material = if time > 0.0 { material.with_viscosity(viscosity) } else { material };
+            definition.material = material.clone();
+            let name = format!("damping of {}", definition.name);
+            let on = Dragged::Mass(body.index, Box::new(definition), rate);
+            change(call, &model, |data| {
+                data.model.bodies[body.index].material = material;
+                if rate > 0.0 {
+                    data.model.parts.push(Arc::new(DragDefinition { name, on }));
+                }
+            })?;
             Ok(Dynamic::UNIT)
         }),
     }

@@ -6,7 +6,7 @@ use super::arguments::{body_boundary, body_of, node_at};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::bodies::nodal_areas;
 use crate::dynamics::End;
-use crate::materials::ScalarText;
+use crate::materials::{EnergyError, ScalarText};
 use crate::script::api::materials::energies::refused;
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::failure::Failure;
@@ -15,7 +15,7 @@ use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::did_you_mean;
 
 /// The word for what does not move.
-const GROUND: &str = "ground";
+pub const GROUND: &str = "ground";
 
 /// The keys of two ends.
 pub fn end_parameters() -> Vec<Parameter> {
@@ -105,7 +105,14 @@ pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &st
             constants.push((name.to_string(), number));
         }
     }
-    let function = ScalarText::new(&text, variable, &constants, what).map_err(|error| refused(argument, &error))?;
+    let in_words = |error: EnergyError| {
+        let unknown = names.iter().find(|name| error.title.contains("no value") && error.text.get(error.span.clone()) == Some(name));
+        match unknown {
+            Some(name) => EnergyError { hint: format!("give the constant its value, `constants: #{{ {name}: 1.0 }}`").into(), ..error },
+            None => error,
+        }
+    };
+    let function = ScalarText::new(&text, variable, &constants, what).map_err(|error| refused(argument, &in_words(error)))?;
     match function.is_undefined_at(&[0.0]) {
         Some(_) => Err(argument.fail(format!("{what} has no finite value and slope at `{variable}` = 0")).hint("check the text there")),
         None => Ok(function),

@@ -4,6 +4,7 @@ use crate::script::language::function::Function;
 
 pub mod arguments;
 pub mod bodies;
+pub mod body_forces;
 pub mod building;
 pub mod chambers;
 pub mod change;
@@ -11,6 +12,7 @@ pub mod dampers;
 pub mod data;
 pub mod description;
 pub mod ends;
+pub mod growth;
 pub mod handle;
 pub mod loads;
 pub mod masses;
@@ -30,11 +32,22 @@ pub fn functions() -> Vec<Function> {
         building::gravity(),
         building::initial_velocity(),
         building::initial_displacement(),
+        growth::grow(),
         building::check(),
     ];
     all.extend(properties::functions());
     all.extend(loads::functions());
-    all.extend([rigid::add_joint(), springs::add_spring(), dampers::add_damper(), chambers::add_chamber(), masses::add_mass()]);
+    all.push(body_forces::body_force());
+    all.extend([
+        rigid::add_joint(),
+        springs::add_spring(),
+        springs::add_torsion_spring(),
+        dampers::add_damper(),
+        dampers::add_drag(),
+        dampers::add_damping(),
+        chambers::add_chamber(),
+        masses::add_mass(),
+    ]);
     all.extend(bodies::functions());
     all.extend(bodies::boundary_functions());
     all

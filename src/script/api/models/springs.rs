@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use rhai::Dynamic;
 
+use super::arguments::{body_of, node_at_point};
 use super::change::change;
-use super::ends::{constants_parameter, end_parameters, ends_of, one_of, text_of};
-use super::handle::ModelHandle;
-use crate::dynamics::{Elastic, Sides, SpringDefinition, SpringLaw};
+use super::ends::{GROUND, constants_parameter, end_parameters, ends_of, one_of, text_of};
+use super::handle::{BodyHandle, ModelHandle};
+use crate::dynamics::{Elastic, Sides, SpringDefinition, SpringLaw, TorsionDefinition};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::points_of;
@@ -22,19 +23,12 @@ const SIDES: &[&str] = &["both", "tension", "compression"];
 
 /// `add_spring`.
 pub fn add_spring() -> Function {
-    let optional = |name, kind, what| Parameter::new(name, kind, what).or(Absent::Means("one of `stiffness`, `table`, `energy` is given"));
     let mut keys = end_parameters();
-    keys.extend([
-        Parameter::number("stiffness", "force / length", Interval::Positive, "force per elongation (plane: per thickness)")
-            .or(Absent::Means("one of `stiffness`, `table`, `energy` is given")),
-        optional("table", Kind::Array, "points `[elongation, force]` with increasing elongations, linear between them and beyond"),
-        optional("energy", Kind::Text, "the energy as text in the elongation `x`, such as `\"k/2*x^2 + c/4*x^4\"`"),
-        constants_parameter(),
-        Parameter::new("sides", Kind::Choice(SIDES), "which elongations it feels: a cable has `\"tension\"`, a stop `\"compression\"`")
-            .or(Absent::Text("both")),
+    keys.extend(law_parameters("force / length", "force per elongation (plane: per thickness)"));
+    keys.push(
         Parameter::number("rest_length", "length", Interval::NonNegative, "the length at which the elongation is 0")
             .or(Absent::Means("its length in the undeformed bodies")),
-    ]);
+    );
     Function {
         name: "add_spring",
         form: Form::Method(ModelHandle::receiver()),
@@ -63,6 +57,86 @@ pub fn add_spring() -> Function {
             })?;
             Ok(Dynamic::UNIT)
         }),
+    }
+}
+
+/// The keys of a law.
+fn law_parameters(of_stiffness: &'static str, stiffness: &'static str) -> [Parameter; 5] {
+    let optional = |name, kind, what| Parameter::new(name, kind, what).or(Absent::Means("one of `stiffness`, `table`, `energy` is given"));
+    [
+        Parameter::number("stiffness", of_stiffness, Interval::Positive, stiffness)
+            .or(Absent::Means("one of `stiffness`, `table`, `energy` is given")),
+        optional("table", Kind::Array, "points `[elongation, force]` with increasing elongations, linear between them and beyond"),
+        optional("energy", Kind::Text, "the energy as text in the elongation `x`, such as `\"k/2*x^2 + c/4*x^4\"`"),
+        constants_parameter(),
+        Parameter::new("sides", Kind::Choice(SIDES), "which elongations it feels: a cable has `\"tension\"`, a stop `\"compression\"`")
+            .or(Absent::Text("both")),
+    ]
+}
+
+/// `add_torsion_spring`.
+pub fn add_torsion_spring() -> Function {
+    let points =
+        |name| Parameter::new(name, Kind::Array, "two points of it while it is undeformed, the nearest nodes: from one to the other");
+    let mut keys = vec![
+        Parameter::new("from", Kind::Handle(BodyHandle::NAME), "a body, whose direction counts backward, towards the ground forward"),
+        points("from_points").of("length"),
+        Parameter::new("to", Kind::Either("a Body or \"ground\""), "what it turns against"),
+        points("to_points").of("length").or(Absent::Means("`to` is the ground")),
+    ];
+    keys.extend(law_parameters("force * length", "moment per radian (per thickness)"));
+    Function {
+        name: "add_torsion_spring",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "turns two plane bodies, or a body and the ground, against each other by a torsional spring: its elongation `x` is the \
+                  angle by which their directions have turned from the undeformed bodies, over whole turns; the history has its \
+                  `angle`, `moment` and `energy`",
+        parameters: vec![
+            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::new("options", Kind::Options(keys), "directions and law"),
+        ],
+        returns: "",
+        example: plate_example(&format!(
+            "{TOUCH}press.add_torsion_spring(\"hinge\", #{{ from: table, from_points: [[0.0, -1.0], [2.0, -1.0]],\n    to: plate, \
+             to_points: [[0.0, 0.0], [2.0, 0.0]], stiffness: 20.0 }});"
+        )),
+        see_also: &["add_spring", "add_damper", "torque"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.name("name")?, call.options("options")?);
+            let (dimension, is_round) = (model.0.borrow().model.dimension(), model.0.borrow().model.is_axisymmetric());
+            if dimension != 2 || is_round {
+                let failure = call.fail("a torsional spring is for bodies that move in a plane");
+                return Err(failure.hint("in space, and around an axis, join bodies by springs between points").into());
+            }
+            let mut directions = vec![direction_of(&options, &model, "from", "from_points")?];
+            let to = options.argument("to");
+            if to.value().read_lock::<rhai::ImmutableString>().is_some_and(|word| *word == GROUND) {
+                // What turns against the ground turns forward.
+                directions.truncate(1);
+            } else {
+                directions.push(direction_of(&options, &model, "to", "to_points")?);
+            }
+            let law = law_of(&options)?;
+            change(call, &model, |data| data.model.parts.push(Arc::new(TorsionDefinition { name, directions, law })))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// A body and two of its nodes.
+fn direction_of(options: &Options, model: &ModelHandle, key: &str, points_key: &str) -> Result<(usize, [u32; 2]), Failure> {
+    let (body, argument) = (body_of(&options.argument(key), model)?, options.argument(points_key));
+    if !argument.is_given() {
+        return Err(argument.missing());
+    }
+    match argument.points::<2>()?[..] {
+        [[ax, ay], [bx, by]] => {
+            let node = |x, y| node_at_point(&argument, &body, [x, y, 0.0]);
+            Ok((body.index, [node(ax, ay)?, node(bx, by)?]))
+        }
+        _ => Err(argument.fail(format!("`{points_key}` must be two points")).hint("write `[[0.0, 0.0], [1.0, 0.0]]`")),
     }
 }
 

@@ -14,8 +14,8 @@ impl ScriptWords for ModelError {
                 "points can be held (`fix`), moved (`prescribe`) and loaded with a `force`; other loads and contacts need facets".into()
             }
             ModelError::OpenChamber { .. } => {
-                "name all boundaries around the gas in `boundaries`, or where symmetry closes it give `rim_point`, a point in the planes of \
-                 all its rims"
+                "name all boundaries around the gas in `boundaries`, or where symmetry closes it give `rim_point`, a point in the planes \
+                 of all its rims"
                     .into()
             }
             ModelError::SelfContact { .. } => {

@@ -1,0 +1,153 @@
+//! A force per mass on a body that a field of position, velocity and time gives: `f = M b`, with the field at the nodes where forces act in
+//! the step, and the body's consistent mass.
+//!
+//! Nothing is asked of the field, so its work is that of a load. What it depends on is differentiated by differences.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::sync::Arc;
+
+use super::body_mass::{BodyMass, changed_mass};
+use crate::dynamics::model::amplitude::TimeFunctionError;
+use crate::dynamics::model::definitions::BodyDefinition;
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
+use crate::linear::Pattern;
+use crate::math::norms::largest_size;
+use crate::math::tolerances::{SMALL_TIME, TIME_DIFFERENCE};
+
+/// A field of accelerations. Script closures implement it, so it may fail.
+pub trait BodyField: Send + Sync {
+    /// Force per mass at a position with a velocity at a time `[length/time^2]`.
+    ///
+    /// # Errors
+    /// Whatever a user's function fails with.
+    fn value(&self, position: [f64; 3], velocity: [f64; 3], time: f64) -> Result<[f64; 3], TimeFunctionError>;
+}
+
+/// A field of accelerations in other units.
+struct Rescaled {
+    inner: Arc<dyn BodyField>,
+    units: [f64; 2],
+}
+
+impl BodyField for Rescaled {
+    fn value(&self, position: [f64; 3], velocity: [f64; 3], time: f64) -> Result<[f64; 3], TimeFunctionError> {
+        let [length, of_time] = self.units;
+        let value = self.inner.value(position.map(|x| x / length), velocity.map(|v| v * of_time / length), time / of_time)?;
+        Ok(value.map(|b| b * length / (of_time * of_time)))
+    }
+}
+
+/// A force per mass on a body.
+#[derive(Clone)]
+pub struct BodyForceDefinition {
+    /// Name, unique among the parts.
+    pub name: String,
+    /// Number of the body.
+    pub body: usize,
+    /// The body, which knows its mass.
+    pub definition: BodyDefinition,
+    /// The field.
+    pub field: Arc<dyn BodyField>,
+}
+
+impl PartDefinition for BodyForceDefinition {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn bodies(&self) -> Vec<usize> {
+        vec![self.body]
+    }
+
+    fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
+        let mass = BodyMass::new(&self.definition, self.body, numbering);
+        Box::new(BodyForce { dimension: numbering.dimension, name: self.name.clone(), mass, field: self.field.clone() })
+    }
+
+    fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
+        let [_, length, time] = change.units;
+        let field = Arc::new(Rescaled { inner: self.field.clone(), units: [length, time] });
+        Arc::new(BodyForceDefinition { definition: changed_mass(&self.definition, change), field, ..self.clone() })
+    }
+
+    fn describe(&self) -> String {
+        format!("body force \"{}\" on \"{}\"", self.name, self.definition.name)
+    }
+}
+
+/// A force per mass in the numbering of the model.
+struct BodyForce {
+    dimension: usize,
+    name: String,
+    mass: BodyMass,
+    field: Arc<dyn BodyField>,
+}
+
+/// The field at a node, and its derivative with respect to the positions at the end of the step, row by row.
+type At = ([f64; 3], [[f64; 3]; 3]);
+
+impl BodyForce {
+    fn at(&self, node: u32, at: &Iterate, wants_slope: bool) -> Result<At, StepError> {
+        let own = |all: &[f64]| {
+            let mut vector = [0.0; 3];
+            (0..self.dimension).for_each(|i| vector[i] = all[node as usize * self.dimension + i]);
+            vector
+        };
+        let (x, v, mut slope) = (own(at.q_test), own(at.velocity), [[0.0; 3]; 3]);
+        let field = |x: [f64; 3], v: [f64; 3]| {
+            let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time: at.time, source };
+            self.field.value(x, v, at.time).map_err(failed)
+        };
+        let value = field(x, v)?;
+        let steps = [x, v].map(|all| TIME_DIFFERENCE * largest_size(&all).max(SMALL_TIME));
+        let shares = [at.derivative.placement().share, at.velocity_slope];
+        for (k, share) in shares.iter().enumerate().filter(|(_, share)| wants_slope && **share != 0.0) {
+            for j in 0..self.dimension {
+                let (mut moved, step) = ([x, v], steps[k]);
+                moved[k][j] += step;
+                let [x, v] = moved;
+                let other = field(x, v)?;
+                (0..3).for_each(|i| slope[i][j] += share * (other[i] - value[i]) / step);
+            }
+        }
+        Ok((value, slope))
+    }
+}
+
+impl Part for BodyForce {
+    fn for_each_coupling(&self, _visit: &mut dyn FnMut(&[u32])) {
+        // Nodes of a cell are coupled by their body.
+    }
+
+    fn place(&mut self, pattern: &Pattern) {
+        self.mass.place(pattern);
+    }
+
+    fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
+        let (d, wants_slope) = (self.dimension, sums.tangent.is_some());
+        let mut fields: BTreeMap<u32, At> = BTreeMap::new();
+        for &(_, node, ..) in &self.mass.entries {
+            if let Entry::Vacant(place) = fields.entry(node) {
+                place.insert(self.at(node, at, wants_slope).map_err(Refusal::Load)?);
+            }
+        }
+        for (row, column, mass, block) in &self.mass.entries {
+            let (value, slope) = &fields[column];
+            (0..d).for_each(|i| sums.load[*row as usize * d + i] += mass * value[i]);
+            if let Some(values) = sums.tangent.as_deref_mut() {
+                (0..d * d).for_each(|k| values[block.at(k / d, k % d)] -= at.weight * mass * slope[k / d][k % d]);
+            }
+        }
+        Ok(())
+    }
+
+    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
+        0.0
+    }
+
+    fn is_outside(&self) -> bool {
+        true
+    }
+}
