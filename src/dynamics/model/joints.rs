@@ -134,6 +134,11 @@ impl Model {
         mass * if acceleration > 0.0 { acceleration } else { 1.0 } / extent.powi(self.dimension() as i32 - 1)
     }
 
+    /// Whether a joint joins two bodies: where it is they may lie in each other.
+    pub fn are_joined(&self, first: usize, second: usize) -> bool {
+        self.joints.iter().any(|joint| joint.bodies().any(|body| body == first) && joint.bodies().any(|body| body == second))
+    }
+
     /// Largest extent of the bodies at rest along an axis `[length]`.
     pub fn extent(&self) -> f64 {
         let points = || self.bodies.iter().flat_map(|body| &body.mesh.points);
