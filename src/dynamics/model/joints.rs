@@ -245,7 +245,10 @@ impl BodyDefinition {
         let moments = inertia.principal_moments();
         let least = if self.mesh.dimension() == 2 { moments[2] } else { moments[0] };
         if !(least.is_finite() && least > 0.0) {
-            return wrong(format!("its principal moments of inertia are {moments:?}, and must be positive"));
+            return wrong(match self.mesh.dimension() {
+                2 => format!("its moment of inertia is {least}, and must be positive"),
+                _ => format!("its principal moments of inertia are {moments:?}, and must be positive"),
+            });
         }
         let spread = inertia.principal_spreads()[0];
         if self.mesh.dimension() == 3 && spread < -tolerances::JOINT_APART * moments[2] {
