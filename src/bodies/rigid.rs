@@ -167,14 +167,20 @@ impl Frame {
 /// Distance from the plane (line, point) of the masters before it over the size of a mesh, below which nodes count as flat.
 const FLAT: f64 = tolerances::FLAT_FRAME;
 
+/// Part of the mass of a rigid body that the nodes tied to it have in equal parts.
+const TIED_PART: f64 = 0.125;
+
 /// A rigid body where the equations expect a loop over cells: mass, and no force.
 pub struct RigidMass {
     /// Its masters in the numbering of the model, one clique.
     cliques: Vec<Vec<u32>>,
     nodes: Range<usize>,
     masses: Vec<Vec<f64>>,
-    /// Blocks between masters, row by row, and the columns of all nodes.
+    /// Nodes that are tied to the masters and have a part of the mass.
+    tied: Vec<(u32, f64)>,
+    /// Blocks between masters, row by row, then those of the tied nodes, and the columns of all nodes.
     blocks: Vec<Block>,
+    tied_blocks: Vec<Block>,
     columns: Vec<Range<usize>>,
 }
 
@@ -185,13 +191,32 @@ impl RigidMass {
             cliques: vec![frame.masters.iter().map(|node| node + first_node as u32).collect()],
             nodes: first_node..first_node + mesh.points.len(),
             masses: frame.masses(inertia),
+            tied: Vec::new(),
             blocks: Vec::new(),
+            tied_blocks: Vec::new(),
             columns: Vec::new(),
         }
     }
 
+    /// Gives nodes that are tied to the masters, with these shares of them, a part of the mass, and takes it from the masters: as long as
+    /// the ties hold, energy and momenta are the same, and the equations of the tied nodes have inertia of their own.
+    pub fn tied_to<'a>(mut self, tied: impl ExactSizeIterator<Item = &'a (u32, Vec<f64>)>) -> Self {
+        let total: f64 = self.masses.iter().flatten().sum();
+        let part = TIED_PART * total / tied.len() as f64;
+        for (node, shares) in tied {
+            for (row, of_row) in self.masses.iter_mut().zip(shares) {
+                row.iter_mut().zip(shares).for_each(|(mass, share)| *mass -= part * of_row * share);
+            }
+            self.tied.push((*node, part));
+        }
+        self
+    }
+
     fn add_inertia<const D: usize>(&self, factor: f64, values: &mut [f64]) {
         for (block, mass) in self.blocks.iter().zip(self.masses.iter().flatten()) {
+            (0..D).for_each(|i| values[block.at(i, i)] += factor * mass);
+        }
+        for (block, (_, mass)) in self.tied_blocks.iter().zip(&self.tied) {
             (0..D).for_each(|i| values[block.at(i, i)] += factor * mass);
         }
     }
@@ -205,6 +230,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
     fn place(&mut self, pattern: &Pattern) {
         let masters = &self.cliques[0];
         self.blocks = masters.iter().flat_map(|&u| masters.iter().map(move |&v| pattern.block(u, v))).collect();
+        self.tied_blocks = self.tied.iter().map(|&(node, _)| pattern.block(node, node)).collect();
         let column = |node: usize| {
             let neighbors = pattern.neighbors(node);
             let length: usize = neighbors.iter().map(|&other| pattern.size(other as usize)).sum();
@@ -219,6 +245,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         for (&u, row) in masters.iter().zip(&self.masses) {
             masters.iter().zip(row).for_each(|(&v, &value)| mass.add(u, v, value));
         }
+        self.tied.iter().for_each(|&(node, value)| mass.add(node, node, value));
     }
 
     fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, _workers: &Workers) -> Result<(), Inverted> {

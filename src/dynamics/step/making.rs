@@ -21,10 +21,16 @@ pub(super) fn part_followers<const D: usize>(
     let mut used = used_nodes(model, first);
     others.iter().for_each(|part| part.for_each_coupling(&mut |nodes| used.extend(nodes)));
     let mut followers = BTreeSet::new();
-    for rigid in bodies.iter_mut().filter_map(|body| body.rigid.as_mut()) {
+    for body in bodies {
+        let (Some(rigid), Some(inertia)) = (&mut body.rigid, &model.bodies[body.number].rigid) else { continue };
         let Carried { carried, followers: own, .. } = rigid;
         own.retain(|&index| !used.contains(&carried[index].0));
         followers.extend(own.iter().map(|&index| carried[index].0));
+        let tied: Vec<&(u32, Vec<f64>)> = carried.iter().filter(|(node, _)| used.contains(node)).collect();
+        if !tied.is_empty() {
+            let mass = RigidMass::new(&model.bodies[body.number].mesh, &rigid.frame, inertia, body.nodes.start);
+            body.elements = Box::new(mass.tied_to(tied.into_iter()));
+        }
     }
     followers
 }
