@@ -1,7 +1,8 @@
 //! Rigid bodies: the motion of `D + 1` of a mesh's nodes carries all others.
 //!
-//! A body whose strain is zero moves affinely, so `D + 1` nodes in general position, its *masters*, tell where every point is: `x(X) = sum_i
-//! a_i(X) x_i` with the barycentric coordinates `a_i` of the point at rest. With them as unknowns the mass matrix is constant,
+//! A body whose strain is zero moves affinely, so `D + 1` nodes in general position, its *masters*, tell where every point is:
+//! `x(X) = sum_i a_i(X) x_i` with the barycentric coordinates `a_i` of the point at rest. With them as unknowns the mass matrix is
+//! constant,
 //!
 //! ```text
 //! M_ij = int rho a_i a_j dV = m a_i(X_c) a_j(X_c) + grad a_i . E grad a_j          X_c center of mass, E Euler tensor about it
