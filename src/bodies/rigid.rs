@@ -312,4 +312,21 @@ mod tests {
             assert!((sum - Vector3::from(*point)).norm() < 1e-13);
         }
     }
+
+    #[test]
+    fn tied_nodes_take_their_mass_from_the_masters() {
+        let steel = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 2.0 }.material().unwrap();
+        let mesh = rectangle([2.0, 1.0], [3, 2], [1.0, -4.0]).unwrap();
+        let (frame, inertia) = (Frame::new(&mesh).unwrap(), Inertia::of_mesh(&mesh, &steel, Formulation::default()).unwrap());
+        let others = (0..mesh.points.len() as u32).filter(|node| !frame.masters.contains(node));
+        let tied: Vec<(u32, Vec<f64>)> = others.map(|node| (node, frame.shares(mesh.points[node as usize]))).collect();
+        let speeds = [0.3, -1.2, 2.0];
+        let energy = |masses: &[Vec<f64>]| -> f64 {
+            masses.iter().zip(speeds).map(|(row, v)| v * row.iter().zip(speeds).map(|(mass, w)| mass * w).sum::<f64>()).sum()
+        };
+        let (alone, made) = (RigidMass::new(&mesh, &frame, &inertia, 0), RigidMass::new(&mesh, &frame, &inertia, 0).tied_to(tied.iter()));
+        let carried = |shares: &[f64]| shares.iter().zip(speeds).map(|(share, v)| share * v).sum::<f64>();
+        let of_tied: f64 = tied.iter().zip(&made.tied).map(|((_, shares), (_, mass))| mass * carried(shares).powi(2)).sum();
+        assert!((energy(&made.masses) + of_tied - energy(&alone.masses)).abs() < 1e-12);
+    }
 }
