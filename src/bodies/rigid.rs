@@ -1,7 +1,8 @@
 //! Rigid bodies: the motion of `D + 1` of a mesh's nodes carries all others.
 //!
-//! A body whose strain is zero moves affinely, so `D + 1` nodes in general position, its *masters*, tell where every point is: `x(X) = sum_i
-//! a_i(X) x_i` with the barycentric coordinates `a_i` of the point at rest. With them as unknowns the mass matrix is constant,
+//! A body whose strain is zero moves affinely, so `D + 1` nodes in general position, its *masters*, tell where every point is:
+//! `x(X) = sum_i a_i(X) x_i` with the barycentric coordinates `a_i` of the point at rest. With them as unknowns the mass matrix is
+//! constant,
 //!
 //! ```text
 //! M_ij = int rho a_i a_j dV = m a_i(X_c) a_j(X_c) + grad a_i . E grad a_j          X_c center of mass, E Euler tensor about it
@@ -167,14 +168,20 @@ impl Frame {
 /// Distance from the plane (line, point) of the masters before it over the size of a mesh, below which nodes count as flat.
 const FLAT: f64 = tolerances::FLAT_FRAME;
 
+/// Part of the mass of a rigid body that the nodes tied to it have in equal parts.
+const TIED_PART: f64 = 0.125;
+
 /// A rigid body where the equations expect a loop over cells: mass, and no force.
 pub struct RigidMass {
     /// Its masters in the numbering of the model, one clique.
     cliques: Vec<Vec<u32>>,
     nodes: Range<usize>,
     masses: Vec<Vec<f64>>,
-    /// Blocks between masters, row by row, and the columns of all nodes.
+    /// Nodes that are tied to the masters and have a part of the mass.
+    tied: Vec<(u32, f64)>,
+    /// Blocks between masters, row by row, then those of the tied nodes, and the columns of all nodes.
     blocks: Vec<Block>,
+    tied_blocks: Vec<Block>,
     columns: Vec<Range<usize>>,
 }
 
@@ -185,13 +192,32 @@ impl RigidMass {
             cliques: vec![frame.masters.iter().map(|node| node + first_node as u32).collect()],
             nodes: first_node..first_node + mesh.points.len(),
             masses: frame.masses(inertia),
+            tied: Vec::new(),
             blocks: Vec::new(),
+            tied_blocks: Vec::new(),
             columns: Vec::new(),
         }
     }
 
+    /// Gives nodes that are tied to the masters, with these shares of them, a part of the mass, and takes it from the masters: as long as
+    /// the ties hold, energy and momenta are the same, and the equations of the tied nodes have inertia of their own.
+    pub fn tied_to<'a>(mut self, tied: impl ExactSizeIterator<Item = &'a (u32, Vec<f64>)>) -> Self {
+        let total: f64 = self.masses.iter().flatten().sum();
+        let part = TIED_PART * total / tied.len() as f64;
+        for (node, shares) in tied {
+            for (row, of_row) in self.masses.iter_mut().zip(shares) {
+                row.iter_mut().zip(shares).for_each(|(mass, share)| *mass -= part * of_row * share);
+            }
+            self.tied.push((*node, part));
+        }
+        self
+    }
+
     fn add_inertia<const D: usize>(&self, factor: f64, values: &mut [f64]) {
         for (block, mass) in self.blocks.iter().zip(self.masses.iter().flatten()) {
+            (0..D).for_each(|i| values[block.at(i, i)] += factor * mass);
+        }
+        for (block, (_, mass)) in self.tied_blocks.iter().zip(&self.tied) {
             (0..D).for_each(|i| values[block.at(i, i)] += factor * mass);
         }
     }
@@ -205,6 +231,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
     fn place(&mut self, pattern: &Pattern) {
         let masters = &self.cliques[0];
         self.blocks = masters.iter().flat_map(|&u| masters.iter().map(move |&v| pattern.block(u, v))).collect();
+        self.tied_blocks = self.tied.iter().map(|&(node, _)| pattern.block(node, node)).collect();
         let column = |node: usize| {
             let neighbors = pattern.neighbors(node);
             let length: usize = neighbors.iter().map(|&other| pattern.size(other as usize)).sum();
@@ -219,6 +246,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         for (&u, row) in masters.iter().zip(&self.masses) {
             masters.iter().zip(row).for_each(|(&v, &value)| mass.add(u, v, value));
         }
+        self.tied.iter().for_each(|&(node, value)| mass.add(node, node, value));
     }
 
     fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, _workers: &Workers) -> Result<(), Inverted> {
@@ -283,5 +311,22 @@ mod tests {
                 frame.masters.iter().zip(&shares).map(|(&node, share)| Vector3::from(mesh.points[node as usize]) * *share).sum();
             assert!((sum - Vector3::from(*point)).norm() < 1e-13);
         }
+    }
+
+    #[test]
+    fn tied_nodes_take_their_mass_from_the_masters() {
+        let steel = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 2.0 }.material().unwrap();
+        let mesh = rectangle([2.0, 1.0], [3, 2], [1.0, -4.0]).unwrap();
+        let (frame, inertia) = (Frame::new(&mesh).unwrap(), Inertia::of_mesh(&mesh, &steel, Formulation::default()).unwrap());
+        let others = (0..mesh.points.len() as u32).filter(|node| !frame.masters.contains(node));
+        let tied: Vec<(u32, Vec<f64>)> = others.map(|node| (node, frame.shares(mesh.points[node as usize]))).collect();
+        let speeds = [0.3, -1.2, 2.0];
+        let energy = |masses: &[Vec<f64>]| -> f64 {
+            masses.iter().zip(speeds).map(|(row, v)| v * row.iter().zip(speeds).map(|(mass, w)| mass * w).sum::<f64>()).sum()
+        };
+        let (alone, made) = (RigidMass::new(&mesh, &frame, &inertia, 0), RigidMass::new(&mesh, &frame, &inertia, 0).tied_to(tied.iter()));
+        let carried = |shares: &[f64]| shares.iter().zip(speeds).map(|(share, v)| share * v).sum::<f64>();
+        let of_tied: f64 = tied.iter().zip(&made.tied).map(|((_, shares), (_, mass))| mass * carried(shares).powi(2)).sum();
+        assert!((energy(&made.masses) + of_tied - energy(&alone.masses)).abs() < 1e-12);
     }
 }

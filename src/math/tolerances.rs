@@ -424,3 +424,6 @@ pub const JOINT_APART: f64 = 1e-9;
 
 /// Distance of a point from a node over the size of a cell up to which a joint means that node.
 pub const SAME_NODE: f64 = 1e-6;
+
+/// Rate at which a joint would part over the largest velocity at the start, from which the velocities do not fit the joint.
+pub const LOOSE_JOINT: f64 = 1e-6;

@@ -134,6 +134,11 @@ impl Model {
         mass * if acceleration > 0.0 { acceleration } else { 1.0 } / extent.powi(self.dimension() as i32 - 1)
     }
 
+    /// Whether a joint joins two bodies: where it is they may lie in each other.
+    pub fn are_joined(&self, first: usize, second: usize) -> bool {
+        self.joints.iter().any(|joint| joint.bodies().any(|body| body == first) && joint.bodies().any(|body| body == second))
+    }
+
     /// Largest extent of the bodies at rest along an axis `[length]`.
     pub fn extent(&self) -> f64 {
         let points = || self.bodies.iter().flat_map(|body| &body.mesh.points);
@@ -240,7 +245,10 @@ impl BodyDefinition {
         let moments = inertia.principal_moments();
         let least = if self.mesh.dimension() == 2 { moments[2] } else { moments[0] };
         if !(least.is_finite() && least > 0.0) {
-            return wrong(format!("its principal moments of inertia are {moments:?}, and must be positive"));
+            return wrong(match self.mesh.dimension() {
+                2 => format!("its moment of inertia is {least}, and must be positive"),
+                _ => format!("its principal moments of inertia are {moments:?}, and must be positive"),
+            });
         }
         let spread = inertia.principal_spreads()[0];
         if self.mesh.dimension() == 3 && spread < -tolerances::JOINT_APART * moments[2] {

@@ -79,9 +79,12 @@ impl Model {
         let mut found = Vec::new();
         for (first, one) in hulls.iter().enumerate() {
             for (second, other) in hulls.iter().enumerate().skip(first + 1) {
+                let contact = self.between(first, second);
+                if contact.is_none() && self.are_joined(first, second) {
+                    continue;
+                }
                 let Some(Inside { depth, size, at }) = one.inside(other) else { continue };
                 let names = [first, second].map(|body| self.bodies[body].name.clone());
-                let contact = self.between(first, second);
                 found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at });
             }
         }

@@ -23,7 +23,8 @@ impl UnpairedBodies {
         let mut pairs = Vec::new();
         for first in 0..model.bodies.len() {
             let others = first + 1..model.bodies.len();
-            pairs.extend(others.filter(|&second| model.between(first, second).is_none()).map(|second| [first, second]));
+            let is_unpaired = |&second: &usize| model.between(first, second).is_none() && !model.are_joined(first, second);
+            pairs.extend(others.filter(is_unpaired).map(|second| [first, second]));
         }
         let mut first = 0;
         let mut bodies = Vec::new();
@@ -88,7 +89,8 @@ impl Model {
 
     /// The direction in which a body approaches another one at the start.
     fn approach(&self, moving: usize, other: usize) -> Option<[f64; 2]> {
-        if moving == other || self.is_held(moving) {
+        let is_guided = self.joints.iter().any(|joint| joint.bodies().any(|body| body == moving));
+        if moving == other || is_guided || self.is_held(moving) {
             return None;
         }
         let velocity =

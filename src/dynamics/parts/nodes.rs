@@ -71,6 +71,8 @@ impl<const D: usize> Nodes<D> {
             lumped_mass[row as usize] = lumped_mass[row as usize].max(diagonal);
         }
         let is_constant = model.gravity_amplitude.is_none();
+        let deformable = model.bodies.iter().filter(|body| body.rigid.is_none());
+        let stiffest = deformable.map(|body| body.material.stiffness()).fold(0.0, f64::max);
         Nodes {
             mass,
             largest_nodal_mass: largest_size(&nodal_mass),
@@ -78,7 +80,7 @@ impl<const D: usize> Nodes<D> {
             weight: (0..reference.len()).map(|k| if is_constant { nodal_mass[k / D] * model.gravity[k % D] } else { 0.0 }).collect(),
             nodal_mass,
             lumped_mass,
-            modulus: model.bodies.iter().filter(|body| body.rigid.is_none()).map(|body| body.material.stiffness()).fold(0.0, f64::max),
+            modulus: if stiffest > 0.0 { stiffest } else { model.modulus(0) },
             extent: (0..D).map(along).fold(0.0, f64::max),
             pieces,
             is_axisymmetric: model.is_axisymmetric(),

@@ -163,6 +163,10 @@ impl Pairing<'_> {
             Enforcement::Penalty { factor } => pair.penalize(factor, self.reference, has_middles),
             Enforcement::AugmentedLagrange { factor } => pair.augmentation = Some(factor),
         }
+        if self.model.bodies[interaction.secondary.body].rigid.is_some() && pair.is_unilateral() {
+            // A rigid side has fewer motions than nodes: their rows depend on one another.
+            pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
+        }
         pair.add_friction(interaction);
         pair
     }

@@ -5,9 +5,11 @@ use super::fields::JointLoad;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::model::joints::Anchor;
-use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow};
 use crate::dynamics::parts::nodal::{add_force, add_moment};
 use crate::integrators::Derivative;
+use crate::math::norms::largest_size;
+use crate::math::tolerances;
 
 impl<const D: usize> Engine<D>
 where
@@ -36,6 +38,20 @@ where
             }
         }
         Some(load)
+    }
+
+    /// Joints that the velocities at the start do not fit, with the rate at which what they hold would part `[length/time]`.
+    pub fn loose_joints(&self) -> Vec<(String, f64)> {
+        let (q, v) = (&self.state.positions, &self.state.velocities);
+        let rate = |pair: &ContactPair| {
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
+            let of_row = |row: PatchRow| row.unknowns::<D>().map(|(k, entry)| evaluation.gradient_end[entry] * v[k]).sum::<f64>().abs();
+            pair.live_rows(&evaluation).map(of_row).fold(0.0, f64::max)
+        };
+        let joints = self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Joint && pair.law.is_bilateral());
+        let rates = joints.map(|pair| (pair.name.clone(), rate(pair)));
+        rates.filter(|(_, rate)| *rate > tolerances::LOOSE_JOINT * largest_size(v)).collect()
     }
 
     /// Where an end of a joint is.

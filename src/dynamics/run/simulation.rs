@@ -227,6 +227,11 @@ impl Simulation {
         self.steps.redundant_constraints()
     }
 
+    /// Joints that the present velocities do not fit, with the rate at which what they hold would part `[length/time]`.
+    pub fn loose_joints(&self) -> Vec<(String, f64)> {
+        self.steps.loose_joints()
+    }
+
     /// What the joint of that name exerts on the body that it holds; `None` when there is none.
     pub fn joint(&self, name: &str) -> Option<JointLoad> {
         self.steps.joint(name)

@@ -43,6 +43,7 @@ pub trait Steps: Send {
     fn excesses(&self) -> Vec<Excess>;
     fn redundant_constraints(&self) -> Vec<RedundantConstraints>;
     fn stress_errors(&self) -> Vec<(&str, f64)>;
+    fn loose_joints(&self) -> Vec<(String, f64)>;
     fn joint(&self, name: &str) -> Option<JointLoad>;
     fn obstacles(&self) -> Vec<PlacedObstacle>;
     fn contact(&self, name: &str) -> Option<ContactFields>;

@@ -186,6 +186,10 @@ where
         self.system.bodies.iter().enumerate().map(|(index, body)| (body.name.as_str(), self.estimated_error(index))).collect()
     }
 
+    fn loose_joints(&self) -> Vec<(String, f64)> {
+        Engine::loose_joints(self)
+    }
+
     fn joint(&self, name: &str) -> Option<JointLoad> {
         self.joint_load(name)
     }

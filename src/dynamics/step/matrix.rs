@@ -5,7 +5,7 @@
 
 use super::constraint_rows::ConstraintRows;
 use crate::dynamics::model::part::Part;
-use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::linear::{Factorization, LinearError, LinearSolver, Pattern, Vertex};
 use crate::math::workers::Workers;
 
@@ -99,7 +99,9 @@ pub fn pattern_of<'a, const D: usize>(
     pairs.iter().for_each(|pair| pair.for_each_coupling(nodes, &mut add));
     let mut taken: Vec<bool> = fixed.chunks_exact(D).map(|components| components.contains(&true)).collect();
     let mut anchors = Vec::with_capacity(multipliers);
-    for pair in pairs {
+    // What a rigid body carries has no mass of its own: its rows come before those that press on it.
+    let (carrying, others): (Vec<&ContactPair>, Vec<&ContactPair>) = pairs.iter().partition(|pair| pair.kind == PairKind::Rigidity);
+    for pair in carrying.into_iter().chain(others) {
         // Several rows of one node oppose its motion in different directions.
         let rows: Vec<usize> = pair.rows.clone().collect();
         for (rows, &node) in rows.chunks_exact(pair.kernel.rows_per_node()).zip(pair.kernel.row_nodes()) {

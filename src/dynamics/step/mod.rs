@@ -16,6 +16,7 @@ pub mod frozen;
 pub mod impulse_response;
 pub mod iterate;
 pub mod large_motion;
+pub mod making;
 pub mod matrix;
 pub mod newton;
 pub mod predictor;

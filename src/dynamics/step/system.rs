@@ -9,19 +9,19 @@
 //!
 //! (Hesch and Betsch 2007, equation 3). Its numbers at an iterate are a [`Linearization`](super::iterate::Linearization).
 
-use std::collections::BTreeSet;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::counters::Counters;
 use super::iterate::Spare;
+use super::making::{bodies_of, loads_of, part_followers, varying_gravity};
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
-use crate::bodies::{Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
+use crate::bodies::{Elements, Space};
 use crate::contact::{Correction, Outlook};
 use crate::dynamics::model::boundaries::middles;
-use crate::dynamics::model::definitions::{LoadKind, Model};
+use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::part::{Numbering, Part, Pose};
 use crate::dynamics::model::update_rules::UpdateRule;
@@ -32,7 +32,7 @@ use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
-use crate::dynamics::parts::rigid_bodies::{Carried, point_pairs, used_nodes};
+use crate::dynamics::parts::rigid_bodies::point_pairs;
 use crate::dynamics::parts::supports::Supports;
 use crate::dynamics::parts::viscosity::ViscousBody;
 use crate::linear::{Block, LinearError, Watch, Work};
@@ -174,89 +174,11 @@ where
     }
 }
 
-/// Parts what rigid bodies carry into nodes on which something acts and followers, and returns these.
-fn part_followers<const D: usize>(
-    model: &Model,
-    bodies: &mut [Body<D>],
-    first: impl Fn(usize) -> usize,
-    others: &[Box<dyn Part>],
-) -> BTreeSet<u32> {
-    let mut used = used_nodes(model, first);
-    others.iter().for_each(|part| part.for_each_coupling(&mut |nodes| used.extend(nodes)));
-    let mut followers = BTreeSet::new();
-    for rigid in bodies.iter_mut().filter_map(|body| body.rigid.as_mut()) {
-        let Carried { carried, followers: own, .. } = rigid;
-        own.retain(|&index| !used.contains(&carried[index].0));
-        followers.extend(own.iter().map(|&index| carried[index].0));
-    }
-    followers
-}
-
 /// A mass at a node, with the node's block in the matrix.
 pub(super) struct PointInertia {
     pub(super) node: u32,
     pub(super) mass: f64,
     pub(super) place: Block,
-}
-
-/// The bodies of a model, and the positions of their nodes at rest.
-fn bodies_of<const D: usize>(model: &Model) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
-where
-    Space<D>: Elements<D>,
-{
-    let (mut bodies, mut reference): (Vec<Body<D>>, Vec<f64>) = (Vec::new(), Vec::new());
-    for (number, body) in model.bodies.iter().enumerate() {
-        let first = reference.len() / D;
-        let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
-        let elements =
-            match &frame {
-                Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
-                None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first).map_err(
-                    |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
-                )?,
-            };
-        reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
-        let nodes = first..reference.len() / D;
-        let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));
-        bodies.push(Body { name: body.name.clone(), number, nodes, elements, recovery: OnceLock::new(), rigid });
-    }
-    Ok((bodies, reference))
-}
-
-/// Gravity that follows a time function, a load on all nodes.
-fn varying_gravity<const D: usize>(model: &Model, masses: &[f64]) -> Option<NodalLoad<D>> {
-    Some(NodalLoad {
-        kind: LoadKind::Traction(model.gravity),
-        weights: (0..).zip(masses.iter().copied()).collect(),
-        facets: Vec::new(),
-        plane: Plane::Strain,
-        amplitude: model.gravity_amplitude.clone()?,
-        name: "gravity".into(),
-    })
-}
-
-/// The loads of a model.
-fn loads_of<const D: usize>(model: &Model, bodies: &[Body<D>]) -> Vec<NodalLoad<D>> {
-    let first = |body: usize| bodies[body].nodes.start;
-    let load = model.loads.iter().map(|load| NodalLoad {
-        kind: load.kind,
-        weights: nodal_areas(&model.bodies[load.on.body].mesh, &load.on.boundary, model.bodies[load.on.body].formulation.plane)
-            .into_iter()
-            .map(|(node, weight)| (node + first(load.on.body) as u32, weight))
-            .collect(),
-        facets: match load.kind {
-            LoadKind::Pressure(_) => {
-                let mesh = &model.bodies[load.on.body].mesh;
-                let nodes = |&facet| mesh.facet_nodes(facet).map(|node| node + first(load.on.body) as u32).collect();
-                load.on.boundary.facets.iter().map(|facet| (nodes(facet), Vec::new())).collect()
-            }
-            _ => Vec::new(),
-        },
-        plane: model.bodies[load.on.body].formulation.plane,
-        amplitude: load.amplitude.clone(),
-        name: model.boundary_name(&load.on),
-    });
-    load.collect()
 }
 
 impl<const D: usize> System<D> {

@@ -57,8 +57,8 @@ pub fn add_rigid_body() -> Function {
         ],
         returns: BodyHandle::NAME,
         example: plate_example(
-            "let cage = press.add_rigid_body(\"cage\", ring(#{ inner_radius: 1.0, outer_radius: 1.2, cells: [1, 24], center: [5.0, 0.0] }), \
-             #{ density: 1.0 });\n\
+            "let hoop = ring(#{ inner_radius: 1.0, outer_radius: 1.2, cells: [1, 24], center: [5.0, 0.0] });\n\
+             let cage = press.add_rigid_body(\"cage\", hoop, #{ density: 1.0 });\n\
              let rod = press.add_rigid_body(\"rod\", rectangle(#{ size: [2.0, 0.1], cells: [4, 1], origin: [8.0, 0.0] }), #{ mass: 2.0, \
              inertia: 0.7 });",
         ),
@@ -167,10 +167,10 @@ pub fn add_joint() -> Function {
                     Parameter::new(
                         "kind",
                         Kind::Choice(&KINDS),
-                        "what it leaves free: turning about a point (`point`: a hinge in the plane, a ball joint in space), turning about an \
-                         axis in space (`hinge`), moving along a line without turning (`slider`), moving along a line of `to` and turning \
-                         (`slot`), nothing (`weld`), all but the distance of two points (`link`), or \
-                         all as long as they are not farther apart than `length` (`cable`)",
+                        "what it leaves free: turning about a point (`point`: a hinge in the plane, a ball joint in space), turning about \
+                         an axis in space (`hinge`), moving along a line without turning (`slider`), moving along a line of `to` and \
+                         turning (`slot`), nothing (`weld`), all but the distance of two points (`link`), or all as long as they are \
+                         not farther apart than `length` (`cable`)",
                     ),
                     Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the body that it holds"),
                     Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the body that it holds it to").or(Absent::Means("the ground")),

@@ -28,7 +28,7 @@ use crate::script::api::parameters::check_overrides;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::digits::{brief_vector, number_text};
+use crate::script::language::digits::{brief, brief_vector, number_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -132,26 +132,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
         call.host.warn(warning.hint(finding.hint()));
     }
-    for found in simulation.redundant_constraints() {
-        let RedundantConstraints { name, is_joint, count, of, node } = found;
-        if is_joint {
-            let title = format!("{count} of {of} constraints of joint \"{name}\" follow from the joints before it, and are left out");
-            let warning = Diagnostic::warning(title, call.place(&Target::Call));
-            let cause =
-                "where the bodies are at rest they hold nothing that is not held: a closed loop of hinges in a plane, or a body held twice";
-            let hint = "leave more free, such as by a `point` in place of a `hinge`; at a dead center start a little beside it";
-            call.host.warn(warning.cause(cause).hint(hint));
-            continue;
-        }
-        let title = format!("{count} of {of} constraints of tie \"{name}\" follow from supports and other ties, and are left out");
-        let mut warning = Diagnostic::warning(title, model.place_of_contact(&name));
-        if let Some((body, number, place)) = node {
-            warning = warning.cause(format!("the first is that of node {number} of body \"{body}\", at {}", brief_vector(&place[..2])));
-        }
-        call.host.warn(
-            warning.hint("tie surfaces once, and leave supports to one of two tied surfaces; nothing is lost unless supports part them"),
-        );
-    }
+    warn_of_joints(call, &model, &simulation);
     for body in model.model.locking() {
         call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.remedy()));
     }
@@ -185,6 +166,36 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     handle.note_contact();
     keep_model(call.host, &original);
     Ok(handle)
+}
+
+/// Warns of constraints that follow from others, and of velocities that do not fit joints.
+fn warn_of_joints(call: &Call, model: &ModelData, simulation: &Simulation) {
+    for found in simulation.redundant_constraints() {
+        let RedundantConstraints { name, is_joint, count, of, node } = found;
+        if is_joint {
+            let title = format!("{count} of {of} constraints of joint \"{name}\" follow from the joints before it, and are left out");
+            let warning = Diagnostic::warning(title, call.place(&Target::Call));
+            let cause =
+                "where the bodies are at rest they hold nothing that is not held: a closed loop of hinges in a plane, or a body held twice";
+            let hint = "leave more free, such as by a `point` in place of a `hinge`; at a dead center start a little beside it";
+            call.host.warn(warning.cause(cause).hint(hint));
+            continue;
+        }
+        let title = format!("{count} of {of} constraints of tie \"{name}\" follow from supports and other ties, and are left out");
+        let mut warning = Diagnostic::warning(title, model.place_of_contact(&name));
+        if let Some((body, number, place)) = node {
+            warning = warning.cause(format!("the first is that of node {number} of body \"{body}\", at {}", brief_vector(&place[..2])));
+        }
+        call.host.warn(
+            warning.hint("tie surfaces once, and leave supports to one of two tied surfaces; nothing is lost unless supports part them"),
+        );
+    }
+    for (name, rate) in simulation.loose_joints() {
+        let title = format!("the initial velocities do not fit joint \"{name}\": what it holds would part at {}", brief(rate));
+        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        let cause = "the first step makes them fit, and the velocities at the ends of steps swing about the right ones from then on";
+        call.host.warn(warning.cause(cause).hint("give every body of a mechanism the velocity and the spin that its joints leave it"));
+    }
 }
 
 /// How often sound may cross a body in a step at most, before its density counts as a mistake of units.

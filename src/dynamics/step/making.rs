@@ -1,0 +1,96 @@
+//! What a system is made of: bodies, loads, what rigid bodies carry along.
+
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
+
+use crate::bodies::{Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
+use crate::dynamics::model::definitions::{LoadKind, Model};
+use crate::dynamics::model::error::ModelError;
+use crate::dynamics::model::part::Part;
+use crate::dynamics::parts::body::Body;
+use crate::dynamics::parts::loads::NodalLoad;
+use crate::dynamics::parts::rigid_bodies::{Carried, used_nodes};
+
+/// Parts what rigid bodies carry into nodes on which something acts and followers, and returns these.
+pub(super) fn part_followers<const D: usize>(
+    model: &Model,
+    bodies: &mut [Body<D>],
+    first: impl Fn(usize) -> usize,
+    others: &[Box<dyn Part>],
+) -> BTreeSet<u32> {
+    let mut used = used_nodes(model, first);
+    others.iter().for_each(|part| part.for_each_coupling(&mut |nodes| used.extend(nodes)));
+    let mut followers = BTreeSet::new();
+    for body in bodies {
+        let (Some(rigid), Some(inertia)) = (&mut body.rigid, &model.bodies[body.number].rigid) else { continue };
+        let Carried { carried, followers: own, .. } = rigid;
+        own.retain(|&index| !used.contains(&carried[index].0));
+        followers.extend(own.iter().map(|&index| carried[index].0));
+        let tied: Vec<&(u32, Vec<f64>)> = carried.iter().filter(|(node, _)| used.contains(node)).collect();
+        if !tied.is_empty() {
+            let mass = RigidMass::new(&model.bodies[body.number].mesh, &rigid.frame, inertia, body.nodes.start);
+            body.elements = Box::new(mass.tied_to(tied.into_iter()));
+        }
+    }
+    followers
+}
+
+/// The bodies of a model, and the positions of their nodes at rest.
+pub(super) fn bodies_of<const D: usize>(model: &Model) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
+where
+    Space<D>: Elements<D>,
+{
+    let (mut bodies, mut reference): (Vec<Body<D>>, Vec<f64>) = (Vec::new(), Vec::new());
+    for (number, body) in model.bodies.iter().enumerate() {
+        let first = reference.len() / D;
+        let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
+        let elements =
+            match &frame {
+                Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
+                None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first).map_err(
+                    |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
+                )?,
+            };
+        reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
+        let nodes = first..reference.len() / D;
+        let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));
+        bodies.push(Body { name: body.name.clone(), number, nodes, elements, recovery: OnceLock::new(), rigid });
+    }
+    Ok((bodies, reference))
+}
+
+/// Gravity that follows a time function, a load on all nodes.
+pub(super) fn varying_gravity<const D: usize>(model: &Model, masses: &[f64]) -> Option<NodalLoad<D>> {
+    Some(NodalLoad {
+        kind: LoadKind::Traction(model.gravity),
+        weights: (0..).zip(masses.iter().copied()).collect(),
+        facets: Vec::new(),
+        plane: Plane::Strain,
+        amplitude: model.gravity_amplitude.clone()?,
+        name: "gravity".into(),
+    })
+}
+
+/// The loads of a model.
+pub(super) fn loads_of<const D: usize>(model: &Model, bodies: &[Body<D>]) -> Vec<NodalLoad<D>> {
+    let first = |body: usize| bodies[body].nodes.start;
+    let load = model.loads.iter().map(|load| NodalLoad {
+        kind: load.kind,
+        weights: nodal_areas(&model.bodies[load.on.body].mesh, &load.on.boundary, model.bodies[load.on.body].formulation.plane)
+            .into_iter()
+            .map(|(node, weight)| (node + first(load.on.body) as u32, weight))
+            .collect(),
+        facets: match load.kind {
+            LoadKind::Pressure(_) => {
+                let mesh = &model.bodies[load.on.body].mesh;
+                let nodes = |&facet| mesh.facet_nodes(facet).map(|node| node + first(load.on.body) as u32).collect();
+                load.on.boundary.facets.iter().map(|facet| (nodes(facet), Vec::new())).collect()
+            }
+            _ => Vec::new(),
+        },
+        plane: model.bodies[load.on.body].formulation.plane,
+        amplitude: load.amplitude.clone(),
+        name: model.boundary_name(&load.on),
+    });
+    load.collect()
+}
