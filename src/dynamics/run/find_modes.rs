@@ -43,7 +43,8 @@ where
     /// [`ModesError`].
     pub fn find_modes(&mut self, count: usize) -> Result<Modes, ModesError> {
         let (state, tally) = (self.state.clone(), self.tally());
-        let slowest = Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
+        let slowest =
+            Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
         let still = vec![0.0; self.system.nodes.count()];
         let travel = Travel::Each { sizes: &still, besides: 0.0 };
         self.begin_at_rest(&Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 }, &[])?;

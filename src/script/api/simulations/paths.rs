@@ -189,12 +189,7 @@ fn column() -> Function {
     }
 }
 
-fn property(
-    name: &'static str,
-    returns: &'static str,
-    summary: &'static str,
-    read: impl Fn(&PathHandle) -> Dynamic + 'static,
-) -> Function {
+fn property(name: &'static str, returns: &'static str, summary: &'static str, read: impl Fn(&PathHandle) -> Dynamic + 'static) -> Function {
     Function {
         name,
         form: Form::Property(PathHandle::receiver()),
