@@ -51,6 +51,9 @@ pub const EFFECTIVE_MASS: f64 = 1e-12;
 /// Round-off of an eigenvalue relative to the largest stiffness over mass of an unknown: smaller ones are zero.
 pub const MODE_FLOOR: f64 = 1e-14;
 
+/// Part of an increment of the load by which loads are differentiated: most are linear, and round-off is divided by it.
+pub const LOAD_DIFFERENCE: f64 = 1e-3;
+
 /// Residual of an equilibrium on a path relative to the largest force: a tenth of what `settle` accepts.
 pub const PATH: f64 = 1e-12;
 

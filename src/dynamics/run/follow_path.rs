@@ -35,9 +35,6 @@ const LONGEST: f64 = 20.0;
 /// How often a step is shortened in a row.
 const MOST_SHORTER: usize = 12;
 
-/// Part of an increment of the load by which loads are differentiated: they are mostly linear.
-const DIFFERENCE: f64 = 1e-3;
-
 /// A point that is looked for.
 #[derive(Clone)]
 struct Guess {
@@ -83,12 +80,16 @@ where
     }
 
     fn follow(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, StepError> {
-        self.settle_once(self.state.row.time, Care::Exact)?;
+        let begun = self.state.row.time;
+        self.settle_once(begun, Care::Exact)?;
         let mut points = vec![self.point(0.0)];
         let (mut before, mut first, mut arc): (Option<Vec<f64>>, Option<f64>, f64) = (None, None, 0.0);
         let end = loop {
             if self.state.row.time == options.until {
                 break PathEnd::Reached;
+            }
+            if self.options.interrupted() {
+                return Err(StepError::Interrupted { time: begun });
             }
             if points.len() >= options.points {
                 break PathEnd::Points;
@@ -140,8 +141,24 @@ where
             let change = (WANTED / corrections.max(1) as f64).sqrt().clamp(SHORTER, LONGER);
             arc = (arc * change).min(LONGEST * first.unwrap_or(arc));
         };
-        let critical = critical_points(&points);
+        let mut critical = critical_points(&points);
+        critical.iter_mut().filter(|point| point.kind == CriticalKind::Bifurcation).for_each(|point| self.sharpen(&points, point));
         Ok(Path { points, critical, end })
+    }
+
+    /// Finds the load of a bifurcation from the eigenvalues that change their sign between two points, if they are found.
+    fn sharpen(&mut self, points: &[PathPoint], critical: &mut CriticalPoint) {
+        let ends = [critical.after, critical.after + 1];
+        let index = ends.iter().filter_map(|&k| points[k].unstable).min().unwrap_or(0);
+        let mut eigenvalue = |k: usize| {
+            self.take_back(&points[k].state);
+            Some(self.find_modes(index + 1).ok()?.modes.get(index)?.eigenvalue)
+        };
+        let Some((before, after)) = eigenvalue(ends[0]).zip(eigenvalue(ends[1])) else { return };
+        if before * after < 0.0 {
+            let [from, to] = ends.map(|k| points[k].state.row.time);
+            critical.load = from + (to - from) * before / (before - after);
+        }
     }
 
     /// The present state as a point of a path.
@@ -231,7 +248,7 @@ where
         let q = self.begin_at(guess)?;
         let Guess { load, u, lambda } = guess;
         let (memory, undamped, zeros) = (self.state.memory.clone(), vec![0.0; self.system.bodies.len()], vec![0.0; u.len()]);
-        let h = DIFFERENCE * increment.abs();
+        let h = tolerances::LOAD_DIFFERENCE * increment.abs();
         let all = u.len() + self.system.multipliers;
         let mut rates = Rates { force: vec![0.0; all], motion: vec![0.0; all] };
         for (sign, time) in [(1.0, load + h), (-1.0, load - h)] {

@@ -166,8 +166,8 @@ fn modes() -> Function {
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
         summary: "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties and \
-                  closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed nodes \
-                  stand still; the state stays as it is",
+                  closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed \
+                  nodes stand still; the state stays as it is",
         parameters: vec![
             Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(6))]), "how many").or(Absent::Means("#{ count: 6 }")),
         ],
@@ -241,9 +241,9 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
         call.host.warn(warning(title).cause("the factors of the shifted matrix had replaced pivots").hint("ask for another `count`"));
     }
     if modes.asymmetry > 0.0 {
-        let title = format!("loads make the stiffness unsymmetric, by {} of its size", brief(modes.asymmetry));
-        let cause = "they follow the surface and have no potential; modes are those of the symmetric part";
-        call.host.warn(warning(title).cause(cause).hint("a run with small steps shows what such loads do"));
+        let title = format!("the stiffness is not symmetric, by {} of its size", brief(modes.asymmetry));
+        let cause = "pressures on parts of a surface and friction have no potential; modes are those of the symmetric part";
+        call.host.warn(warning(title).cause(cause).hint("a run with small steps shows what such forces do"));
     }
     let model = &handle.0.model.model;
     if let Some(load) = model.loads.iter().find(|load| matches!(load.kind, LoadKind::Torque)) {
@@ -275,8 +275,8 @@ fn properties() -> Vec<Function> {
     vec![
         of_mode(
             "frequencies",
-            "natural frequencies of all modes in oscillations per time (cycles, not radians), `omega / (2 pi)`, ascending; 0 of rigid motions \
-             and of instabilities",
+            "natural frequencies of all modes in oscillations per time (cycles, not radians), `omega / (2 pi)`, ascending; 0 of rigid \
+             motions and of instabilities",
             |mode, unit| mode.eigenvalue.max(0.0).sqrt() * unit / TAU,
         ),
         of_mode("angular_frequencies", "natural frequencies of all modes in radians per time, `omega`", |mode, unit| {
