@@ -30,7 +30,7 @@ const WANTED: f64 = 4.0;
 /// Change of a step after one that failed, of one after another at most, and over the first at most.
 const SHORTER: f64 = 0.5;
 const LONGER: f64 = 1.5;
-const LONGEST: f64 = 20.0;
+const LONGEST: f64 = 4.0;
 
 /// How often a step is shortened in a row.
 const MOST_SHORTER: usize = 12;

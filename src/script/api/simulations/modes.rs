@@ -165,8 +165,8 @@ fn modes() -> Function {
         name: "modes",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties and \
-                  closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed \
+        summary: "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties \
+                  and closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed \
                   nodes stand still; the state stays as it is",
         parameters: vec![
             Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(6))]), "how many").or(Absent::Means("#{ count: 6 }")),
