@@ -87,7 +87,8 @@ where
         let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
         let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
         let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
-        x.iter_mut().for_each(|x| *x *= scale);
+        // Nothing is negative zero.
+        x.iter_mut().for_each(|x| *x = *x * scale + 0.0);
         let momenta = nodes.momenta_of(&x);
         let modal_mass = product(&x, &momenta);
         let along: Vec<f64> = self.directions().into_iter().map(|i| momenta.iter().skip(i).step_by(D).sum()).collect();

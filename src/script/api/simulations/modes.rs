@@ -218,7 +218,7 @@ fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure
             .fail(title)
             .cause("supports, ties, closed contacts and sticking friction hold some nodes more than once")
             .hint("leave one of them out, or give the contact a `penalty`"),
-        ModesError::TooMany { motions, .. } if motions == 0 => call.fail(title).hint("free some of the boundaries"),
+        ModesError::TooMany { motions: 0, .. } => call.fail(title).hint("free some of the boundaries"),
         ModesError::TooMany { motions, .. } => call.fail(title).hint(format!("ask for at most {motions} with `count`")),
         ModesError::NotFound { .. } => call.fail(title).hint("ask for fewer with `count`, or refine the mesh"),
     }
