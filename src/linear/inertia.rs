@@ -1,7 +1,7 @@
 //! How many eigenvalues of a symmetric matrix are negative, read off its factors.
 //!
-//! Fronts of a symmetric matrix are symmetric, whatever their pivots were exchanged for, so the inertia of the matrix is the sum of those of
-//! their pivot blocks (Haynsworth, Linear Algebra Appl. 1, 1968). Without an exchange of rows that of a block is the signs of its pivots
+//! Fronts of a symmetric matrix are symmetric, whatever their pivots were exchanged for, so the inertia of the matrix is the sum of those
+//! of their pivot blocks (Haynsworth, Linear Algebra Appl. 1, 1968). Without an exchange of rows that of a block is the signs of its pivots
 //! (Sylvester); a block with one is put together again from its factors.
 
 use nalgebra::DMatrix;

@@ -45,8 +45,14 @@ pub const MODE_GAP: f64 = 1e-7;
 /// vibration of any but the most slender bodies, far above the round-off of a rigid motion.
 pub const MODE_SHIFT: f64 = 1e-3;
 
+/// Effective mass of a mode over that of the model that is told as nothing: the square of a sum's round-off, with room for large models.
+pub const EFFECTIVE_MASS: f64 = 1e-12;
+
 /// Round-off of an eigenvalue relative to the largest stiffness over mass of an unknown: smaller ones are zero.
 pub const MODE_FLOOR: f64 = 1e-14;
+
+/// Part of an increment of the load by which loads are differentiated: most are linear, and round-off is divided by it.
+pub const LOAD_DIFFERENCE: f64 = 1e-3;
 
 /// Residual of an equilibrium on a path relative to the largest force: a tenth of what `settle` accepts.
 pub const PATH: f64 = 1e-12;

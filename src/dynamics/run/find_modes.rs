@@ -1,7 +1,8 @@
 //! Natural vibrations about the present state: `K x = omega^2 M x` with `G x = 0` for what is tied or closed.
 //!
 //! The shift lies below all eigenvalues, so that the first ones are those that Lanczos' method finds first. How many there are below a
-//! place is counted by the inertia of the matrix shifted there (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980): none is missed.
+//! place is counted by the inertia of the matrix shifted there (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980), so that none
+//! is missed.
 
 use super::balance::Balance;
 use super::engine::Engine;
@@ -43,14 +44,17 @@ where
     /// [`ModesError`].
     pub fn find_modes(&mut self, count: usize) -> Result<Modes, ModesError> {
         let (state, tally) = (self.state.clone(), self.tally());
-        let slowest = Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
+        let slowest =
+            Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
         let still = vec![0.0; self.system.nodes.count()];
         let travel = Travel::Each { sizes: &still, besides: 0.0 };
         self.begin_at_rest(&Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 }, &[])?;
         let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
         let mut vibrations = Vibrations::new(&mut self.system, rest);
+        let options = &self.options;
         let shift = -tolerances::MODE_SHIFT * slowest;
-        let outcome = below_all(&mut vibrations, shift).and_then(|shift| Ok((shift, search(&mut vibrations, shift, count)?)));
+        let outcome = below_all(&mut vibrations, shift)
+            .and_then(|shift| Ok((shift, search(&mut vibrations, shift, count, &|| options.interrupted())?)));
         let (asymmetry, factorizations, stiffest) = (vibrations.asymmetry, vibrations.factorizations, vibrations.stiffest);
         self.count_from(&tally);
         self.restore_search();
@@ -83,7 +87,8 @@ where
         let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
         let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
         let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
-        x.iter_mut().for_each(|x| *x *= scale);
+        // Nothing is negative zero.
+        x.iter_mut().for_each(|x| *x = *x * scale + 0.0);
         let momenta = nodes.momenta_of(&x);
         let modal_mass = product(&x, &momenta);
         let along: Vec<f64> = self.directions().into_iter().map(|i| momenta.iter().skip(i).step_by(D).sum()).collect();
@@ -136,7 +141,12 @@ where
 }
 
 /// The first `count` eigenvalues above a shift whose matrix is in the solver.
-fn search<const D: usize>(vibrations: &mut Vibrations<D>, shift: f64, count: usize) -> Result<Found, SearchError>
+fn search<const D: usize>(
+    vibrations: &mut Vibrations<D>,
+    shift: f64,
+    count: usize,
+    interrupted: &dyn Fn() -> bool,
+) -> Result<Found, SearchError>
 where
     Space<D>: Elements<D>,
 {
@@ -148,6 +158,9 @@ where
     let mut lanczos = Lanczos::new(vibrations.unknowns(), (D * (D + 1) / 2).min(motions));
     let (mut wanted, mut next) = (count, count);
     loop {
+        if interrupted() {
+            return Err(SearchError::Failed(Failure::Linear(LinearError::Interrupted)));
+        }
         let goes_on = lanczos.expand(vibrations)?;
         let is_spent = !goes_on || lanczos.applied() >= motions;
         if lanczos.applied() < next && !is_spent {

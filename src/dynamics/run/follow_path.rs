@@ -30,13 +30,10 @@ const WANTED: f64 = 4.0;
 /// Change of a step after one that failed, of one after another at most, and over the first at most.
 const SHORTER: f64 = 0.5;
 const LONGER: f64 = 1.5;
-const LONGEST: f64 = 20.0;
+const LONGEST: f64 = 4.0;
 
 /// How often a step is shortened in a row.
 const MOST_SHORTER: usize = 12;
-
-/// Part of an increment of the load by which loads are differentiated: they are mostly linear.
-const DIFFERENCE: f64 = 1e-3;
 
 /// A point that is looked for.
 #[derive(Clone)]
@@ -44,6 +41,12 @@ struct Guess {
     load: f64,
     u: Vec<f64>,
     lambda: Vec<f64>,
+}
+
+/// What goes with the load: forces, as they stand on the right side, and prescribed motions, of all unknowns.
+struct Rates {
+    force: Vec<f64>,
+    motion: Vec<f64>,
 }
 
 /// Newton's system there, solved for what is left and for a unit of load.
@@ -77,12 +80,16 @@ where
     }
 
     fn follow(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, StepError> {
-        self.settle_once(self.state.row.time, Care::Exact)?;
+        let begun = self.state.row.time;
+        self.settle_once(begun, Care::Exact)?;
         let mut points = vec![self.point(0.0)];
         let (mut before, mut first, mut arc): (Option<Vec<f64>>, Option<f64>, f64) = (None, None, 0.0);
         let end = loop {
             if self.state.row.time == options.until {
                 break PathEnd::Reached;
+            }
+            if self.options.interrupted() {
+                return Err(StepError::Interrupted { time: begun });
             }
             if points.len() >= options.points {
                 break PathEnd::Points;
@@ -91,12 +98,13 @@ where
             let from = Guess { load: reached.row.time, u: reached.displacements.clone(), lambda: reached.lambda.clone() };
             let mut failures = 0;
             let found = loop {
-                let tried = self.respond(&from, options.increment).and_then(|tangent| {
+                let tried = self.rates(&from, options.increment).and_then(|rates| {
+                    let tangent = self.respond(&from, &rates)?;
                     if first.is_none() {
                         arc = options.increment.abs() * norm(&tangent.per_load);
                         first = Some(arc);
                     }
-                    self.next_point(&from, &tangent, before.as_deref(), arc, options)
+                    self.next_point(&from, (&tangent, &rates), before.as_deref(), arc, options)
                 });
                 match tried {
                     Ok(found) => break Ok(found),
@@ -133,8 +141,24 @@ where
             let change = (WANTED / corrections.max(1) as f64).sqrt().clamp(SHORTER, LONGER);
             arc = (arc * change).min(LONGEST * first.unwrap_or(arc));
         };
-        let critical = critical_points(&points);
+        let mut critical = critical_points(&points);
+        critical.iter_mut().filter(|point| point.kind == CriticalKind::Bifurcation).for_each(|point| self.sharpen(&points, point));
         Ok(Path { points, critical, end })
+    }
+
+    /// Finds the load of a bifurcation from the eigenvalues that change their sign between two points, if they are found.
+    fn sharpen(&mut self, points: &[PathPoint], critical: &mut CriticalPoint) {
+        let ends = [critical.after, critical.after + 1];
+        let index = ends.iter().filter_map(|&k| points[k].unstable).min().unwrap_or(0);
+        let mut eigenvalue = |k: usize| {
+            self.take_back(&points[k].state);
+            Some(self.find_modes(index + 1).ok()?.modes.get(index)?.eigenvalue)
+        };
+        let Some((before, after)) = eigenvalue(ends[0]).zip(eigenvalue(ends[1])) else { return };
+        if before * after < 0.0 {
+            let [from, to] = ends.map(|k| points[k].state.row.time);
+            critical.load = from + (to - from) * before / (before - after);
+        }
     }
 
     /// The present state as a point of a path.
@@ -175,7 +199,7 @@ where
     fn next_point(
         &mut self,
         from: &Guess,
-        tangent: &Response,
+        (tangent, rates): (&Response, &Rates),
         before: Option<&[f64]>,
         arc: f64,
         options: &PathOptions,
@@ -194,7 +218,7 @@ where
         };
         let mut least = f64::INFINITY;
         for corrections in 1..=CORRECTIONS {
-            let response = self.respond(&guess, options.increment)?;
+            let response = self.respond(&guess, rates)?;
             let is_stuck = response.residual <= tolerances::PATH_STUCK && response.residual >= 0.5 * least;
             if response.residual <= tolerances::PATH || is_stuck {
                 return Ok((guess, corrections));
@@ -209,33 +233,51 @@ where
         Err(Failure::Iterations)
     }
 
-    /// Solves Newton's system at a guess.
-    fn respond(&mut self, guess: &Guess, increment: f64) -> Result<Response, Failure> {
-        let Guess { load, u, lambda } = guess;
-        let q = self.system.nodes.positions(u);
-        let unknowns = u.len();
-        Arc::make_mut(&mut self.state).row.time = *load;
+    /// Starts a step at rest at a guess; gives its positions.
+    fn begin_at(&mut self, guess: &Guess) -> Result<Vec<f64>, Failure> {
+        let q = self.system.nodes.positions(&guess.u);
+        Arc::make_mut(&mut self.state).row.time = guess.load;
         let still = vec![0.0; self.system.nodes.count()];
         let outlook = Outlook { q: &q, travel: Travel::Each { sizes: &still, besides: 0.0 }, reach: self.options.reach, depth: 0.0 };
         self.begin_at_rest(&outlook, &[]).map_err(Failure::Fatal)?;
-        let (memory, undamped) = (self.state.memory.clone(), vec![0.0; self.system.bodies.len()]);
-        let zeros = vec![0.0; unknowns];
-        let start =
-            |time| StepStart { time, q_0: &q, u_0: u, memory: &memory, kind: StepKind::Rest { damping: &undamped, velocities: None } };
-        let h = DIFFERENCE * increment.abs();
-        let (mut rate, mut motion) = (vec![0.0; unknowns + self.system.multipliers], vec![0.0; unknowns + self.system.multipliers]);
+        Ok(q)
+    }
+
+    /// What goes with the load, by differences.
+    fn rates(&mut self, guess: &Guess, increment: f64) -> Result<Rates, Failure> {
+        let q = self.begin_at(guess)?;
+        let Guess { load, u, lambda } = guess;
+        let (memory, undamped, zeros) = (self.state.memory.clone(), vec![0.0; self.system.bodies.len()], vec![0.0; u.len()]);
+        let h = tolerances::LOAD_DIFFERENCE * increment.abs();
+        let all = u.len() + self.system.multipliers;
+        let mut rates = Rates { force: vec![0.0; all], motion: vec![0.0; all] };
         for (sign, time) in [(1.0, load + h), (-1.0, load - h)] {
-            let at = self.system.linearize(&start(time), &q, &zeros, lambda)?;
-            rate.iter_mut().zip(&at.forces.without_contact).for_each(|(rate, force)| *rate -= sign * force / (2.0 * h));
+            let kind = StepKind::Rest { damping: &undamped, velocities: None };
+            let at = self.system.linearize(&StepStart { time, q_0: &q, u_0: u, memory: &memory, kind }, &q, &zeros, lambda)?;
+            let forces = rates.force.iter_mut().zip(&at.forces.without_contact);
+            forces.for_each(|(rate, force)| *rate -= sign * force / (2.0 * h));
             self.system.recycle(at);
             let (place, _) = self.system.supports.prescribed_motion(time).map_err(Failure::Fatal)?;
-            self.system.supports.prescribed.iter().zip(place).for_each(|(one, place)| motion[one.unknown] += sign * place / (2.0 * h));
+            for (one, place) in self.system.supports.prescribed.iter().zip(place) {
+                rates.motion[one.unknown] += sign * place / (2.0 * h);
+            }
         }
-        let start = start(*load);
+        Ok(rates)
+    }
+
+    /// Solves Newton's system at a guess.
+    fn respond(&mut self, guess: &Guess, rates: &Rates) -> Result<Response, Failure> {
+        let q = self.begin_at(guess)?;
+        let Guess { load, u, lambda } = guess;
+        let unknowns = u.len();
+        let (memory, undamped, zeros) = (self.state.memory.clone(), vec![0.0; self.system.bodies.len()], vec![0.0; unknowns]);
+        let kind = StepKind::Rest { damping: &undamped, velocities: None };
+        let start = StepStart { time: *load, q_0: &q, u_0: u, memory: &memory, kind };
         let mut at = self.system.linearize(&start, &q, &zeros, lambda)?;
         self.system.complete_tangent(&start, &mut at)?;
+        let mut rate = rates.force.clone();
         let mut image = vec![0.0; rate.len()];
-        self.system.matrix.pattern.multiply_into(&at.tangent, &motion, &mut image);
+        self.system.matrix.pattern.multiply_into(&at.tangent, &rates.motion, &mut image);
         rate.iter_mut().zip(image).for_each(|(rate, image)| *rate -= image);
         let (place, _) = self.system.supports.prescribed_motion(*load).map_err(Failure::Fatal)?;
         let mut given = vec![0.0; rate.len()];
@@ -251,7 +293,7 @@ where
         let left = |k: usize| at.forces.residual(k).abs();
         let residual = (0..unknowns).filter(free).map(left).fold(0.0, f64::max) / at.forces.scale.max(f64::MIN_POSITIVE);
         for k in (0..unknowns).filter(|&k| self.system.supports.fixed[k]) {
-            rate[k] = modulus * motion[k];
+            rate[k] = modulus * rates.motion[k];
         }
         rate[unknowns..].fill(0.0);
         self.system.solve_with(&at.tangent, &mut right, std::time::Instant::now())?;
@@ -262,16 +304,18 @@ where
     }
 }
 
-/// The change of load that brings a corrected point onto the sphere around the last one; of two the one that goes on as the step does.
+/// The change of load that brings a corrected point onto the sphere around the last one; of two the one that goes on as the step does. None
+/// where nothing moves with the load.
 fn on_sphere(from: &Guess, guess: &Guess, response: &Response, arc: f64) -> Option<f64> {
     let step: Vec<f64> = guess.u.iter().zip(&from.u).map(|(now, before)| now - before).collect();
     let corrected: Vec<f64> = step.iter().zip(&response.correction).map(|(step, own)| step + own).collect();
     let rate = &response.per_load;
     let (a, b, c) = (product(rate, rate), 2.0 * product(rate, &corrected), product(&corrected, &corrected) - arc * arc);
-    let root = (b * b - 4.0 * a * c).max(-0.0);
-    if a == 0.0 || b * b - 4.0 * a * c < 0.0 {
+    if a == 0.0 {
         return None;
     }
+    // Where none lies on the sphere, the nearest to it.
+    let root = (b * b - 4.0 * a * c).max(0.0);
     let ahead = |change: &f64| product(&step, &corrected) + change * product(&step, rate);
     let roots = [(-b + root.sqrt()) / (2.0 * a), (-b - root.sqrt()) / (2.0 * a)];
     roots.into_iter().max_by(|x, y| ahead(x).total_cmp(&ahead(y)))
@@ -284,7 +328,8 @@ fn norm(x: &[f64]) -> f64 {
 /// Where the load turns round, and where stability changes besides.
 fn critical_points(points: &[PathPoint]) -> Vec<CriticalPoint> {
     let load = |k: usize| points[k].state.row.time;
-    let turns: Vec<usize> = (1..points.len().saturating_sub(1)).filter(|&k| (load(k) - load(k - 1)) * (load(k + 1) - load(k)) < 0.0).collect();
+    let turns: Vec<usize> =
+        (1..points.len().saturating_sub(1)).filter(|&k| (load(k) - load(k - 1)) * (load(k + 1) - load(k)) < 0.0).collect();
     let mut found: Vec<CriticalPoint> = turns
         .iter()
         .map(|&k| {

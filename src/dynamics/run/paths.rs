@@ -47,7 +47,8 @@ pub struct PathPoint {
 pub struct CriticalPoint {
     /// Which kind it is.
     pub kind: CriticalKind,
-    /// The load there, as a time `[time]`: of a limit point the extremum of the parabola through the points beside it, of others the mean.
+    /// The load there, as a time `[time]`: of a limit point the extremum of the parabola through the points beside it, of others
+    /// where the eigenvalue that changes its sign between two points vanishes.
     pub load: f64,
     /// The point before it.
     pub after: usize,

@@ -8,8 +8,9 @@ use rhai::{Array, Dynamic};
 
 use super::handle::{SimulationHandle, busy};
 use super::pictures::{keys, shown};
-use crate::dynamics::{BodyFields, LedgerRow, Mode, Modes, ModesError, PlacedObstacle};
+use crate::dynamics::{BodyFields, LedgerRow, LoadKind, Mode, Modes, ModesError, PlacedObstacle};
 use crate::math::catalogue::Interval;
+use crate::math::tolerances::EFFECTIVE_MASS;
 use crate::output::{Field, Frame, MovieFormat, PictureOptions, Sight, movie, picture, sight};
 use crate::script::api::examples::plate_example;
 use crate::script::api::files::writing::{path_parameter, write, write_drawing};
@@ -55,16 +56,36 @@ impl Handle for ModesHandle {
         let Modes { time, modes, mass, directions, .. } = &self.0.modes;
         let axes = directions.iter().map(|&i| format!("{:>12}", format!("mass_{}", ["x", "y", "z"][i]))).collect::<String>();
         let mut lines = vec![
-            format!("{} modes of \"{}\" at t = {}, mass {}", modes.len(), self.0.simulation.0.name, brief(time / self.0.unit), brief(*mass)),
+            format!(
+                "{} modes of \"{}\" at t = {}, mass {}",
+                modes.len(),
+                self.0.simulation.0.name,
+                brief(time / self.0.unit),
+                brief(*mass)
+            ),
             format!("  mode   frequency     angular{axes}"),
         ];
         for (number, mode) in modes.iter().enumerate() {
-            let masses = mode.effective_mass.iter().map(|mass| format!("{:>12}", brief(*mass))).collect::<String>();
+            // What is left of symmetry is round-off.
+            let moved = |share: &f64| if *share > EFFECTIVE_MASS * mass { brief(*share) } else { "0".into() };
+            let masses = mode.effective_mass.iter().map(|share| format!("{:>12}", moved(share))).collect::<String>();
             let [frequency, angular] = [mode.frequency(), mode.angular_frequency()].map(|value| brief(value * self.0.unit));
-            let unstable = if mode.eigenvalue < 0.0 { format!("  grows with {}", brief(mode.growth() * self.0.unit)) } else { String::new() };
+            let unstable =
+                if mode.eigenvalue < 0.0 { format!("  grows with {}", brief(mode.growth() * self.0.unit)) } else { String::new() };
             lines.push(format!("  {number:>4}{frequency:>12}{angular:>12}{masses}{unstable}"));
         }
         lines.join("\n")
+    }
+
+    fn instead_of_property(name: &str) -> Option<String> {
+        let instead = match name {
+            "frequency" => "write `modes.frequencies[0]` for that of the first mode",
+            "shapes" => "write `modes.shape(0, body)` for that of the first mode",
+            "effective_mass" => "write `modes.effective_masses[0]` for those of the first mode along each axis",
+            "len" => "write `modes.count` for their number",
+            _ => return None,
+        };
+        Some(instead.into())
     }
 }
 
@@ -144,9 +165,9 @@ fn modes() -> Function {
         name: "modes",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties and \
-                  closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed nodes \
-                  stand still; the state stays as it is",
+        summary: "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties \
+                  and closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed \
+                  nodes stand still; the state stays as it is",
         parameters: vec![
             Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(6))]), "how many").or(Absent::Means("#{ count: 6 }")),
         ],
@@ -197,7 +218,7 @@ fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure
             .fail(title)
             .cause("supports, ties, closed contacts and sticking friction hold some nodes more than once")
             .hint("leave one of them out, or give the contact a `penalty`"),
-        ModesError::TooMany { motions, .. } if motions == 0 => call.fail(title).hint("free some of the boundaries"),
+        ModesError::TooMany { motions: 0, .. } => call.fail(title).hint("free some of the boundaries"),
         ModesError::TooMany { motions, .. } => call.fail(title).hint(format!("ask for at most {motions} with `count`")),
         ModesError::NotFound { .. } => call.fail(title).hint("ask for fewer with `count`, or refine the mesh"),
     }
@@ -220,11 +241,16 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
         call.host.warn(warning(title).cause("the factors of the shifted matrix had replaced pivots").hint("ask for another `count`"));
     }
     if modes.asymmetry > 0.0 {
-        let title = format!("loads make the stiffness unsymmetric, by {} of its size", brief(modes.asymmetry));
-        let cause = "they follow the surface and have no potential; modes are those of the symmetric part";
-        call.host.warn(warning(title).cause(cause).hint("a run with small steps shows what such loads do"));
+        let title = format!("the stiffness is not symmetric, by {} of its size", brief(modes.asymmetry));
+        let cause = "pressures on parts of a surface and friction have no potential; modes are those of the symmetric part";
+        call.host.warn(warning(title).cause(cause).hint("a run with small steps shows what such forces do"));
     }
-    let viscous = handle.0.model.model.bodies.iter().find(|body| !body.material.viscosity().is_none());
+    let model = &handle.0.model.model;
+    if let Some(load) = model.loads.iter().find(|load| matches!(load.kind, LoadKind::Torque)) {
+        let title = format!("modes leave out how the torque on \"{}\" turns with it", model.boundary_name(&load.on));
+        call.host.warn(warning(title).cause("its forces follow the boundary and have no potential").hint("a run shows what it does"));
+    }
+    let viscous = model.bodies.iter().find(|body| !body.material.viscosity().is_none());
     if let Some(body) = viscous {
         let title = format!("the viscosity of body \"{}\" is left out of the modes", body.name);
         call.host.warn(warning(title).cause("they are those of the relaxed, elastic material").hint("a run shows how vibrations decay"));
@@ -249,8 +275,8 @@ fn properties() -> Vec<Function> {
     vec![
         of_mode(
             "frequencies",
-            "natural frequencies of all modes in oscillations per time (cycles, not radians), `omega / (2 pi)`, ascending; 0 of rigid motions \
-             and of instabilities",
+            "natural frequencies of all modes in oscillations per time (cycles, not radians), `omega / (2 pi)`, ascending; 0 of rigid \
+             motions and of instabilities",
             |mode, unit| mode.eigenvalue.max(0.0).sqrt() * unit / TAU,
         ),
         of_mode("angular_frequencies", "natural frequencies of all modes in radians per time, `omega`", |mode, unit| {
@@ -276,12 +302,7 @@ fn properties() -> Vec<Function> {
     ]
 }
 
-fn property(
-    name: &'static str,
-    returns: &'static str,
-    summary: &'static str,
-    read: impl Fn(&ModesData) -> Dynamic + 'static,
-) -> Function {
+fn property(name: &'static str, returns: &'static str, summary: &'static str, read: impl Fn(&ModesData) -> Dynamic + 'static) -> Function {
     Function {
         name,
         form: Form::Property(ModesHandle::receiver()),

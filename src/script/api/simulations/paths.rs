@@ -174,7 +174,7 @@ fn column() -> Function {
         name: "column",
         form: Form::Column(PathHandle::receiver()),
         topic: Topic::Results,
-        summary: "a column of the history of the path as an array, by its name: `path.time` is the load, `path[\"tip.uy\"]` what a probe sees",
+        summary: "a column of the history of the path as an array: `path.time` is the load, `path[\"tip.uy\"]` what a probe sees",
         parameters: vec![Parameter::new("name", Kind::Text, "the name of the column")],
         returns: "Array",
         example: path_example("print(path.strain);"),
@@ -189,12 +189,7 @@ fn column() -> Function {
     }
 }
 
-fn property(
-    name: &'static str,
-    returns: &'static str,
-    summary: &'static str,
-    read: impl Fn(&PathHandle) -> Dynamic + 'static,
-) -> Function {
+fn property(name: &'static str, returns: &'static str, summary: &'static str, read: impl Fn(&PathHandle) -> Dynamic + 'static) -> Function {
     Function {
         name,
         form: Form::Property(PathHandle::receiver()),
@@ -241,7 +236,7 @@ fn state() -> Function {
         name: "state",
         form: Form::Method(PathHandle::receiver()),
         topic: Topic::Results,
-        summary: "the state of a point of the path, for `restore`: then pictures, modes and motion go on from there, with the path as history",
+        summary: "the state of a point of the path, for `restore`: pictures, modes and motion go on from there, the path is their history",
         parameters: vec![Parameter::new("point", Kind::Integer, "number of the point, from 0; negative ones count from the end")],
         returns: StateHandle::NAME,
         example: path_example("sim.restore(path.state(2));\nprint(sim.time);"),
