@@ -44,9 +44,11 @@ impl Hand {
         let mut sim = oscillator(scheme, dt);
         let state = sim.state();
         let moving = (0..state.positions.len()).step_by(2).filter(|&k| state.positions[k] > 0.5).collect();
-        // A step, so that it remembers something.
+        let data = |sim: &Simulation| serde_json::to_value(sim.state()).expect("a state is data");
+        let mut start = data(&sim);
+        // After a step it remembers something.
         sim.step(None, &mut |_| ()).expect("the step converges");
-        let start = serde_json::to_value(sim.state()).expect("a state is data");
+        (start["remembered"], start["row"]["step"]) = (data(&sim)["remembered"].take(), 1.into());
         Hand { sim, moving, unknowns: state.positions.len(), start }
     }
 
