@@ -4,8 +4,8 @@
 //! `Omega = omega dt`. States are made by hand: positions, velocities, and what the scheme remembers.
 //!
 //! Closed forms: Hughes (The Finite Element Method, 1987, section 9), Hilber, Hughes and Taylor (1977), Wood, Bossak and Zienkiewicz
-//! (1980), Chung and Hulbert (1993), and for the differentiation formulas the characteristic polynomial and the stability function at `i Omega`
-//! (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996; Bank et al. 1985).
+//! (1980), Chung and Hulbert (1993), and for the differentiation formulas the characteristic polynomial and the stability function at `i
+//! Omega` (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996; Bank et al. 1985).
 
 use conserva::dynamics::{Model, Options, Simulation, State};
 use conserva::integrators::{
