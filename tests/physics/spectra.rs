@@ -66,6 +66,8 @@ impl Hand {
             *position = (rest + u[k].as_f64().expect("a number")).into();
         }
         (state["displacements"], state["velocities"]) = (u, v);
+        // Newton's method measures energies by that of the state.
+        state["row"]["kinetic"] = (SIZE * SIZE).into();
         match memory {
             None => state["row"]["step"] = 0.into(),
             Some([acceleration, left, answered]) => {
