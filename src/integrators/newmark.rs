@@ -5,7 +5,8 @@
 //! ```
 //!
 //! The three give velocity and acceleration as functions of `q_1`, and the mean of the forces with the shares `gamma` and `1 - gamma` as
-//! what changes the momentum. With `gamma` = 1/2 and `beta` = 1/4 it is the trapezoidal rule. By default `gamma` is 0.6, with the `beta = (gamma + 1/2)^2 / 4` that damps the fastest vibrations most without letting any grow.
+//! what changes the momentum. With `gamma` = 1/2 and `beta` = 1/4 it is the trapezoidal rule. By default `gamma` is 0.6, with the `beta =
+//! (gamma + 1/2)^2 / 4` that damps the fastest vibrations most without letting any grow.
 
 use super::derivative::Derivative;
 use super::family::Family;

@@ -8,9 +8,9 @@
 //! ```
 //!
 //! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before, or, where forces act
-//! longer, with what is left of those of all steps before ([`Lag`]). Velocity and acceleration at the end are affine in the motion `q_1 - q_0`
-//! ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the coefficients, forces alone change momenta, so that the
-//! ledger of every scheme closes.
+//! longer, with what is left of those of all steps before ([`Lag`]). Velocity and acceleration at the end are affine in the motion `q_1 -
+//! q_0` ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the coefficients, forces alone change momenta, so
+//! that the ledger of every scheme closes.
 //!
 //! A step may consist of stages, each a scheme of its own, and coefficients may depend on the size of the step before ([`Course`]).
 //!

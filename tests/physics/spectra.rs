@@ -4,8 +4,8 @@
 //! `Omega = omega dt`. States are made by hand: positions, velocities, and what the scheme remembers.
 //!
 //! Closed forms: Hughes (The Finite Element Method, 1987, section 9), Hilber, Hughes and Taylor (1977), Wood, Bossak and Zienkiewicz
-//! (1980), Chung and Hulbert (1993), and for the differentiation formulas the characteristic polynomial and the stability function at `i Omega`
-//! (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996; Bank et al. 1985).
+//! (1980), Chung and Hulbert (1993), and for the differentiation formulas the characteristic polynomial and the stability function at `i
+//! Omega` (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996; Bank et al. 1985).
 
 use conserva::dynamics::{Model, Options, Simulation, State};
 use conserva::integrators::{
@@ -44,9 +44,11 @@ impl Hand {
         let mut sim = oscillator(scheme, dt);
         let state = sim.state();
         let moving = (0..state.positions.len()).step_by(2).filter(|&k| state.positions[k] > 0.5).collect();
-        // A step, so that it remembers something.
+        let data = |sim: &Simulation| serde_json::to_value(sim.state()).expect("a state is data");
+        let mut start = data(&sim);
+        // After a step it remembers something.
         sim.step(None, &mut |_| ()).expect("the step converges");
-        let start = serde_json::to_value(sim.state()).expect("a state is data");
+        (start["remembered"], start["row"]["step"]) = (data(&sim)["remembered"].take(), 1.into());
         Hand { sim, moving, unknowns: state.positions.len(), start }
     }
 
@@ -64,6 +66,8 @@ impl Hand {
             *position = (rest + u[k].as_f64().expect("a number")).into();
         }
         (state["displacements"], state["velocities"]) = (u, v);
+        // Newton's method measures energies by that of the state.
+        state["row"]["kinetic"] = (SIZE * SIZE).into();
         match memory {
             None => state["row"]["step"] = 0.into(),
             Some([acceleration, left, answered]) => {

@@ -46,7 +46,7 @@ where
         if end.is_err() {
             self.restore_search();
         }
-        end.map(|state| Arc::unwrap_or_clone(state))
+        end.map(Arc::unwrap_or_clone)
     }
 
     /// One stage of a piece, or all of it.

@@ -10,7 +10,7 @@ use crate::dynamics::{LedgerRow, Options as KernelOptions, Simulation, StepError
 use crate::integrators::Scheme;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NO_ENERGY;
-use crate::output::{Curve, Drawing, Plot, PlotAxis, RunFiles, rows_csv, study_page, svg};
+use crate::output::{Curve, CurveStyle, Drawing, Plot, PlotAxis, RunFiles, rows_csv, study_page, svg};
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::models::handle::ModelHandle;
@@ -19,7 +19,7 @@ use crate::script::api::simulations::integrators::{IntegratorHandle, title};
 use crate::script::api::simulations::simulate::kernels;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::callback::Callback;
-use crate::script::language::digits::{brief, number_text, significant};
+use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::{Failure, interrupted};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -29,6 +29,8 @@ use crate::script::language::values::{as_number, describe};
 
 /// Of the smallest step, the one by which the run is made that others are measured by.
 const FINER: f64 = 8.0;
+/// Colors of the curves in a plot.
+const COLORS: usize = 7;
 
 /// `compare_integrators`.
 pub fn compare_integrators() -> Function {
@@ -306,7 +308,7 @@ fn write(files: &RunFiles, name: &str, courses: &[Course], labels: &[String], si
     for (what, drawing) in &plots {
         files.write(&format!("studies/{name}-{what}.svg"), svg(drawing))?;
     }
-    let shown: Vec<Vec<String>> = courses.iter().map(|course| course.fields(&header, |value| significant(value, 4))).collect();
+    let shown: Vec<Vec<String>> = courses.iter().map(|course| course.fields(&header, brief)).collect();
     let words: Vec<String> = header.iter().map(|name| name.replace('_', " ")).collect();
     let about = "What each integrator did to the energy and the momenta of the same model, and what that cost. Energy drift is what the \
                  integrator itself added or took, over the largest energy; work of loads, contact and friction is no drift.";
@@ -314,6 +316,12 @@ fn write(files: &RunFiles, name: &str, courses: &[Course], labels: &[String], si
     let page = study_page("Time integrators", about, &words.iter().map(String::as_str).collect::<Vec<_>>(), &shown, &drawings);
     files.write(&format!("studies/{name}.html"), page)?;
     Ok(())
+}
+
+/// Curves of which those that would have the color of another one are dashed.
+fn told_apart(curves: impl Iterator<Item = Curve>) -> Vec<Curve> {
+    let styles = std::iter::repeat_n(CurveStyle::Line, COLORS).chain(std::iter::repeat(CurveStyle::Dashed));
+    curves.zip(styles).map(|(curve, style)| Curve { style, ..curve }).collect()
 }
 
 /// Plots over time of the runs with the largest step, and work against precision where there are several.
@@ -327,7 +335,7 @@ fn plots(courses: &[Course], labels: &[String], sizes: &[f64]) -> Vec<(&'static 
             ..Curve::default()
         };
         let axis = |label: &str, is_logarithmic| PlotAxis { label: label.into(), is_logarithmic, ..PlotAxis::default() };
-        let curves = first.iter().zip(labels).map(curve).collect();
+        let curves = told_apart(first.iter().zip(labels).map(curve));
         let title = format!("{title}, dt = {}", brief(sizes[0]));
         Plot { title, x: axis("time", false), y: axis("", is_logarithmic), curves, size: [760.0, 420.0] }.draw()
     };
@@ -361,7 +369,7 @@ fn plots(courses: &[Course], labels: &[String], sizes: &[f64]) -> Vec<(&'static 
             Curve { label: label.clone(), x, y: known.iter().filter_map(|course| course.error).collect(), ..Curve::default() }
         };
         let axis = |label: &str| PlotAxis { label: label.into(), is_logarithmic: true, ..PlotAxis::default() };
-        let curves = courses.chunks(sizes.len()).zip(labels).map(curve).collect();
+        let curves = told_apart(courses.chunks(sizes.len()).zip(labels).map(curve));
         let title = "work against precision".to_string();
         let plot = Plot { title, x: axis("factorizations"), y: axis("error"), curves, size: [760.0, 420.0] };
         all.push(("work", plot.draw()));
