@@ -9,6 +9,7 @@
 //!
 //! Rows stand in a few slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
+use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};
 use super::gaps::{Measure, NODES};
 use super::slip::{self, Group, SlipsInSpace};
@@ -76,6 +77,10 @@ pub struct CornersInSpace {
     has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
     radius: f64,
+    /// By facet of either side, how far the curved surface that it stands for lies above it.
+    bulges: [Vec<f64>; 2],
+    /// For each patch what is added to its gap.
+    clearances: Vec<f64>,
 }
 
 /// A row that may be there at a configuration.
@@ -100,7 +105,8 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        Some(Box::new(CornersInSpace::new(secondary, primary, features, reference, facet_size)))
+        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference).heights);
+        Some(Box::new(CornersInSpace { bulges, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
     }
 
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
@@ -133,8 +139,22 @@ impl CornersInSpace {
         sides.facet_size = facet_size;
         sides.weights = vec![facet_size * facet_size; SLOTS * owners.count()];
         let candidates = Candidates::new(SPARE * facet_size);
-        let (kinds, rows, start) = (Vec::new(), Vec::new(), Vec::new());
-        CornersInSpace { sides, features, owners, partners, candidates, row_nodes, kinds, rows, start, has_nodal_rows: false, radius: 0.0 }
+        let bulges = [&sides.secondary, &sides.primary].map(|surface| vec![0.0; surface.count()]);
+        CornersInSpace {
+            sides,
+            features,
+            owners,
+            partners,
+            candidates,
+            row_nodes,
+            kinds: Vec::new(),
+            rows: Vec::new(),
+            start: Vec::new(),
+            has_nodal_rows: false,
+            radius: 0.0,
+            bulges,
+            clearances: Vec::new(),
+        }
     }
 
     fn surface(&self, side: usize) -> &Surface {
@@ -167,7 +187,35 @@ impl CornersInSpace {
             self.kinds.push(kind);
         }
         self.rows = vec![None; self.kinds.len()];
+        self.clearances = self.kinds.iter().map(|kind| self.clearance(*kind)).collect();
         self.sides.list_slips();
+    }
+
+    /// How far features overlap of which the curved surfaces just touch: facets of a hollow lie up to one and a half times the mean height
+    /// above it, and points of a round side may be raised by that.
+    fn clearance(&self, kind: Kind) -> f64 {
+        let raised = |side: usize, facets: &[u32]| facets.iter().map(|&facet| self.bulges[side][facet as usize]).fold(0.0, f64::max);
+        let hollow = |side: usize, facet: u32| -1.5 * self.bulges[side][facet as usize].min(0.0);
+        match kind {
+            Kind::Vertex { side, vertex, facet } => {
+                let surface = self.surface(side);
+                let around =
+                    surface.index(self.features[side].vertices[vertex].node).map_or(&[][..], |index| surface.adjacent_facets(index));
+                hollow(1 - side, facet as u32) + raised(side, around)
+            }
+            Kind::Edges(edges) => {
+                let of = |side: usize| {
+                    let facets: Vec<u32> = self.features[side].edges[edges[side]].facets.into_iter().flatten().collect();
+                    facets.iter().map(|&facet| hollow(side, facet)).fold(raised(side, &facets), f64::max)
+                };
+                of(0) + of(1)
+            }
+        }
+    }
+
+    /// Gap of a row's measure.
+    fn gap_of(&self, patch: usize, measure: Measure, z: &[f64]) -> f64 {
+        measure.gap(z.as_chunks().0) + self.clearances[patch] - self.radius
     }
 
     /// Decides which rows there are in a step, from the configurations between which it leads.
@@ -246,7 +294,7 @@ impl CornersInSpace {
                 let on = self.surface(1 - side).facet(facet);
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
                 let height = normal.dot(&(v - faces::middle(on, q)));
-                let gap = height - self.radius;
+                let gap = height + self.clearances[patch] - self.radius;
                 if !is_near(gap) || !is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
                     return None;
                 }
@@ -275,7 +323,7 @@ impl CornersInSpace {
                 let sign = if out.dot(&(looks[0] - looks[1])) >= 0.0 { 1.0 } else { -1.0 };
                 let out = out * sign;
                 let measure = Measure::Edges(sign);
-                let gap = measure.gap(&z);
+                let gap = measure.gap(&z) + self.clearances[patch];
                 let rise = |side: usize| features::into_facets(edges[side], self.surface(side), q).into_iter().map(move |b| out.dot(&b));
                 let highest = rise(0).chain(rise(1).map(|rise| -rise)).fold(-1.0, f64::max);
                 let is_strict = highest <= STRICT;
@@ -348,7 +396,7 @@ impl PatchFunctions for CornersInSpace {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for (patch, z) in self.start.iter().enumerate() {
             if let Some((row, measure)) = self.row(patch) {
-                gaps[row] = self.sides.weights[row] * (measure.gap(z.as_chunks().0) - self.radius);
+                gaps[row] = self.sides.weights[row] * self.gap_of(patch, measure, z);
             }
         }
         gaps
@@ -363,7 +411,7 @@ impl PatchFunctions for CornersInSpace {
             let Some((row, measure)) = self.row(patch) else { continue };
             self.sides.patches.gather_into(patch, q_1, &mut end);
             let weight = self.sides.weights[row];
-            let end_gap = measure.gap(end.as_chunks().0) - self.radius;
+            let end_gap = self.gap_of(patch, measure, &end);
             out.live[patch] = true;
             (out.gap[row], out.coverage[row]) = (weight * end_gap, 1.0);
             let (width, slot) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot));
@@ -377,7 +425,7 @@ impl PatchFunctions for CornersInSpace {
                 projection.set(start, &end);
                 let mut of_middle = vec![0.0; width];
                 gradient_into(measure, &middle, weight, &mut of_middle);
-                let change = weight * (end_gap - (measure.gap(start.as_chunks().0) - self.radius));
+                let change = weight * (end_gap - self.gap_of(patch, measure, start));
                 projection.gradient_into(&of_middle, change, &mut out.gradient_bar[place.clone()]);
                 if pressure != 0.0 {
                     let mut hessian = vec![0.0; width * width];

@@ -24,6 +24,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::bulge::{Bulges, Raised};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::ContactKernel;
@@ -48,6 +49,8 @@ pub struct SeenInSpace<'a> {
     pub primary: Surface,
     /// Reference positions of the nodes or points `[length]`.
     pub reference: Cow<'a, [f64]>,
+    /// By how much the facets of both sides are raised, whose points are not.
+    pub(super) raised: [Vec<Raised>; 2],
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
@@ -57,7 +60,8 @@ impl<'a> SeenInSpace<'a> {
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
-            return SeenInSpace { secondary, primary, reference: reference.into(), on_faces: None };
+            let raised = [&secondary, &primary].map(|surface| Bulges::new(surface, reference).raised);
+            return SeenInSpace { secondary, primary, reference: reference.into(), raised, on_faces: None };
         }
         let mut proxies = Proxies::new(sides, reference);
         for _ in 0..ROUNDS {
@@ -67,7 +71,18 @@ impl<'a> SeenInSpace<'a> {
         let [secondary, primary] = sides.map(|faces| of(&faces.iter().flat_map(|face| proxies.pieces(face)).collect::<Vec<_>>()));
         let [own, other] = sides.map(|faces| of(&faces.iter().flat_map(|face| pieces_of(face)).collect::<Vec<_>>()));
         let seen = points.points(3, reference);
-        SeenInSpace { secondary, primary, reference: seen.into(), on_faces: Some((points, homes, Sides::of(own, other, reference))) }
+        let raised = [(&secondary, sides[0]), (&primary, sides[1])].map(|(surface, faces)| {
+            let is_flat = faces.iter().flat_map(|face| std::iter::repeat_n(face.len() <= 4, if face.len() <= 4 { 1 } else { 4 }));
+            let raised = Bulges::new(surface, &seen).raised;
+            raised.into_iter().zip(is_flat).map(|(raised, is_flat)| if is_flat { raised } else { [0.0; 5] }).collect()
+        });
+        SeenInSpace {
+            secondary,
+            primary,
+            reference: seen.into(),
+            raised,
+            on_faces: Some((points, homes, Sides::of(own, other, reference))),
+        }
     }
 
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
@@ -185,10 +200,10 @@ impl Proxies {
             for k in 0..count {
                 let ends = [face[k], face[(k + 1) % count]];
                 let edge = *made.edge_of.entry(face[count + k]).or_insert_with(|| {
-                    ends.iter().for_each(|&end| around.entry(end).or_default().push(made.edges.len()));
                     made.edges.push(Edge::new(face[count + k], ends, by, q));
                     made.edges.len() - 1
                 });
+                ends.iter().for_each(|&end| around.entry(end).or_default().push(edge));
                 let sagitta = made.edges[edge].sagitta(faces::normal(&face[..count], q), q);
                 made.edges[edge].is_curved |= sagitta.abs() > tolerances::STRAIGHT;
             }
