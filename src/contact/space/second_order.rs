@@ -5,7 +5,8 @@
 //! the chord's middle in the reference positions), and `D` that of a ninth node from where eight nodes have the center,
 //!
 //! ```text
-//! corner            y = x_a + R_a,           R_a = mean over the edges there of k d, k = 1/4 of triangles, 1/3 of quadrilaterals;
+//! corner            y = x_a + R_a,           R_a = mean over the faces there, and the two edges of each, of k d, k = 1/4 of triangles,
+//!                                            1/3 of quadrilaterals;
 //!                                            zero where none of them lies off the plane of a face's corners in the reference positions
 //! middle            y = chord + r d + (R_a + R_b)/2
 //! center            y = center of the chords + sum of r d/2 over the edges + mean of R + g D
@@ -13,10 +14,9 @@
 //!
 //! `r` and `g` of each edge and face are such that the sum over the points of their areas (`faces::shares`) times their shares of `d`, `D`
 //! is the integral over the faces of what goes with `d`, `D` in the shape functions. So a constant pressure on plane faces with straight
-//! edges goes to the nodes exactly as the consistent forces of the cell. In even meshes of curved surfaces `r` is 1 away from rims:
-//! all points are raised alike, so that the polyhedron holds the volume of what it stands for; at rims corners are raised less than within
-//! (1/9 of a sagitta where it is 1/6). Corners of plane faces stay where their nodes are, which couples the nodes of two faces and no
-//! others.
+//! edges goes to the nodes exactly as the consistent forces of the cell. In even meshes of curved surfaces `r` is 1: all points are raised
+//! alike, at rims too, so that the polyhedron holds the volume of what it stands for. Corners of plane faces stay where their nodes are,
+//! which couples the nodes of two faces and no others.
 //!
 //! Multipliers are those of the nodes, linear between them on the sub-facets; a center without a node has the mean of the middles'.
 //! (Facets of first order on quadratic faces: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the forces are ours.)
