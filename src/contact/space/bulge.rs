@@ -25,10 +25,10 @@ const ASIDE: f64 = 0.2;
 pub type Raised = [f64; 5];
 
 /// What facets are of a curve.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Bulges {
-    /// Mean height of the surface above each facet `[length]`.
-    pub heights: Vec<f64>,
+    /// Mean height of the surface above each facet; none where facets are what they are `[length]`.
+    heights: Vec<f64>,
     /// By how much each facet is raised.
     pub raised: Vec<Raised>,
 }
@@ -48,6 +48,16 @@ impl Bulges {
         let heights: Vec<f64> = (0..surface.count()).map(|facet| facets.height(facet)).collect();
         let raised = (0..surface.count()).map(|facet| facets.raised(facet, &heights)).collect();
         Bulges { heights, raised }
+    }
+
+    /// By how much the points of some facets may be raised above a round surface `[length]`.
+    pub fn raised_by(&self, facets: &[u32]) -> f64 {
+        facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::max)
+    }
+
+    /// How far the middles of some facets lie above a hollow `[length]`: its bottom is deeper by half than the mean of a parabola.
+    pub fn hollow(&self, facets: &[u32]) -> f64 {
+        -1.5 * facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::min)
     }
 }
 

@@ -11,9 +11,9 @@
 
 use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};
-use super::gaps::{Measure, NODES};
+use super::gaps::{Measure, UNKNOWNS};
 use super::slip::{self, Group, SlipsInSpace};
-use super::vectors::{self, Vec3};
+use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
@@ -46,9 +46,6 @@ const ALIKE: f64 = features::SMOOTH;
 /// How far, in smallest facets, a body may reach beyond a row's plane and still recede along it.
 const RECEDES: f64 = 0.02;
 
-/// Unknowns of a patch, at most.
-const UNKNOWNS: usize = 3 * NODES;
-
 /// What a patch is between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -77,8 +74,8 @@ pub struct CornersInSpace {
     has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
     radius: f64,
-    /// By facet of either side, how far the curved surface that it stands for lies above it.
-    bulges: [Vec<f64>; 2],
+    /// What the facets of either side are of a curve.
+    bulges: [Bulges; 2],
     /// For each patch what is added to its gap.
     clearances: Vec<f64>,
 }
@@ -105,7 +102,7 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference).heights);
+        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference));
         Some(Box::new(CornersInSpace { bulges, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
     }
 
@@ -139,7 +136,6 @@ impl CornersInSpace {
         sides.facet_size = facet_size;
         sides.weights = vec![facet_size * facet_size; SLOTS * owners.count()];
         let candidates = Candidates::new(SPARE * facet_size);
-        let bulges = [&sides.secondary, &sides.primary].map(|surface| vec![0.0; surface.count()]);
         CornersInSpace {
             sides,
             features,
@@ -152,7 +148,7 @@ impl CornersInSpace {
             start: Vec::new(),
             has_nodal_rows: false,
             radius: 0.0,
-            bulges,
+            bulges: Default::default(),
             clearances: Vec::new(),
         }
     }
@@ -194,19 +190,17 @@ impl CornersInSpace {
     /// How far features overlap of which the curved surfaces just touch: facets of a hollow lie up to one and a half times the mean height
     /// above it, and points of a round side may be raised by that.
     fn clearance(&self, kind: Kind) -> f64 {
-        let raised = |side: usize, facets: &[u32]| facets.iter().map(|&facet| self.bulges[side][facet as usize]).fold(0.0, f64::max);
-        let hollow = |side: usize, facet: u32| -1.5 * self.bulges[side][facet as usize].min(0.0);
         match kind {
             Kind::Vertex { side, vertex, facet } => {
                 let surface = self.surface(side);
                 let around =
                     surface.index(self.features[side].vertices[vertex].node).map_or(&[][..], |index| surface.adjacent_facets(index));
-                hollow(1 - side, facet as u32) + raised(side, around)
+                self.bulges[1 - side].hollow(&[facet as u32]) + self.bulges[side].raised_by(around)
             }
             Kind::Edges(edges) => {
                 let of = |side: usize| {
                     let facets: Vec<u32> = self.features[side].edges[edges[side]].facets.into_iter().flatten().collect();
-                    facets.iter().map(|&facet| hollow(side, facet)).fold(raised(side, &facets), f64::max)
+                    self.bulges[side].hollow(&facets).max(self.bulges[side].raised_by(&facets))
                 };
                 of(0) + of(1)
             }
@@ -295,7 +289,7 @@ impl CornersInSpace {
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
                 let height = normal.dot(&(v - faces::middle(on, q)));
                 let gap = height + self.clearances[patch] - self.radius;
-                if !is_near(gap) || !is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
+                if !is_near(gap) || !features::is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
                     return None;
                 }
                 let rise = |&end: &u32| (faces::at(end, q) - v).try_normalize(0.0).map_or(0.0, |along| normal.dot(&along));
@@ -348,16 +342,6 @@ impl CornersInSpace {
         let outlook = Outlook::within(q, self.sides.facet_size);
         (0..self.kinds.len()).filter_map(|patch| Some((self.row(patch)?.0, self.find(patch, q, &outlook)?))).collect()
     }
-}
-
-/// Whether a point lies over a facet, seen along its normal; `laps` how far its borders may be left.
-fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f64]) -> bool {
-    let size = faces::area_vector(nodes, q).norm().sqrt();
-    (0..nodes.len()).all(|k| {
-        let [a, b] = [nodes[k], nodes[(k + 1) % nodes.len()]].map(|node| faces::at(node, q));
-        let inward = normal.cross(&(b - a)).try_normalize(0.0).unwrap_or_default();
-        inward.dot(&(x - a)) >= -laps[k] * size
-    })
 }
 
 impl PatchFunctions for CornersInSpace {
@@ -417,19 +401,19 @@ impl PatchFunctions for CornersInSpace {
             let (width, slot) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot));
             let first = self.sides.patches.gradient_range(patch).start + slot * width;
             let place = first..first + width;
-            gradient_into(measure, &end, weight, &mut out.gradient_end[place.clone()]);
+            measure.gradient_into(&end, weight, &mut out.gradient_end[place.clone()]);
             let middle: Vec<f64> = start.iter().zip(&end).map(|(a, b)| 0.5 * (a + b)).collect();
             let tangent = &mut out.tangent[self.sides.patches.tangent_range(patch)];
             let pressure = lambda[row];
             if derivative == Derivative::DiscreteGradient {
                 projection.set(start, &end);
                 let mut of_middle = vec![0.0; width];
-                gradient_into(measure, &middle, weight, &mut of_middle);
+                measure.gradient_into(&middle, weight, &mut of_middle);
                 let change = weight * (end_gap - self.gap_of(patch, measure, start));
                 projection.gradient_into(&of_middle, change, &mut out.gradient_bar[place.clone()]);
                 if pressure != 0.0 {
                     let mut hessian = vec![0.0; width * width];
-                    hessian_into(measure, &middle, weight, &mut hessian);
+                    measure.hessian_into(&middle, weight, &mut hessian);
                     let gradient_end = &out.gradient_end[place];
                     let function = PatchFunction { gradient_mid: &of_middle, gradient_end, hessian_mid: &hessian, change };
                     projection.tangent_into(pressure, &function, tangent);
@@ -437,9 +421,9 @@ impl PatchFunctions for CornersInSpace {
             } else {
                 let placement = derivative.placement();
                 let z = if placement.test == Configuration::End { &end } else { &middle };
-                gradient_into(measure, z, weight, &mut out.gradient_bar[place]);
+                measure.gradient_into(z, weight, &mut out.gradient_bar[place]);
                 if pressure != 0.0 {
-                    hessian_into(measure, z, placement.share * weight * pressure, tangent);
+                    measure.hessian_into(z, placement.share * weight * pressure, tangent);
                 }
             }
         }
@@ -471,18 +455,6 @@ impl SlipsInSpace for CornersInSpace {
         let weights = std::array::from_fn(|k| of_gap.get(k).map_or(T::from(0.0), |w| *w * weight));
         vec![Group { place, weights, tangents, covered: 1.0 }]
     }
-}
-
-/// `weight` times the gradient of a gap.
-fn gradient_into(measure: Measure, z: &[f64], weight: f64, out: &mut [f64]) {
-    let gradient = measure.gradient::<f64>(z.as_chunks().0);
-    out.iter_mut().zip(gradient.as_flattened()).for_each(|(out, g)| *out = weight * g);
-}
-
-/// `share` times the Hessian of a gap.
-fn hessian_into(measure: Measure, z: &[f64], share: f64, out: &mut [f64]) {
-    let gradient = measure.gradient(&vectors::jets::<UNKNOWNS>(z));
-    vectors::hessian_into(&gradient, share, out);
 }
 
 impl CandidateSearch for CornersInSpace {
