@@ -3,13 +3,13 @@
 use std::fmt;
 
 use super::kernel::ContactKernel;
-use super::surface::Surface;
+use super::space::SeenInSpace;
 
 /// Makes the constraint functions between two surfaces that are given by their facets, sized in the reference positions.
 pub type MakeKernel = fn(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Box<dyn ContactKernel>;
 
 /// The same between two surfaces in space.
-pub type MakeKernelInSpace = fn(secondary: Surface, primary: Surface, reference: &[f64]) -> Box<dyn ContactKernel>;
+pub type MakeKernelInSpace = fn(seen: &SeenInSpace) -> Box<dyn ContactKernel>;
 
 /// How contact conditions between two surfaces are discretized.
 pub struct ContactMethod {

@@ -1,37 +1,85 @@
 //! Middle nodes of cells of second order put onto the curve or the surface that an edge stands for.
 
+use nalgebra::Vector3;
+
 use super::{Mesh, MeshError};
 use crate::elements::CellKind;
+use crate::math::tolerances::SAME_PLACE;
 
-/// The circles that the edges of a round mesh stand for.
+/// What the edges of a round mesh stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Round {
-    /// Every edge is part of a circle or of a ray about this center `[length]`: a ring.
+    /// Every edge is part of a circle or of a ray about this center `[length]`: a ring; in space about an axis along z: a tube.
     About([f64; 2]),
-    /// Edges whose ends are both on the circle of this center and radius `[length]` are part of it: a disk.
+    /// Edges whose ends are both on the circle of this center and radius `[length]` are part of it: a disk; in space a cylinder along z.
     On([f64; 2], f64),
+    /// Every edge is part of a sphere or of a ray about this center `[length]`: a hollow sphere.
+    AboutPoint([f64; 3]),
+    /// Edges whose ends are both as far as the radius from the block between two corners are on the surface there `[length]`: a rounded
+    /// block; a sphere where both are its center.
+    OnBlock([[f64; 3]; 2], f64),
+    /// Every edge goes round the axis along z through a center, and is on the ring if both ends are: its radius, that of its section
+    /// `[length]`.
+    Ring([f64; 3], [f64; 2]),
+}
+
+/// Whether all of these are equal but for round-off.
+fn are_all(lengths: [f64; 2], radius: f64) -> bool {
+    lengths.iter().all(|length| (length / radius - 1.0).abs() <= SAME_PLACE)
 }
 
 impl Round {
     /// The middle of an edge along its curve; nothing when it is straight.
-    fn middle(self, [a, b]: [[f64; 3]; 2]) -> Option<[f64; 3]> {
-        let (Round::About(center) | Round::On(center, _)) = self;
-        let arm = |point: [f64; 3]| [point[0] - center[0], point[1] - center[1]];
-        let (a, b) = (arm(a), arm(b));
-        let [from, to] = [a, b].map(|arm| arm[0].hypot(arm[1]));
-        if let Round::On(_, radius) = self
-            && [from, to].iter().any(|length| (length / radius - 1.0).abs() > crate::math::tolerances::PLANE)
-        {
-            return None;
+    fn middle(self, ends: [[f64; 3]; 2]) -> Option<[f64; 3]> {
+        match self {
+            Round::About(center) => about(center, ends),
+            Round::On(center, radius) => {
+                let radii = ends.map(|end| (end[0] - center[0]).hypot(end[1] - center[1]));
+                if are_all(radii, radius) { about(center, ends) } else { None }
+            }
+            Round::AboutPoint(center) => {
+                let arms = ends.map(|end| Vector3::from(end) - Vector3::from(center));
+                let [from, to] = arms.map(|arm| arm.norm());
+                let toward = arms[0] / from + arms[1] / to;
+                let scale = 0.5 * (from + to) / toward.norm();
+                scale.is_finite().then(|| (Vector3::from(center) + scale * toward).into())
+            }
+            Round::OnBlock([low, high], radius) => {
+                let arm = |x: Vector3<f64>| x - x.sup(&low.into()).inf(&high.into());
+                let [a, b] = ends.map(Vector3::from);
+                let middle = 0.5 * (a + b);
+                let out = arm(middle);
+                let is_on = are_all([a, b].map(|end| arm(end).norm()), radius) && out.norm() > 0.5 * radius;
+                is_on.then(|| (middle - out + out * (radius / out.norm())).into())
+            }
+            Round::Ring(center, [ring, section]) => {
+                let [x, y, z] = about([center[0], center[1]], ends)?;
+                let in_section = |[x, y, z]: [f64; 3]| [(x - center[0]).hypot(y - center[1]) - ring, z - center[2]];
+                if !are_all(ends.map(in_section).map(|[out, up]| out.hypot(up)), section) {
+                    return Some([x, y, z]);
+                }
+                let [out, up] = in_section([x, y, z]);
+                let grown = section / out.hypot(up);
+                let scale = (ring + out * grown) / (ring + out);
+                Some([center[0] + (x - center[0]) * scale, center[1] + (y - center[1]) * scale, center[2] + up * grown])
+            }
         }
-        let toward = [0, 1].map(|i| a[i] / from + b[i] / to);
-        let scale = 0.5 * (from + to) / toward[0].hypot(toward[1]);
-        scale.is_finite().then(|| [center[0] + scale * toward[0], center[1] + scale * toward[1], 0.0])
     }
 }
 
+/// The middle of an edge on its way about an axis along z.
+fn about(center: [f64; 2], [a, b]: [[f64; 3]; 2]) -> Option<[f64; 3]> {
+    let arm = |point: [f64; 3]| [point[0] - center[0], point[1] - center[1]];
+    let height = 0.5 * (a[2] + b[2]);
+    let (a, b) = (arm(a), arm(b));
+    let [from, to] = [a, b].map(|arm| arm[0].hypot(arm[1]));
+    let toward = [0, 1].map(|i| a[i] / from + b[i] / to);
+    let scale = 0.5 * (from + to) / toward[0].hypot(toward[1]);
+    scale.is_finite().then(|| [center[0] + scale * toward[0], center[1] + scale * toward[1], height])
+}
+
 impl Mesh {
-    /// [`Mesh::with_cells`] with the middle nodes of plane second-order cells on circles.
+    /// [`Mesh::with_cells`] with the middle nodes of second-order cells on what their edges stand for.
     ///
     /// # Errors
     /// As those of [`Mesh::with_cells`]; cells so coarse that they are inside out then.
@@ -89,7 +137,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::mesh::{arc, disk, half_disk, ring};
+    use crate::mesh::{arc, cylinder, disk, half_disk, hollow_sphere, ring, rounded_block, sphere, torus, tube};
 
     const PLANE_KINDS: [CellKind; 5] = [CellKind::Tri3, CellKind::Quad4, CellKind::Tri6, CellKind::Quad8, CellKind::Quad9];
 
@@ -116,6 +164,38 @@ mod tests {
                 let rate = (errors[0] / errors[1]).log2();
                 let expected = if kind.is_quadratic() { 4.0 } else { 2.0 };
                 assert!((rate - expected).abs() < 0.2, "{name} {kind:?}: {errors:?}, order {rate}");
+            }
+        }
+    }
+
+    #[test]
+    fn round_solids_of_second_order_have_their_volume_to_the_fourth_order() {
+        let (center, base) = ([0.1, 0.2, 0.3], [0.1, 0.2]);
+        type Maker<'a> = &'a dyn Fn(usize) -> Mesh;
+        let (low, high) = (center, [1.1, 1.2, 1.3]);
+        let make: [(&str, f64, Maker, Round); 6] = [
+            ("tube", 0.75 * PI, &|n| tube([0.5, 1.0], 1.0, [2, 12 * n, 2], center, [1.0; 2]).unwrap(), Round::About(base)),
+            ("cylinder", PI, &|n| cylinder(1.0, 1.0, [2, 12 * n, 2], center, 1.0).unwrap(), Round::On(base, 1.0)),
+            ("ball", 4.0 / 3.0 * PI, &|n| sphere(1.0, [2, 12 * n], center, 1.0).unwrap(), Round::OnBlock([center; 2], 1.0)),
+            ("shell", 3.5 / 3.0 * PI, &|n| hollow_sphere([0.5, 1.0], [2, 12 * n], center, 1.0).unwrap(), Round::AboutPoint(center)),
+            ("ring", 0.32 * PI * PI, &|n| torus(1.0, 0.4, [2, 12 * n, 12 * n], center).unwrap(), Round::Ring(center, [1.0, 0.4])),
+            (
+                "die",
+                2.5 + 3.0 * PI * 0.0625 + PI / 48.0,
+                &|n| rounded_block([1.5; 3], 0.25, [2; 3], [2, 4 * n], [-0.15, -0.05, 0.05]).unwrap(),
+                Round::OnBlock([low, high], 0.25),
+            ),
+        ];
+        for (name, volume, make, round) in make {
+            for kind in [CellKind::Hex8, CellKind::Tet10, CellKind::Hex20, CellKind::Hex27] {
+                let errors = [1, 2].map(|n| {
+                    let mesh = make(n).with_round_cells(kind, round).unwrap_or_else(|error| panic!("{name} {kind:?}: {error}"));
+                    assert_eq!(mesh.defects(), [], "{name} {kind:?}");
+                    (mesh.measure() - volume).abs() / volume
+                });
+                let rate = (errors[0] / errors[1]).log2();
+                let least = if kind.is_quadratic() { 3.5 } else { 1.8 };
+                assert!(rate > least, "{name} {kind:?}: {errors:?}, order {rate}");
             }
         }
     }

@@ -9,10 +9,11 @@
 //!
 //! Rows stand in a few slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
+use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};
-use super::gaps::{Measure, NODES};
+use super::gaps::{Measure, UNKNOWNS};
 use super::slip::{self, Group, SlipsInSpace};
-use super::vectors::{self, Vec3};
+use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
@@ -45,9 +46,6 @@ const ALIKE: f64 = features::SMOOTH;
 /// How far, in smallest facets, a body may reach beyond a row's plane and still recede along it.
 const RECEDES: f64 = 0.02;
 
-/// Unknowns of a patch, at most.
-const UNKNOWNS: usize = 3 * NODES;
-
 /// What a patch is between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -76,6 +74,10 @@ pub struct CornersInSpace {
     has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
     radius: f64,
+    /// What the facets of either side are of a curve.
+    bulges: [Bulges; 2],
+    /// For each patch what is added to its gap.
+    clearances: Vec<f64>,
 }
 
 /// A row that may be there at a configuration.
@@ -100,7 +102,8 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        Some(Box::new(CornersInSpace::new(secondary, primary, features, reference, facet_size)))
+        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference));
+        Some(Box::new(CornersInSpace { bulges, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
     }
 
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
@@ -133,8 +136,21 @@ impl CornersInSpace {
         sides.facet_size = facet_size;
         sides.weights = vec![facet_size * facet_size; SLOTS * owners.count()];
         let candidates = Candidates::new(SPARE * facet_size);
-        let (kinds, rows, start) = (Vec::new(), Vec::new(), Vec::new());
-        CornersInSpace { sides, features, owners, partners, candidates, row_nodes, kinds, rows, start, has_nodal_rows: false, radius: 0.0 }
+        CornersInSpace {
+            sides,
+            features,
+            owners,
+            partners,
+            candidates,
+            row_nodes,
+            kinds: Vec::new(),
+            rows: Vec::new(),
+            start: Vec::new(),
+            has_nodal_rows: false,
+            radius: 0.0,
+            bulges: Default::default(),
+            clearances: Vec::new(),
+        }
     }
 
     fn surface(&self, side: usize) -> &Surface {
@@ -167,7 +183,33 @@ impl CornersInSpace {
             self.kinds.push(kind);
         }
         self.rows = vec![None; self.kinds.len()];
+        self.clearances = self.kinds.iter().map(|kind| self.clearance(*kind)).collect();
         self.sides.list_slips();
+    }
+
+    /// How far features overlap of which the curved surfaces just touch: facets of a hollow lie up to one and a half times the mean height
+    /// above it, and points of a round side may be raised by that.
+    fn clearance(&self, kind: Kind) -> f64 {
+        match kind {
+            Kind::Vertex { side, vertex, facet } => {
+                let surface = self.surface(side);
+                let around =
+                    surface.index(self.features[side].vertices[vertex].node).map_or(&[][..], |index| surface.adjacent_facets(index));
+                self.bulges[1 - side].hollow(&[facet as u32]) + self.bulges[side].raised_by(around)
+            }
+            Kind::Edges(edges) => {
+                let of = |side: usize| {
+                    let facets: Vec<u32> = self.features[side].edges[edges[side]].facets.into_iter().flatten().collect();
+                    self.bulges[side].hollow(&facets).max(self.bulges[side].raised_by(&facets))
+                };
+                of(0) + of(1)
+            }
+        }
+    }
+
+    /// Gap of a row's measure.
+    fn gap_of(&self, patch: usize, measure: Measure, z: &[f64]) -> f64 {
+        measure.gap(z.as_chunks().0) + self.clearances[patch] - self.radius
     }
 
     /// Decides which rows there are in a step, from the configurations between which it leads.
@@ -246,8 +288,8 @@ impl CornersInSpace {
                 let on = self.surface(1 - side).facet(facet);
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
                 let height = normal.dot(&(v - faces::middle(on, q)));
-                let gap = height - self.radius;
-                if !is_near(gap) || !is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
+                let gap = height + self.clearances[patch] - self.radius;
+                if !is_near(gap) || !features::is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
                     return None;
                 }
                 let rise = |&end: &u32| (faces::at(end, q) - v).try_normalize(0.0).map_or(0.0, |along| normal.dot(&along));
@@ -275,7 +317,7 @@ impl CornersInSpace {
                 let sign = if out.dot(&(looks[0] - looks[1])) >= 0.0 { 1.0 } else { -1.0 };
                 let out = out * sign;
                 let measure = Measure::Edges(sign);
-                let gap = measure.gap(&z);
+                let gap = measure.gap(&z) + self.clearances[patch];
                 let rise = |side: usize| features::into_facets(edges[side], self.surface(side), q).into_iter().map(move |b| out.dot(&b));
                 let highest = rise(0).chain(rise(1).map(|rise| -rise)).fold(-1.0, f64::max);
                 let is_strict = highest <= STRICT;
@@ -300,16 +342,6 @@ impl CornersInSpace {
         let outlook = Outlook::within(q, self.sides.facet_size);
         (0..self.kinds.len()).filter_map(|patch| Some((self.row(patch)?.0, self.find(patch, q, &outlook)?))).collect()
     }
-}
-
-/// Whether a point lies over a facet, seen along its normal; `laps` how far its borders may be left.
-fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f64]) -> bool {
-    let size = faces::area_vector(nodes, q).norm().sqrt();
-    (0..nodes.len()).all(|k| {
-        let [a, b] = [nodes[k], nodes[(k + 1) % nodes.len()]].map(|node| faces::at(node, q));
-        let inward = normal.cross(&(b - a)).try_normalize(0.0).unwrap_or_default();
-        inward.dot(&(x - a)) >= -laps[k] * size
-    })
 }
 
 impl PatchFunctions for CornersInSpace {
@@ -348,7 +380,7 @@ impl PatchFunctions for CornersInSpace {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for (patch, z) in self.start.iter().enumerate() {
             if let Some((row, measure)) = self.row(patch) {
-                gaps[row] = self.sides.weights[row] * (measure.gap(z.as_chunks().0) - self.radius);
+                gaps[row] = self.sides.weights[row] * self.gap_of(patch, measure, z);
             }
         }
         gaps
@@ -363,25 +395,25 @@ impl PatchFunctions for CornersInSpace {
             let Some((row, measure)) = self.row(patch) else { continue };
             self.sides.patches.gather_into(patch, q_1, &mut end);
             let weight = self.sides.weights[row];
-            let end_gap = measure.gap(end.as_chunks().0) - self.radius;
+            let end_gap = self.gap_of(patch, measure, &end);
             out.live[patch] = true;
             (out.gap[row], out.coverage[row]) = (weight * end_gap, 1.0);
             let (width, slot) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot));
             let first = self.sides.patches.gradient_range(patch).start + slot * width;
             let place = first..first + width;
-            gradient_into(measure, &end, weight, &mut out.gradient_end[place.clone()]);
+            measure.gradient_into(&end, weight, &mut out.gradient_end[place.clone()]);
             let middle: Vec<f64> = start.iter().zip(&end).map(|(a, b)| 0.5 * (a + b)).collect();
             let tangent = &mut out.tangent[self.sides.patches.tangent_range(patch)];
             let pressure = lambda[row];
             if derivative == Derivative::DiscreteGradient {
                 projection.set(start, &end);
                 let mut of_middle = vec![0.0; width];
-                gradient_into(measure, &middle, weight, &mut of_middle);
-                let change = weight * (end_gap - (measure.gap(start.as_chunks().0) - self.radius));
+                measure.gradient_into(&middle, weight, &mut of_middle);
+                let change = weight * (end_gap - self.gap_of(patch, measure, start));
                 projection.gradient_into(&of_middle, change, &mut out.gradient_bar[place.clone()]);
                 if pressure != 0.0 {
                     let mut hessian = vec![0.0; width * width];
-                    hessian_into(measure, &middle, weight, &mut hessian);
+                    measure.hessian_into(&middle, weight, &mut hessian);
                     let gradient_end = &out.gradient_end[place];
                     let function = PatchFunction { gradient_mid: &of_middle, gradient_end, hessian_mid: &hessian, change };
                     projection.tangent_into(pressure, &function, tangent);
@@ -389,9 +421,9 @@ impl PatchFunctions for CornersInSpace {
             } else {
                 let placement = derivative.placement();
                 let z = if placement.test == Configuration::End { &end } else { &middle };
-                gradient_into(measure, z, weight, &mut out.gradient_bar[place]);
+                measure.gradient_into(z, weight, &mut out.gradient_bar[place]);
                 if pressure != 0.0 {
-                    hessian_into(measure, z, placement.share * weight * pressure, tangent);
+                    measure.hessian_into(z, placement.share * weight * pressure, tangent);
                 }
             }
         }
@@ -423,18 +455,6 @@ impl SlipsInSpace for CornersInSpace {
         let weights = std::array::from_fn(|k| of_gap.get(k).map_or(T::from(0.0), |w| *w * weight));
         vec![Group { place, weights, tangents, covered: 1.0 }]
     }
-}
-
-/// `weight` times the gradient of a gap.
-fn gradient_into(measure: Measure, z: &[f64], weight: f64, out: &mut [f64]) {
-    let gradient = measure.gradient::<f64>(z.as_chunks().0);
-    out.iter_mut().zip(gradient.as_flattened()).for_each(|(out, g)| *out = weight * g);
-}
-
-/// `share` times the Hessian of a gap.
-fn hessian_into(measure: Measure, z: &[f64], share: f64, out: &mut [f64]) {
-    let gradient = measure.gradient(&vectors::jets::<UNKNOWNS>(z));
-    vectors::hessian_into(&gradient, share, out);
 }
 
 impl CandidateSearch for CornersInSpace {

@@ -139,3 +139,13 @@ pub fn into_facets(edge: &SharpEdge, surface: &Surface, q: &[f64]) -> Vec<Vector
 pub fn outward(edge: &SharpEdge, surface: &Surface, q: &[f64]) -> Vector {
     edge.facets.iter().flatten().map(|&facet| faces::normal(surface.facet(facet as usize), q)).sum()
 }
+
+/// Whether a point lies over a facet, seen along its normal; `laps` how far its borders may be left.
+pub fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f64]) -> bool {
+    let size = faces::area_vector(nodes, q).norm().sqrt();
+    (0..nodes.len()).all(|k| {
+        let [a, b] = [nodes[k], nodes[(k + 1) % nodes.len()]].map(|node| faces::at(node, q));
+        let inward = normal.cross(&(b - a)).try_normalize(0.0).unwrap_or_default();
+        inward.dot(&(x - a)) >= -laps[k] * size
+    })
+}

@@ -9,11 +9,14 @@
 //! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common
 //! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
 
-use super::vectors::{Frame, Vec3, cross, diagonals, dot, scaled, sub};
+use super::vectors::{self, Frame, Vec3, cross, diagonals, dot, scaled, sub};
 use crate::contact::slip::Number;
 
 /// Nodes of a row, at most.
 pub const NODES: usize = 5;
+
+/// Unknowns of a row, at most.
+pub const UNKNOWNS: usize = 3 * NODES;
 
 /// What measures a row in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,6 +103,18 @@ impl Measure {
             }
         }
         gradient
+    }
+
+    /// `weight` times its gradient at the unknowns `z`.
+    pub fn gradient_into(self, z: &[f64], weight: f64, out: &mut [f64]) {
+        let gradient = self.gradient::<f64>(z.as_chunks().0);
+        out.iter_mut().zip(gradient.as_flattened()).for_each(|(out, g)| *out = weight * g);
+    }
+
+    /// `share` times its Hessian at the unknowns `z`.
+    pub fn hessian_into(self, z: &[f64], share: f64, out: &mut [f64]) {
+        let gradient = self.gradient(&vectors::jets::<UNKNOWNS>(z));
+        vectors::hessian_into(&gradient, share, out);
     }
 
     /// Weights of the motions of its nodes in that of one side against the other where they touch; their sum is zero.

@@ -1,5 +1,6 @@
 //! Contact in space: facets of three and four nodes, faces of second order that are split into them, and rigid obstacles.
 
+mod bulge;
 mod corners;
 mod facets;
 mod features;

@@ -4,14 +4,16 @@
 //! pair, projected off the rigid motions of the pair's nodes in mid-step, so that energy and both momenta are exact while facets slide over
 //! each other.
 
+use super::bulge::Raised;
 use super::pair::{CORNERS, NODES, Pair};
+use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::{self, Vec3};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::patches::Evaluation;
 use crate::contact::search::PairSearch;
 use crate::contact::slip::{Number, SlipStep};
-use crate::contact::surface::{Sides, Surface};
+use crate::contact::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// Margin beyond the need with which candidates are searched, in smallest secondary facets.
@@ -26,6 +28,8 @@ pub struct MortarInSpace {
     sides: Sides,
     search: PairSearch,
     start: Vec<Start>,
+    /// By how much the facets of both sides are raised.
+    raised: [Vec<Raised>; 2],
     /// By facet and node, how tangents lie on the facet.
     turns: Vec<Vec<[f64; 2]>>,
 }
@@ -52,11 +56,18 @@ struct Scratch {
 
 impl MortarInSpace {
     /// Contact of two surfaces, sized in the reference positions. A surface with itself takes each pair of facets once.
-    pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Box<dyn ContactKernel> {
-        let sides = Sides::of(secondary, primary, reference);
+    pub fn kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
+        let SeenInSpace { secondary, primary, reference, raised, .. } = seen;
+        let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
-        Box::new(MortarInSpace { sides, search, start: Vec::new(), turns })
+        Box::new(MortarInSpace { sides, search, start: Vec::new(), raised: raised.clone(), turns })
+    }
+
+    /// By how much the facets of pair `p` are raised.
+    fn raised(&self, p: usize) -> [&Raised; 2] {
+        let [own, other] = self.search.candidates.pairs()[p];
+        [&self.raised[0][own as usize], &self.raised[1][other as usize]]
     }
 
     /// Numbers of nodes of the facets of pair `p`.
@@ -67,7 +78,7 @@ impl MortarInSpace {
 
     /// Pair `p` at the positions of its nodes.
     fn pair(&self, p: usize, z: &[f64]) -> Option<Pair<f64>> {
-        Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)
+        Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.raised(self.raised(p)))
     }
 
     /// Sums what each pair that takes part and overlaps at `q` has for its secondary nodes into these.
@@ -93,9 +104,9 @@ fn gradient_into(pair: &Option<Pair<f64>>, weights: &[f64; CORNERS], out: &mut [
 }
 
 /// `share` times the Hessian of a pair's function.
-fn hessian_into(z: &[f64], counts: [usize; 2], weights: &[f64; CORNERS], share: f64, out: &mut [f64]) {
+fn hessian_into(z: &[f64], counts: [usize; 2], raised: [&Raised; 2], weights: &[f64; CORNERS], share: f64, out: &mut [f64]) {
     match Pair::new(&vectors::jets::<UNKNOWNS>(z), counts) {
-        Some(pair) => vectors::hessian_into(&pair.gradient(weights), share, out),
+        Some(pair) => vectors::hessian_into(&pair.raised(raised).gradient(weights), share, out),
         None => out.fill(0.0),
     }
 }
@@ -211,7 +222,7 @@ impl Scratch {
                 hessian.clear();
                 hessian.resize(unknowns * unknowns, 0.0);
                 if middle.is_some() {
-                    hessian_into(middle_z, kernel.counts(p), &weights, 1.0, hessian);
+                    hessian_into(middle_z, kernel.counts(p), kernel.raised(p), &weights, 1.0, hessian);
                 }
                 let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
                 let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };
@@ -228,7 +239,7 @@ impl Scratch {
             gradient_into(pair, &unit(k), block);
         }
         if is_pressed && pair.is_some() {
-            hessian_into(z, kernel.counts(p), &weights, placement.share, tangent);
+            hessian_into(z, kernel.counts(p), kernel.raised(p), &weights, placement.share, tangent);
         }
         true
     }

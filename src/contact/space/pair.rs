@@ -19,10 +19,12 @@
 //! d/dh_j = -int W N_j dA               d/dp_j =   grad h_secondary int W N_j dA - grad W int g N_j dA + sum_edges nu int W g N_j ds
 //! ```
 //!
-//! over the edges of the polygon that lie on the triangle's own border. The frame turns with the secondary facet: with the moment `m` of
+//! over the edges of the polygon that lie on the triangle's own border. Heights may have constants added (`bulge.rs`), which change gaps
+//! and no derivatives of heights. The frame turns with the secondary facet: with the moment `m` of
 //! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives
 //! the Hessian.
 
+use super::bulge::Raised;
 use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
 use crate::contact::slip::Number;
 use crate::math::tolerances::FACING_AREA;
@@ -127,6 +129,20 @@ impl<T: Number> Pair<T> {
         }
         pair.cut();
         Some(pair)
+    }
+
+    /// The pair between surfaces that lie above the facets by so much.
+    pub fn raised(mut self, sides: [&Raised; 2]) -> Self {
+        let [own, other] = self.counts;
+        // Outwards is up on the secondary side and down on the other one.
+        for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
+            for (k, raised) in raised[..count].iter().enumerate() {
+                self.h[first + k] += up * raised;
+                self.h[middle] += up * raised / count as f64;
+            }
+            self.h[middle] += up * raised[CORNERS];
+        }
+        self
     }
 
     /// Finds the polygons.

@@ -5,7 +5,8 @@
 //! the chord's middle in the reference positions), and `D` that of a ninth node from where eight nodes have the center,
 //!
 //! ```text
-//! corner            y = x_a + R_a,           R_a = mean over the edges there of k d, k = 1/4 of triangles, 1/3 of quadrilaterals;
+//! corner            y = x_a + R_a,           R_a = mean over the faces there, and the two edges of each, of k d, k = 1/4 of triangles,
+//!                                            1/3 of quadrilaterals;
 //!                                            zero where none of them lies off the plane of a face's corners in the reference positions
 //! middle            y = chord + r d + (R_a + R_b)/2
 //! center            y = center of the chords + sum of r d/2 over the edges + mean of R + g D
@@ -13,10 +14,9 @@
 //!
 //! `r` and `g` of each edge and face are such that the sum over the points of their areas (`faces::shares`) times their shares of `d`, `D`
 //! is the integral over the faces of what goes with `d`, `D` in the shape functions. So a constant pressure on plane faces with straight
-//! edges goes to the nodes exactly as the consistent forces of the cell. In even meshes of curved surfaces `r` is 1 away from rims:
-//! all points are raised alike, so that the polyhedron holds the volume of what it stands for; at rims corners are raised less than within
-//! (1/9 of a sagitta where it is 1/6). Corners of plane faces stay where their nodes are, which couples the nodes of two faces and no
-//! others.
+//! edges goes to the nodes exactly as the consistent forces of the cell. In even meshes of curved surfaces `r` is 1: all points are raised
+//! alike, at rims too, so that the polyhedron holds the volume of what it stands for. Corners of plane faces stay where their nodes are,
+//! which couples the nodes of two faces and no others.
 //!
 //! Multipliers are those of the nodes, linear between them on the sub-facets; a center without a node has the mean of the middles'.
 //! (Facets of first order on quadratic faces: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the forces are ours.)
@@ -24,6 +24,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::bulge::{Bulges, Raised};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::ContactKernel;
@@ -50,6 +51,8 @@ pub struct SeenInSpace<'a> {
     pub reference: Cow<'a, [f64]>,
     /// A node within the body behind each primary facet, where they were asked for.
     pub inner: Vec<u32>,
+    /// By how much the facets of both sides are raised, whose points are not.
+    pub(super) raised: [Vec<Raised>; 2],
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
@@ -64,7 +67,8 @@ impl<'a> SeenInSpace<'a> {
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
-            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), on_faces: None };
+            let raised = [&secondary, &primary].map(|surface| Bulges::new(surface, reference).raised);
+            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), raised, on_faces: None };
         }
         let mut proxies = Proxies::new(sides, inner, reference);
         for _ in 0..ROUNDS {
@@ -76,8 +80,13 @@ impl<'a> SeenInSpace<'a> {
         let seen = points.points(3, reference);
         let behind = |(face, node): (&Vec<u32>, &u32)| vec![proxies.point_of[node]; proxies.pieces(face).len()];
         let inner = sides[1].iter().zip(inner).flat_map(behind).collect();
+        let raised = [(&secondary, sides[0]), (&primary, sides[1])].map(|(surface, faces)| {
+            let is_flat = faces.iter().flat_map(|face| std::iter::repeat_n(face.len() <= 4, if face.len() <= 4 { 1 } else { 4 }));
+            let raised = Bulges::new(surface, &seen).raised;
+            raised.into_iter().zip(is_flat).map(|(raised, is_flat)| if is_flat { raised } else { [0.0; 5] }).collect()
+        });
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
-        SeenInSpace { secondary, primary, reference: seen.into(), inner, on_faces }
+        SeenInSpace { secondary, primary, reference: seen.into(), inner, raised, on_faces }
     }
 
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
@@ -196,10 +205,10 @@ impl Proxies {
             for k in 0..count {
                 let ends = [face[k], face[(k + 1) % count]];
                 let edge = *made.edge_of.entry(face[count + k]).or_insert_with(|| {
-                    ends.iter().for_each(|&end| around.entry(end).or_default().push(made.edges.len()));
                     made.edges.push(Edge::new(face[count + k], ends, by, q));
                     made.edges.len() - 1
                 });
+                ends.iter().for_each(|&end| around.entry(end).or_default().push(edge));
                 let sagitta = made.edges[edge].sagitta(faces::normal(&face[..count], q), q);
                 made.edges[edge].is_curved |= sagitta.abs() > tolerances::STRAIGHT;
             }

@@ -111,8 +111,7 @@ impl Pairing<'_> {
         }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
             let seen = self.in_space(interaction);
-            let kernel = kernel(seen.secondary.clone(), seen.primary.clone(), &seen.reference);
-            let kernel = seen.on_nodes(kernel, true);
+            let kernel = seen.on_nodes(kernel(&seen), true);
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
             if pair.is_unilateral() {
                 // Over a small part of a facet the rows of its nodes are nearly the same one.
