@@ -246,7 +246,7 @@ mod tests {
 
     use super::*;
     use crate::contact::fixtures::{dense_rows_of, difference, evaluated};
-    use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, RigidInSpace, RoundInSpace};
+    use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, RigidInSpace, RoundInSpace, SeenInSpace};
     use crate::contact::{ContactKernel, Outlook};
     use crate::integrators::Derivative;
 
@@ -264,8 +264,10 @@ mod tests {
     fn kernels(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
         let below = || Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
         let above = || Surface::in_space([&[9u32, 10, 11, 12][..]]);
-        let mut kernels = vec![MortarInSpace::kernel(below(), above(), &base())];
-        kernels.extend(CornersInSpace::kernel(below(), above(), &base()));
+        let faces = [FACETS.map(|facet| facet.to_vec()).to_vec(), vec![vec![9, 10, 11, 12]]];
+        let base = base();
+        let mut kernels = vec![MortarInSpace::kernel(&SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base))];
+        kernels.extend(CornersInSpace::kernel(below(), above(), &base));
         for kernel in &mut kernels {
             kernel.update_candidates(&Outlook::within(q, 1.0));
             kernel.begin_step(q);
@@ -426,8 +428,8 @@ mod tests {
         let by = [0.01, -0.007];
         let q_1: Vec<f64> = q_0.iter().enumerate().map(|(k, x)| if k < 27 && k % 3 < 2 { x + by[k % 3] } else { *x }).collect();
         for facets in [FACETS, [[1, 4, 3, 0], [5, 4, 1, 2], [7, 6, 3, 4], [8, 7, 4, 5]]] {
-            let below = Surface::in_space(facets.iter().map(|facet| &facet[..]));
-            let mut mortar = MortarInSpace::kernel(below, Surface::in_space([&[9u32, 10, 11, 12][..]]), &q_0);
+            let faces = [facets.map(|facet| facet.to_vec()).to_vec(), vec![vec![9, 10, 11, 12]]];
+            let mut mortar = MortarInSpace::kernel(&SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &q_0));
             mortar.update_candidates(&Outlook::within(&q_0, 1.0));
             mortar.begin_step(&q_0);
             let out = slips(&*mortar, &q_0, &q_1, Configuration::Middle);

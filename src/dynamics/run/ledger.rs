@@ -208,9 +208,7 @@ impl LedgerRow {
         if passed == 0.0 {
             return;
         }
-        let sums = |row: &LedgerRow| {
-            [row.load_work, row.contact_work, row.friction_work, row.dissipation, row.damping, row.energy_defect]
-        };
+        let sums = |row: &LedgerRow| [row.load_work, row.contact_work, row.friction_work, row.dissipation, row.damping, row.energy_defect];
         let [load, contact, friction, dissipation, damping, defect] = sums(before);
         self.load_work += load;
         self.contact_work += contact;
