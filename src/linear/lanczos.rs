@@ -119,6 +119,9 @@ impl Lanczos {
     /// Eigenvalues of the projection, the largest first.
     pub fn ritz(&self) -> Vec<Ritz> {
         let size = self.applied();
+        if size == 0 {
+            return Vec::new();
+        }
         let entry = |i: usize, k: usize| self.projected[k].get(i).copied().unwrap_or(0.0);
         let eigen = DMatrix::from_fn(size, size, |i, k| 0.5 * (entry(i, k) + entry(k, i))).symmetric_eigen();
         let mut order: Vec<usize> = (0..size).collect();

@@ -51,7 +51,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("hdf5-pure", &["output"]),
     ("indicatif", &["cli"]),
     // its matrices are the vocabulary of the kernels' interfaces
-    ("nalgebra", &["math", "elements", "linear", "materials", "integrators", "bodies", "contact", "dynamics", "output"]),
+    ("nalgebra", &["math", "elements", "linear", "materials", "mesh", "integrators", "bodies", "contact", "dynamics", "output"]),
     ("num-dual", &["contact"]),
     ("parquet", &["output"]),
     ("rayon", &["math"]),

@@ -9,7 +9,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use conserva::dynamics::{Constant, LoadKind, Simulation};
-use conserva::integrators::{self, ENERGY_MOMENTUM, Scheme};
+use conserva::integrators::{ENERGY_MOMENTUM, MIDPOINT, Scheme, TRAPEZOIDAL};
 use conserva::materials::SaintVenantKirchhoff;
 use conserva::mesh::rectangle;
 
@@ -103,7 +103,8 @@ fn axial_frequency(cells: usize) -> f64 {
 #[test]
 fn axial_frequency_is_the_discrete_one_and_converges_to_the_exact_one() {
     let exact = FRAC_PI_2 * 10.0;
-    for &integrator in integrators::CATALOGUE.iter().filter(|scheme| scheme.promises.order == 2) {
+    // Those whose period is that of the trapezoidal rule; the others' are in `spectra.rs`.
+    for integrator in [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL] {
         let errors = [4, 8, 16].map(|cells| {
             let discrete = axial_frequency(cells);
             let measured = frequency(&mut axial_bar(cells, integrator), 60, |q| q[2 * cells] - 1.0);

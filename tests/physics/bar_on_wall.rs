@@ -115,7 +115,9 @@ fn every_integrator_books_impulse_and_work_of_the_wall() {
         let impulse = rows[rows.len() - 1].momentum[0];
         let work: f64 = rows[1..].iter().map(|row| row.load_work).sum();
         assert!(impulse > 0.1 * mass * SPEED, "{}: {impulse}", integrator.name);
-        assert!((work / (impulse * SPEED) - 1.0).abs() < 1e-9, "{}: {work} {impulse}", integrator.name);
+        // Where forces act longer than in one step, the work of what moves is that of the forces at the ends of steps.
+        let closeness = if integrator.is_long() { 0.02 } else { 1e-9 };
+        assert!((work / (impulse * SPEED) - 1.0).abs() < closeness, "{}: {work} {impulse}", integrator.name);
         // As above: a relative round-off of 1e-11.
         let defect = worst(&rows, |row| row.momentum_defect);
         assert!(defect < 1e-10 * mass * SPEED, "{}: {:.1e}", integrator.name, defect / (mass * SPEED));

@@ -6,9 +6,9 @@
 //!
 //! over the overlap of each pair of facets in the reference positions, seen along the secondary facet's normal. The second term is the part
 //! of the first that does not vanish there, where polyhedra stand for one curved surface or a gap is bridged: written by two edges of the
-//! primary facet and by the vector to a node within the primary body, `y_3`, of the cell behind the facet. Weights are numbers, so an affine
-//! map of all positions maps `Phi_A` linearly: it stays zero, forces have no resultant, and no moment while `Phi = 0`. Where the offset
-//! vanishes but for round-off, the node within the body takes no part.
+//! primary facet and by the vector to a node within the primary body, `y_3`, of the cell behind the facet. Weights are numbers, so an
+//! affine map of all positions maps `Phi_A` linearly: it stays zero, forces have no resultant, and no moment while `Phi = 0`. Where the
+//! offset vanishes but for round-off, the node within the body takes no part.
 
 use nalgebra::Matrix3;
 

@@ -9,6 +9,7 @@ pub mod error;
 pub mod findings;
 pub mod hulls;
 pub mod interactions;
+pub mod joint_checks;
 pub mod joints;
 pub mod locking;
 pub mod overlaps;

@@ -72,8 +72,7 @@ where
     ) -> Result<State, StepError> {
         let lambda = solution.multipliers();
         let Solution { mut at, active, preferred } = solution;
-        self.system.lead(&mut at.moved);
-        self.system.lead_positions(&mut at.u_1, &mut at.q_1);
+        self.system.lead_end(&mut at);
         let search = self.system.search();
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
         let penalty_gap = penalty_gaps(&at, conditions);

@@ -240,7 +240,8 @@ impl LedgerRow {
         self.kinetic + self.strain + self.potential
     }
 
-    /// What defects are related to: `kinetic + strain + |potential|`, which does not vanish where the potential cancels the others `[energy]`.
+    /// What defects are related to: `kinetic + strain + |potential|`, which does not vanish where the potential cancels the others
+    /// `[energy]`.
     pub fn energy_scale(&self) -> f64 {
         self.kinetic + self.strain + self.potential.abs()
     }

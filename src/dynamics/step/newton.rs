@@ -164,8 +164,7 @@ where
     *trace = Trace { iterations: Vec::new(), u_1, earlier: std::mem::take(&mut trace.earlier) };
     let members = &task.conditions.members;
     let lambda: Vec<f64> = task.lambda.iter().zip(members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
-    let contacts = system.pairs.iter().filter(|pair| !pair.kind.is_of_points());
-    let facet = contacts.map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min);
+    let facet = system.smallest_facet();
     let limit = match strategy {
         Strategy::InnerLoop => facet * tolerances::STEP_LIMIT,
         Strategy::Backtracking => f64::INFINITY,

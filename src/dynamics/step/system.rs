@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::counters::Counters;
-use super::iterate::Spare;
+use super::iterate::{Linearization, Spare};
 use super::making::{bodies_of, loads_of, part_followers, varying_gravity};
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
@@ -200,6 +200,18 @@ impl<const D: usize> System<D> {
                 (node * D..(node + 1) * D).for_each(|k| q[k] = self.nodes.reference[k] + u[k]);
             }
         }
+    }
+
+    /// The same in what a step that has converged ends with.
+    pub fn lead_end(&self, at: &mut Linearization) {
+        self.lead(&mut at.moved);
+        self.lead_positions(&mut at.u_1, &mut at.q_1);
+    }
+
+    /// The smallest facet of all contacts `[length]`; infinite without one.
+    pub fn smallest_facet(&self) -> f64 {
+        let contacts = self.pairs.iter().filter(|pair| !pair.kind.is_of_points());
+        contacts.map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
     /// Chooses the contact kernels' discrete gradient.

@@ -1,0 +1,165 @@
+//! What is checked of joints and of rigid bodies, and what a model with them is measured by.
+
+use super::definitions::{BodyDefinition, Model};
+use super::error::ModelError;
+use super::joints::{Anchor, JointDefinition, JointKind};
+use crate::bodies::{Frame, Plane};
+use crate::math::tolerances;
+
+/// Length of a vector.
+fn length(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+impl BodyDefinition {
+    /// The node nearest to a point at rest, and its distance.
+    pub fn nearest_node(&self, point: [f64; 3]) -> (u32, f64) {
+        let distance = |at: &[f64; 3]| length(std::array::from_fn(|i| at[i] - point[i]));
+        let all = (0..).zip(self.mesh.points.iter().map(distance));
+        all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
+    }
+}
+
+impl Model {
+    /// Modulus that compares forces with gaps where a body touches: its own, or, of a rigid body, that of the stiffest one which deforms. A
+    /// model of rigid bodies alone has its weight or, without gravity, its inertia in its place.
+    pub fn modulus(&self, body: usize) -> f64 {
+        let own = |body: &BodyDefinition| if body.rigid.is_some() { 0.0 } else { body.material.youngs_modulus() };
+        let (own, stiffest) = (own(&self.bodies[body]), self.bodies.iter().map(own).fold(0.0, f64::max));
+        let modulus = if own > 0.0 { own } else { stiffest };
+        if modulus > 0.0 {
+            return modulus;
+        }
+        let mass = self.bodies.iter().filter_map(|body| body.rigid.map(|inertia| inertia.mass)).fold(0.0, f64::max);
+        let extent = self.extent();
+        let speed = self.initial_velocities.iter().map(|given| length(given.linear) + extent * length(given.angular)).fold(0.0, f64::max);
+        let acceleration = length(self.gravity) + speed * speed / extent;
+        mass * if acceleration > 0.0 { acceleration } else { 1.0 } / extent.powi(self.dimension() as i32 - 1)
+    }
+
+    /// Whether a joint joins two bodies: where it is they may lie in each other.
+    pub fn are_joined(&self, first: usize, second: usize) -> bool {
+        self.joints.iter().any(|joint| joint.bodies().any(|body| body == first) && joint.bodies().any(|body| body == second))
+    }
+
+    /// Largest extent of the bodies at rest along an axis `[length]`.
+    pub fn extent(&self) -> f64 {
+        let points = || self.bodies.iter().flat_map(|body| &body.mesh.points);
+        let along = |i: usize| {
+            let ends = points().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);
+            ends[1] - ends[0]
+        };
+        (0..3).map(along).fold(0.0, f64::max)
+    }
+
+    /// What is wrong with rigid bodies and joints.
+    pub(super) fn check_joints(&self) -> Result<(), ModelError> {
+        for (index, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_some()) {
+            body.check_rigid()?;
+            if self.initial_displacements.iter().any(|initial| initial.body == index) {
+                return Err(ModelError::NotRigid { body: body.name.clone(), reason: "it cannot start with displacements".into() });
+            }
+        }
+        for (index, joint) in self.joints.iter().enumerate() {
+            if self.joints[..index].iter().any(|other| other.name == joint.name) {
+                return Err(ModelError::DuplicateName { what: "joint", name: joint.name.clone() });
+            }
+            self.check_joint(joint)?;
+        }
+        Ok(())
+    }
+
+    fn check_joint(&self, joint: &JointDefinition) -> Result<(), ModelError> {
+        let name = || joint.name.clone();
+        let unsound = |reason: String| Err(ModelError::UnsoundJoint { joint: name(), reason });
+        match joint.ends.map(|end| end.body) {
+            [None, None] => return unsound("it joins the ground to itself".into()),
+            [Some(a), Some(b)] if a == b => return unsound(format!("it joins body \"{}\" to itself", self.bodies[a].name)),
+            _ => {}
+        }
+        if let Some(direction) = joint.kind.direction() {
+            let size = length(direction);
+            if !(size.is_finite() && size > 0.0) {
+                return unsound(format!("the direction {direction:?} has no length"));
+            }
+            if self.dimension() == 2 && matches!(joint.kind, JointKind::Hinge(_)) {
+                return unsound("a hinge about an axis is one in space; in the plane a point joint is a hinge".into());
+            }
+        }
+        for (k, end) in joint.ends.iter().enumerate() {
+            let Some(body) = end.body.map(|body| &self.bodies[body]) else { continue };
+            if body.rigid.is_none() && joint.kind.turns(k) {
+                let kind = joint.kind.name();
+                return unsound(format!("a {kind} needs directions, and a node of body \"{}\", which deforms, has none", body.name));
+            }
+        }
+        let apart = self.apart(joint);
+        if apart > tolerances::JOINT_APART * self.extent() {
+            return Err(ModelError::JointApart { joint: name(), place: joint.ends[0].point, distance: apart });
+        }
+        if let JointKind::Cable(longest) = joint.kind
+            && !(longest.is_finite() && longest > 0.0)
+        {
+            return unsound(format!("a cable has a length, and this one has {longest}"));
+        }
+        if joint.kind == JointKind::Link && length(joint.distance()) <= tolerances::JOINT_APART * self.extent() {
+            return unsound("both of its points are the same, and a link has a length".into());
+        }
+        Ok(())
+    }
+
+    /// How far what a joint makes one is apart at rest, the nodes of deformable bodies being where they are `[length]`.
+    fn apart(&self, joint: &JointDefinition) -> f64 {
+        let off = |end: &Anchor| {
+            let body = end.body.map(|body| &self.bodies[body]).filter(|body| body.rigid.is_none());
+            body.map_or(0.0, |body| body.nearest_node(end.point).1)
+        };
+        let at_nodes = off(&joint.ends[0]).max(off(&joint.ends[1]));
+        let distance = joint.distance();
+        let between = match joint.kind {
+            JointKind::Link => 0.0,
+            JointKind::Cable(longest) => (length(distance) - longest).max(0.0),
+            JointKind::Slider(direction) | JointKind::Slot(direction) => {
+                let along: f64 = (0..3).map(|i| distance[i] * direction[i]).sum::<f64>() / length(direction).powi(2);
+                length(std::array::from_fn(|i| distance[i] - along * direction[i]))
+            }
+            _ => length(distance),
+        };
+        at_nodes.max(between)
+    }
+}
+
+impl BodyDefinition {
+    /// Its mass, per thickness in the plane `[mass]`.
+    pub fn mass(&self) -> f64 {
+        self.rigid.map_or_else(|| self.material.density() * self.mesh.measure(), |inertia| inertia.mass)
+    }
+
+    /// Whether mass and inertia are those of a body that exists.
+    fn check_rigid(&self) -> Result<(), ModelError> {
+        let Some(inertia) = &self.rigid else { return Ok(()) };
+        let wrong = |reason: String| Err(ModelError::NotRigid { body: self.name.clone(), reason });
+        if self.formulation.plane == Plane::Axisymmetric {
+            return wrong("it is a body of revolution".into());
+        }
+        if !(inertia.mass.is_finite() && inertia.mass > 0.0) {
+            return wrong(format!("its mass is {}", inertia.mass));
+        }
+        let moments = inertia.principal_moments();
+        let least = if self.mesh.dimension() == 2 { moments[2] } else { moments[0] };
+        if !(least.is_finite() && least > 0.0) {
+            return wrong(match self.mesh.dimension() {
+                2 => format!("its moment of inertia is {least}, and must be positive"),
+                _ => format!("its principal moments of inertia are {moments:?}, and must be positive"),
+            });
+        }
+        let spread = inertia.principal_spreads()[0];
+        if self.mesh.dimension() == 3 && spread < -tolerances::JOINT_APART * moments[2] {
+            return wrong(format!("of its principal moments of inertia {moments:?} the largest exceeds the sum of the others"));
+        }
+        if Frame::new(&self.mesh).is_none() {
+            return wrong("its nodes lie on a line or in a plane".into());
+        }
+        Ok(())
+    }
+}
