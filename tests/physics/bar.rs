@@ -9,7 +9,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use conserva::dynamics::{Constant, LoadKind, Simulation};
-use conserva::integrators::{ENERGY_MOMENTUM, MIDPOINT, Scheme, TRAPEZOIDAL};
+use conserva::integrators::{BACKWARD_EULER, ENERGY_MOMENTUM, MIDPOINT, Scheme, TRAPEZOIDAL};
 use conserva::materials::SaintVenantKirchhoff;
 use conserva::mesh::rectangle;
 
@@ -122,7 +122,7 @@ fn axial_frequency_is_the_discrete_one_and_converges_to_the_exact_one() {
 /// Closed form: a step of backward Euler multiplies the energy of a vibration by `1 / (1 + (omega dt)^2)`.
 #[test]
 fn backward_euler_damps_a_vibration_by_its_law() {
-    let mut sim = axial_bar(8, &integrators::BACKWARD_EULER);
+    let mut sim = axial_bar(8, &BACKWARD_EULER);
     let factor = 1.0 / (1.0 + (axial_frequency(8) * PERIOD / 40.0).powi(2));
     let mut before = f64::NAN;
     for step in 0..60 {
