@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::rigid_bodies::Carried;
+use super::carried::Carried;
 use crate::bodies::{ElementLoop, Recovery, Step};
 use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
 use crate::linear::Pattern;

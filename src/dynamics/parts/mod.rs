@@ -5,6 +5,7 @@
 pub mod body;
 pub mod body_force;
 pub mod body_mass;
+pub mod carried;
 pub mod chamber;
 pub mod contact_pair;
 pub mod damper;

@@ -2,15 +2,15 @@
 //!
 //! All mesh nodes of a rigid body stay in the numbering, so that boundaries, loads, contacts, probes and pictures know it as they know any
 //! other. Its *masters* have its mass; the distances between them are constant. Nodes on which something acts (a contact, a load, a
-//! support, a spring) are unknowns without mass that linear constraints tie to the masters; the others are *followers*, which are no
+//! support, a spring) are unknowns with a part of the mass that linear constraints tie to the masters; the others are *followers*, which are no
 //! unknowns at all: they are moved along when a step is done.
 
 use std::collections::BTreeSet;
 
 use super::body::Body;
+use super::carried::Carried;
 use super::contact_pair::{ContactPair, PairKind};
 use super::laws::Unilateral;
-use crate::bodies::Frame;
 use crate::contact::{PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::boundaries::inner_nodes;
 use crate::dynamics::model::definitions::Model;
@@ -19,59 +19,6 @@ use crate::dynamics::model::joints::{Anchor, JointDefinition, JointKind};
 use crate::dynamics::model::update_rules::PERSISTENCY;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
-
-/// A rigid body among the bodies of a model.
-pub struct Carried {
-    /// How its points follow from its masters.
-    pub frame: Frame,
-    /// All of its nodes, in the numbering of the model: they move together.
-    pub nodes: Vec<u32>,
-    /// Nodes that are no masters, with the shares of these.
-    pub carried: Vec<(u32, Vec<f64>)>,
-    /// Those of them that are no unknowns, by their index in `carried`.
-    pub followers: Vec<usize>,
-    /// Its masters, in the numbering of the model.
-    pub masters: Vec<u32>,
-    /// Its size `[length]`.
-    pub size: f64,
-}
-
-impl Carried {
-    /// A rigid body whose nodes begin at `first`, all but the masters being followers.
-    pub fn new(points: &[[f64; 3]], frame: Frame, first: usize) -> Self {
-        let masters: Vec<u32> = frame.masters.iter().map(|node| node + first as u32).collect();
-        let others = (0..points.len() as u32).filter(|node| !frame.masters.contains(node));
-        let carried: Vec<(u32, Vec<f64>)> = others.map(|node| (node + first as u32, frame.shares(points[node as usize]))).collect();
-        let along = |i: usize| {
-            let ends = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);
-            ends[1] - ends[0]
-        };
-        Carried {
-            nodes: (first..first + points.len()).map(|node| node as u32).collect(),
-            followers: (0..carried.len()).collect(),
-            size: (0..3).map(along).fold(0.0, f64::max),
-            carried,
-            masters,
-            frame,
-        }
-    }
-
-    /// Nodes that are no unknowns.
-    pub fn followers(&self) -> impl Iterator<Item = usize> {
-        self.followers.iter().map(|&index| self.carried[index].0 as usize)
-    }
-
-    /// Puts what its followers have of a vector (displacements, velocities) where the masters say.
-    pub fn lead<const D: usize>(&self, values: &mut [f64]) {
-        for &index in &self.followers {
-            let (node, shares) = &self.carried[index];
-            for i in 0..D {
-                let sum = self.masters.iter().zip(shares).map(|(&master, share)| share * values[master as usize * D + i]).sum();
-                values[*node as usize * D + i] = sum;
-            }
-        }
-    }
-}
 
 /// Nodes of the model on which boundaries of rigid bodies make something act.
 pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32> {

@@ -8,8 +8,9 @@ use crate::dynamics::model::definitions::{LoadKind, Model};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::body::Body;
+use crate::dynamics::parts::carried::Carried;
 use crate::dynamics::parts::loads::NodalLoad;
-use crate::dynamics::parts::rigid_bodies::{Carried, used_nodes};
+use crate::dynamics::parts::rigid_bodies::used_nodes;
 
 /// Parts what rigid bodies carry into nodes on which something acts and followers, and returns these.
 pub(super) fn part_followers<const D: usize>(

@@ -1,0 +1,56 @@
+//! A rigid body in the numbering of the model: its masters, and the nodes that follow them.
+
+use crate::bodies::Frame;
+
+/// A rigid body among the bodies of a model.
+pub struct Carried {
+    /// How its points follow from its masters.
+    pub frame: Frame,
+    /// All of its nodes, in the numbering of the model: they move together.
+    pub nodes: Vec<u32>,
+    /// Nodes that are no masters, with the shares of these.
+    pub carried: Vec<(u32, Vec<f64>)>,
+    /// Those of them that are no unknowns, by their index in `carried`.
+    pub followers: Vec<usize>,
+    /// Its masters, in the numbering of the model.
+    pub masters: Vec<u32>,
+    /// Its size `[length]`.
+    pub size: f64,
+}
+
+impl Carried {
+    /// A rigid body whose nodes begin at `first`, all but the masters being followers.
+    pub fn new(points: &[[f64; 3]], frame: Frame, first: usize) -> Self {
+        let masters: Vec<u32> = frame.masters.iter().map(|node| node + first as u32).collect();
+        let others = (0..points.len() as u32).filter(|node| !frame.masters.contains(node));
+        let carried: Vec<(u32, Vec<f64>)> = others.map(|node| (node + first as u32, frame.shares(points[node as usize]))).collect();
+        let along = |i: usize| {
+            let ends = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);
+            ends[1] - ends[0]
+        };
+        Carried {
+            nodes: (first..first + points.len()).map(|node| node as u32).collect(),
+            followers: (0..carried.len()).collect(),
+            size: (0..3).map(along).fold(0.0, f64::max),
+            carried,
+            masters,
+            frame,
+        }
+    }
+
+    /// Nodes that are no unknowns.
+    pub fn followers(&self) -> impl Iterator<Item = usize> {
+        self.followers.iter().map(|&index| self.carried[index].0 as usize)
+    }
+
+    /// Puts what its followers have of a vector (displacements, velocities) where the masters say.
+    pub fn lead<const D: usize>(&self, values: &mut [f64]) {
+        for &index in &self.followers {
+            let (node, shares) = &self.carried[index];
+            for i in 0..D {
+                let sum = self.masters.iter().zip(shares).map(|(&master, share)| share * values[master as usize * D + i]).sum();
+                values[*node as usize * D + i] = sum;
+            }
+        }
+    }
+}
