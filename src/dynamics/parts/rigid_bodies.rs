@@ -2,8 +2,8 @@
 //!
 //! All mesh nodes of a rigid body stay in the numbering, so that boundaries, loads, contacts, probes and pictures know it as they know any
 //! other. Its *masters* have its mass; the distances between them are constant. Nodes on which something acts (a contact, a load, a
-//! support, a spring) are unknowns with a part of the mass that linear constraints tie to the masters; the others are *followers*, which are no
-//! unknowns at all: they are moved along when a step is done.
+//! support, a spring) are unknowns with a part of the mass that linear constraints tie to the masters; the others are *followers*, which
+//! are no unknowns at all: they are moved along when a step is done.
 
 use std::collections::BTreeSet;
 
