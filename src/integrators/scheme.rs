@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn every_row_of_the_catalogue_is_a_scheme() {
         assert!(CATALOGUE.iter().all(|scheme| scheme.check() == Ok(())));
-        assert!(Scheme { weight: 0.5, ..ENERGY_MOMENTUM.clone() }.check().is_err(), "the other half is remembered by nobody");
+        assert!(Scheme { weight: 0.5, ..ENERGY_MOMENTUM }.check().is_err(), "the other half is remembered by nobody");
     }
 
     /// The equations of the method, for any motion.

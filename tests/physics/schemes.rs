@@ -228,13 +228,13 @@ fn rows_that_are_no_scheme_are_refused() {
             _ => panic!("it is taken"),
         }
     };
-    let mut slow = AVERAGE.clone();
+    let mut slow = AVERAGE;
     slow.velocity.velocity = 0.0;
     assert!(refused(slow).contains("a steady motion changes its velocity"));
-    let mut forgetful = AVERAGE.clone();
+    let mut forgetful = AVERAGE;
     forgetful.remembers = &[];
     assert!(refused(forgetful).contains("forces are remembered exactly where"));
-    let mut wrong = DAMPED.clone();
+    let mut wrong = DAMPED;
     wrong.acceleration.acceleration = 0.0;
     assert!(refused(wrong).contains("constant acceleration"));
     assert_eq!(AVERAGE.promises, Promises { energy: false, momentum: true, angular_momentum: false, order: 2 });
