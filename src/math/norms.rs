@@ -16,6 +16,15 @@ pub fn largest_size(values: &[f64]) -> f64 {
     largest.iter().chain(rest).fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
+/// The largest extent of points along an axis.
+pub fn largest_extent<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> f64 {
+    let along = |i: usize| {
+        let ends = points.clone().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);
+        ends[1] - ends[0]
+    };
+    (0..3).map(along).fold(0.0, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -35,7 +35,7 @@ pub enum ModelError {
         reason: String,
     },
     /// A joint that joins nothing, or has no direction where it needs one.
-    #[error("joint \"{joint}\" is none: {reason}")]
+    #[error("joint \"{joint}\" cannot be made: {reason}")]
     UnsoundJoint {
         /// Name of the joint.
         joint: String,
@@ -132,8 +132,8 @@ pub enum ModelError {
         /// `body.boundary` of the secondary side.
         boundary: String,
     },
-    /// A spring whose ends are at one place.
-    #[error("the ends of spring \"{spring}\" are at the same place")]
+    /// A spring or a damper whose ends are at one place.
+    #[error("the ends of \"{spring}\" are at the same place")]
     SpringOfNoLength {
         /// Name of the spring.
         spring: String,
@@ -262,7 +262,9 @@ impl ModelError {
                 "join a body to another one or to the ground, and give a direction where one is needed".into()
             }
             ModelError::JointApart { .. } => "give points that are in the same place in the bodies at rest".into(),
-            ModelError::SpringOfNoLength { .. } => "choose two nodes that are apart: a spring pulls along the line between them".into(),
+            ModelError::SpringOfNoLength { .. } => {
+                "choose two ends that are apart: springs and dampers pull along the line between them".into()
+            }
             ModelError::OpenChamber { .. } => {
                 "name all boundaries around the gas, or where symmetry closes it a point in the planes of all its rims".into()
             }

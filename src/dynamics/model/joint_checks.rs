@@ -4,6 +4,7 @@ use super::definitions::{BodyDefinition, Model};
 use super::error::ModelError;
 use super::joints::{Anchor, JointDefinition, JointKind};
 use crate::bodies::{Frame, Plane};
+use crate::math::norms::largest_extent;
 use crate::math::tolerances;
 
 /// Length of a vector.
@@ -44,12 +45,7 @@ impl Model {
 
     /// Largest extent of the bodies at rest along an axis `[length]`.
     pub fn extent(&self) -> f64 {
-        let points = || self.bodies.iter().flat_map(|body| &body.mesh.points);
-        let along = |i: usize| {
-            let ends = points().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);
-            ends[1] - ends[0]
-        };
-        (0..3).map(along).fold(0.0, f64::max)
+        largest_extent(self.bodies.iter().flat_map(|body| &body.mesh.points))
     }
 
     /// What is wrong with rigid bodies and joints.

@@ -1,6 +1,7 @@
 //! A rigid body in the numbering of the model: its masters, and the nodes that follow them.
 
 use crate::bodies::Frame;
+use crate::math::norms::largest_extent;
 
 /// A rigid body among the bodies of a model.
 pub struct Carried {
@@ -24,14 +25,10 @@ impl Carried {
         let masters: Vec<u32> = frame.masters.iter().map(|node| node + first as u32).collect();
         let others = (0..points.len() as u32).filter(|node| !frame.masters.contains(node));
         let carried: Vec<(u32, Vec<f64>)> = others.map(|node| (node + first as u32, frame.shares(points[node as usize]))).collect();
-        let along = |i: usize| {
-            let ends = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);
-            ends[1] - ends[0]
-        };
         Carried {
             nodes: (first..first + points.len()).map(|node| node as u32).collect(),
             followers: (0..carried.len()).collect(),
-            size: (0..3).map(along).fold(0.0, f64::max),
+            size: largest_extent(points.iter()),
             carried,
             masters,
             frame,

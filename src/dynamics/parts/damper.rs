@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use super::force_laws::Viscous;
-use super::line::{End, Line, bodies_of, is_grounded};
+use super::line::{End, Line, bodies_of, check_apart, is_grounded};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
 use crate::linear::Pattern;
@@ -50,8 +50,7 @@ impl PartDefinition for DamperDefinition {
     }
 
     fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
-        let [a, b] = [0, 1].map(|k| self.ends[k].place(point));
-        if a == b { Err(ModelError::SpringOfNoLength { spring: self.name.clone() }) } else { Ok(()) }
+        check_apart(&self.name, &self.ends, point)
     }
 
     fn part(&self, numbering: &Numbering) -> Box<dyn Part> {

@@ -3,6 +3,7 @@
 //! An end is a node, the weighted mean of the nodes of a boundary, or a point of the ground. The vector from one to the other is linear in
 //! the positions, `r = sum s_i q_i + ground`, and a force `f` on its head acts on node `i` as `s_i f`.
 
+use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Numbering, Sums};
 use crate::linear::{Block, Pattern};
 
@@ -15,6 +16,15 @@ pub enum End {
     Mean(usize, Vec<(u32, f64)>),
     /// A point that does not move `[length]`.
     Ground([f64; 3]),
+}
+
+/// That the ends of a part are apart while the bodies are undeformed.
+///
+/// # Errors
+/// They are at one place, and no line leads from one to the other.
+pub fn check_apart(name: &str, ends: &[End; 2], point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
+    let [a, b] = [0, 1].map(|k| ends[k].place(point));
+    if a == b { Err(ModelError::SpringOfNoLength { spring: name.into() }) } else { Ok(()) }
 }
 
 impl From<(usize, u32)> for End {
