@@ -5,7 +5,7 @@
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::interlocking::Interlocking;
+use super::polygon_fit::PolygonFit;
 use super::surface::Surface;
 use crate::math::digits::three_digits;
 
@@ -76,7 +76,16 @@ pub enum Finding {
         /// Name of the primary surface.
         primary: String,
         /// The press fit and the sagitta.
-        of: Interlocking,
+        of: PolygonFit,
+    },
+    /// Polygons on curves that fit overlap by much less, or more, than the curves.
+    DistortedFit {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+        /// The press fit, and what is lost of it.
+        of: PolygonFit,
     },
     /// Secondary nodes of a tie that nothing lies opposite to.
     Untied {
@@ -124,12 +133,21 @@ impl std::fmt::Display for Finding {
                 three_digits(*secondary_size),
                 three_digits(*primary_size)
             ),
-            Finding::Interlocking { secondary, primary, of: Interlocking { interference, sagitta } } => write!(
+            Finding::Interlocking { secondary, primary, of: PolygonFit { interference, sagitta, .. } } => write!(
                 out,
                 "\"{secondary}\" and \"{primary}\" are polygons whose corners hold each other: they are pressed into each other by \
                  {}, and their facets stand off the curve by {}",
                 three_digits(*interference),
                 three_digits(*sagitta)
+            ),
+            Finding::DistortedFit { secondary, primary, of: PolygonFit { interference, lost, .. } } => write!(
+                out,
+                "\"{secondary}\" and \"{primary}\" are polygons that overlap by {}, and the curves through their nodes by {}: the press \
+                 fit is {:.0} % too {}",
+                three_digits(interference - lost),
+                three_digits(*interference),
+                100.0 * lost.abs() / interference,
+                if *lost > 0.0 { "loose" } else { "tight" }
             ),
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {
@@ -168,6 +186,9 @@ impl Finding {
             Finding::Interlocking { .. } => {
                 "use cells of second order, whose contact follows the curve, or more facets: half as long stand off a quarter as much"
                     .into()
+            }
+            Finding::DistortedFit { .. } => {
+                "use cells of second order, whose contact follows the curve, facets of one length on both sides, or more of them".into()
             }
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),
         }

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::batched::{BatchedLaw, Response};
 use super::energy::{EnergyError, StoredEnergy};
+use super::law::Law;
 use super::laws::{Kinematics, Laws};
 use super::row::{Construct, MaterialRow, VolumetricForm, YOUNGS_MODULUS};
 use super::split::Split;
@@ -56,6 +57,8 @@ enum Origin {
     Row(&'static MaterialRow, Vec<f64>),
     /// A text of the user's.
     Text,
+    /// A law that is written beside the crate, by its name.
+    Outside(&'static str),
 }
 
 /// A material: a row of the catalogue with the values of its parameters, or an energy of the user's.
@@ -125,6 +128,18 @@ impl Material {
         Material { origin: Origin::Text, energy: Some(energy), density, laws, youngs_modulus, viscosity: Viscosity::default() }.stiff()
     }
 
+    /// The material of an isotropic law that is written beside the crate (`examples/law.rs` is one).
+    ///
+    /// # Errors
+    /// A density that is none; a law that resists no change of the volume.
+    pub fn of_law(name: &'static str, law: impl Law + Clone, density: f64) -> Result<Self, MaterialError> {
+        let wrong = |fault| MaterialError::Constant { law: name, constant: "density", fault };
+        Interval::Positive.check(density).map_err(wrong)?;
+        let laws = Laws::new(law);
+        let youngs_modulus = modulus_at_rest(&*laws.space);
+        Material { origin: Origin::Outside(name), energy: None, density, laws, youngs_modulus, viscosity: Viscosity::default() }.stiff()
+    }
+
     /// The same, if contact and tolerances can be scaled by its stiffness.
     fn stiff(self) -> Result<Self, MaterialError> {
         let modulus = self.youngs_modulus.abs();
@@ -152,6 +167,7 @@ impl Material {
                 let density = self.density * factor("mass/volume").ok_or_else(|| unknown("density"))?;
                 Material::hyperelastic(StoredEnergy { factor: energy.factor * stress, ..energy.clone() }, density)
             }
+            (Origin::Outside(name), _) => return Err(format!("`{name}` is written beside the program, which does not know its constants")),
             (Origin::Text, None) => return Ok(self.clone()),
         };
         let viscosity = if self.viscosity.is_none() {
@@ -178,6 +194,7 @@ impl Material {
         match &self.origin {
             Origin::Row(row, _) => row.name,
             Origin::Text => HYPERELASTIC,
+            Origin::Outside(name) => name,
         }
     }
 
@@ -185,7 +202,7 @@ impl Material {
     pub fn volumetric_form(&self) -> Option<VolumetricForm> {
         match &self.origin {
             Origin::Row(row, _) => row.volumetric,
-            Origin::Text => None,
+            Origin::Text | Origin::Outside(_) => None,
         }
     }
 
@@ -193,7 +210,7 @@ impl Material {
     pub fn constants(&self) -> Vec<(&str, f64)> {
         match (&self.origin, &self.energy) {
             (Origin::Row(row, values), _) => row.parameters.iter().map(|parameter| parameter.name).zip(values.iter().copied()).collect(),
-            (Origin::Text, energy) => {
+            (_, energy) => {
                 let constants = energy.iter().flat_map(|energy| &energy.constants);
                 constants.map(|(name, value)| (name.as_str(), *value)).chain([("density", self.density)]).collect()
             }

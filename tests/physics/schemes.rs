@@ -1,5 +1,6 @@
-//! Time integrators and parts that are written beside the crate, in `examples/`: what a scheme remembers is right at the start, in steps of
-//! any size, after `settle` and in a state of another scheme; a dashpot is right in every scheme.
+//! Time integrators, parts and laws that are written beside the crate, in `examples/`: what a scheme remembers is right at the start, in
+//! steps of any size, after `settle` and in a state of another scheme; a dashpot and a mass are right in every scheme, a law at rest and in
+//! motion.
 //!
 //! Closed forms: the scalar recursion of Newmark's method (Hughes, The Finite Element Method, 1987, section 9.1), the damped oscillator.
 
@@ -9,14 +10,20 @@ use conserva::dynamics::{
     Constant, Interaction, LoadKind, ModelError, Options, PartDefinition, Prescription, Simulation, TimeFunction, TimeFunctionError,
 };
 use conserva::integrators::{CATALOGUE, ENERGY_MOMENTUM, NEWMARK, Promises, Scheme, TRAPEZOIDAL};
-use conserva::materials::{NeoHookean, Viscosity};
+use conserva::materials::{Material, NeoHookean, Viscosity};
 use conserva::mesh::rectangle;
 
 use crate::common::{Builder, difference, run, worst};
 
 #[allow(dead_code)]
+#[path = "../../examples/ballast.rs"]
+mod ballast;
+#[allow(dead_code)]
 #[path = "../../examples/dashpot.rs"]
 mod dashpot;
+#[allow(dead_code)]
+#[path = "../../examples/law.rs"]
+mod law;
 
 use dashpot::newmark::{self, AMPLITUDE, AVERAGE, DAMPED, STIFFNESS, oscillator};
 
@@ -191,6 +198,28 @@ fn a_dashpot_is_right_in_every_scheme() {
         assert!((rate - scheme.promises.order as f64).abs() < 0.1, "{}: {coarse} {fine}", scheme.name);
         assert_eq!(defect < 1e-11, scheme.promises.energy || scheme.name == "midpoint", "{}: {defect:e}", scheme.name);
     }
+}
+
+#[test]
+fn a_mass_at_a_node_is_right_in_every_scheme() {
+    for &scheme in CATALOGUE.iter().chain(&[&AVERAGE]) {
+        let of = |steps: usize| ballast::run(scheme, steps).unwrap_or_else(|error| panic!("{error}"));
+        let rate = (of(400) / of(800)).log2();
+        assert!((rate - scheme.promises.order as f64).abs() < 0.1, "{}: {rate}", scheme.name);
+    }
+}
+
+#[test]
+fn a_law_is_right_at_rest_and_keeps_the_energy_in_motion() {
+    for pressure in [0.01, 0.1, 1.0] {
+        let [off, drift] = law::run(pressure).unwrap_or_else(|error| panic!("{error}"));
+        assert!(off < 1e-9 && drift < 1e-11, "pressure {pressure}: {off:e} off, drift {drift:e}");
+    }
+    let material = Material::of_law("stiffening", law::Stiffening { lambda: 1.0, mu: 0.5, k: 40.0 }, 2.0).expect("it is stiff");
+    assert!((material.youngs_modulus() - 1.25).abs() < 1e-12, "mu (3 lambda + 2 mu)/(lambda + mu)");
+    assert_eq!(material.constants(), [("density", 2.0)]);
+    assert!(material.rescaled(|_| Some(2.0)).is_err());
+    assert!(Material::of_law("nothing", law::Stiffening { lambda: 0.0, mu: 0.0, k: 1.0 }, 1.0).is_err());
 }
 
 /// The mean rate of a step is that of its middle: what is viscous lags by half a step in schemes that mix the forces of its ends.

@@ -6,7 +6,7 @@ use super::boundaries::{boundary_facets, facets_of_all, tie_reach, tied_in_space
 use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
-use crate::contact::{Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, interlocking};
+use crate::contact::{Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, polygon_fit};
 
 impl Model {
     /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; of bodies in
@@ -31,11 +31,15 @@ impl Model {
             check_surfaces(side(0), side(1), &reference)
         };
         let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.kind.is_quadratic();
-        let locked = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
+        let press_fits = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
             let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
             let found = primary.into_iter().filter_map(|on| {
-                let of = interlocking(&Surface::new(&facets(secondary)), &Surface::new(&facets(on)), &reference)?;
-                Some(Finding::Interlocking { secondary: self.boundary_name(secondary), primary: self.boundary_name(on), of })
+                let of = polygon_fit(&Surface::new(&facets(secondary)), &Surface::new(&facets(on)), &reference)?;
+                let (secondary, primary) = (self.boundary_name(secondary), self.boundary_name(on));
+                if of.interlocks() {
+                    return Some(Finding::Interlocking { secondary, primary, of });
+                }
+                of.is_distorted().then_some(Finding::DistortedFit { secondary, primary, of })
             });
             found.collect()
         };
@@ -54,7 +58,7 @@ impl Model {
             }
             add(name, found);
             if let Partner::Surfaces(primary) = partner {
-                add(name, locked(secondary, primary));
+                add(name, press_fits(secondary, primary));
             }
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);

@@ -1,8 +1,9 @@
-//! Polygons pressed into each other by less than their facets rise: their corners sit in each other, and what should slide is held.
+//! Press fits of polygons: what straight facets make of the interference of the curves that they stand for.
 //!
-//! Two polygons through circles that fit are as far in each other as the circles only in the mean; between their nodes each stands off its
-//! curve by the sagitta `l theta/8` of its facets (length `l`, turn `theta` from one to the next). A press fit that is much smaller than
-//! that is lost in it.
+//! Between its nodes a polygon stands off its curve by up to the sagitta `s = l theta/8` of its facets (length `l`, turn `theta` from one to
+//! the next), in the mean by `2/3 s`: inwards where the body is convex, outwards where it is hollow. Where the sagittas of the two sides
+//! differ, the polygons overlap by another amount than the curves. Where the interference is much smaller than a sagitta, corners sit in
+//! each other, and what should slide is held.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -18,16 +19,33 @@ const FIT: f64 = 0.5;
 /// Press fit in sagittas below which polygons interlock.
 const LOST: f64 = 0.5;
 
+/// Share of a press fit by which that of the facets may differ.
+const DISTORTED: f64 = 0.1;
+
 /// Facets of a curve, and nodes of the other one that lie opposite, from which on it is one.
 const FEW: usize = 3;
 
-/// A press fit that is lost between polygons.
+/// A press fit between polygons on curves that fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interlocking {
+pub struct PolygonFit {
     /// Mean overlap of the curves `[length]`.
     pub interference: f64,
     /// Mean sagitta of the facets, of the side on which it is larger `[length]`.
     pub sagitta: f64,
+    /// By how much less the facets overlap than the curves in the mean; negative where they overlap by more `[length]`.
+    pub lost: f64,
+}
+
+impl PolygonFit {
+    /// Whether corners of one polygon sit in those of the other.
+    pub fn interlocks(&self) -> bool {
+        self.interference < LOST * self.sagitta
+    }
+
+    /// Whether the facets overlap by much less, or more, than the curves.
+    pub fn is_distorted(&self) -> bool {
+        self.lost.abs() > DISTORTED * self.interference
+    }
 }
 
 /// A facet of a curve.
@@ -47,8 +65,8 @@ impl Arc {
     }
 }
 
-/// Whether two surfaces of straight facets at `q` are polygons on curves that fit and overlap by much less than the facets' sagitta.
-pub fn interlocking(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<Interlocking> {
+/// The press fit of two surfaces of straight facets at `q`, where they are polygons on curves that fit and overlap.
+pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<PolygonFit> {
     let (own, others) = (arcs(secondary, q), arcs(primary, q));
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
     let middles = others.iter().flatten().map(|arc| GeomWithData::new([0, 1].map(|i| arc.from[i] + 0.5 * arc.length * arc.along[i]), arc));
@@ -62,13 +80,14 @@ pub fn interlocking(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option
         let (curvature, against) = (arc.turn / arc.length, other.turn / other.length);
         if (curvature + against).abs() <= FIT * curvature.abs().max(against.abs()) {
             overlaps.push(other.rise(s) - gap);
-            [arc, other].iter().zip(&mut sagittas).for_each(|(arc, sum)| *sum += arc.rise(0.5).abs());
+            [arc, other].iter().zip(&mut sagittas).for_each(|(arc, sum)| *sum += arc.rise(0.5));
         }
     }
     let count = overlaps.len() as f64;
     let interference = overlaps.iter().sum::<f64>() / count;
-    let sagitta = sagittas[0].max(sagittas[1]) / count;
-    (overlaps.len() >= FEW && interference > 0.0 && interference < LOST * sagitta).then_some(Interlocking { interference, sagitta })
+    let sagitta = sagittas[0].abs().max(sagittas[1].abs()) / count;
+    let lost = (sagittas[0] + sagittas[1]) * 2.0 / (3.0 * count);
+    (overlaps.len() >= FEW && interference > 0.0).then_some(PolygonFit { interference, sagitta, lost })
 }
 
 /// The facets of a surface that follow a curve.
@@ -111,7 +130,7 @@ mod tests {
     use super::*;
 
     /// Rings of the node radius 1 outside and `1 + fit` inside.
-    fn found(inner: u32, outer: u32, fit: f64) -> Option<Interlocking> {
+    fn found(inner: u32, outer: u32, fit: f64) -> Option<PolygonFit> {
         let circle = |count: u32, radius: f64| {
             (0..count).flat_map(move |i| {
                 let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
@@ -121,18 +140,34 @@ mod tests {
         let q: Vec<f64> = circle(inner, 1.0 + fit).chain(circle(outer, 1.0)).collect();
         let own: Vec<[u32; 2]> = (0..inner).map(|i| [i, (i + 1) % inner]).collect();
         let other: Vec<[u32; 2]> = (0..outer).map(|i| [inner + (i + 1) % outer, inner + i]).collect();
-        interlocking(&Surface::new(&own), &Surface::new(&other), &q)
+        polygon_fit(&Surface::new(&own), &Surface::new(&other), &q)
     }
 
     /// Closed form: a regular polygon of n sides through a circle of radius r has the sagitta r (1 - cos(pi/n)).
     #[test]
     fn press_fits_below_the_sagitta_are_found() {
         let sagitta = 1.002 * (1.0 - (std::f64::consts::PI / 20.0).cos());
-        let lost = found(20, 24, 0.002).expect("0.002 is lost in 0.012");
+        let lost = found(20, 24, 0.002).expect("the circles overlap");
         assert!((lost.interference / 0.002 - 1.0).abs() < 0.1 && (lost.sagitta / sagitta - 1.0).abs() < 0.02, "{lost:?}");
-        assert_eq!(found(20, 24, 0.02), None);
+        let interlocks = |inner, outer, fit| found(inner, outer, fit).is_some_and(|fit| fit.interlocks());
+        assert!(interlocks(20, 24, 0.002) && !interlocks(20, 24, 0.02) && !interlocks(200, 240, 0.002));
         assert_eq!(found(20, 24, -0.1), None);
-        assert_eq!(found(200, 240, 0.002), None);
+    }
+
+    /// Closed form: mean distance of a regular polygon of n sides from its circle of radius r, `r (1 - sin(2 pi/n)/(2 pi/n))/2` from the
+    /// areas of both.
+    #[test]
+    fn what_facets_take_from_a_press_fit_is_found() {
+        let off = |n: f64, radius: f64| {
+            let turn = std::f64::consts::TAU / n;
+            0.5 * radius * (1.0 - turn.sin() / turn)
+        };
+        for (inner, outer) in [(40, 48), (48, 40), (48, 48)] {
+            let fit = found(inner, outer, 0.002).expect("the circles overlap");
+            let lost = off(f64::from(inner), 1.002) - off(f64::from(outer), 1.0);
+            assert!((fit.lost - lost).abs() < 1e-2 * lost.abs() + 2e-5, "{inner} on {outer}: {fit:?} against {lost}");
+            assert_eq!(fit.is_distorted(), inner != outer);
+        }
     }
 
     #[test]
