@@ -79,6 +79,20 @@ impl Pull {
     }
 }
 
+/// Least energy that Newton's method is judged by at rest: that of a strain which is round-off of what is seen, of displacements next to
+/// nothing. Rigid bodies alone have no strain, and the energy of their weight.
+pub fn least_energy<const D: usize>(system: &System<D>) -> f64
+where
+    Space<D>: Elements<D>,
+{
+    let round_off = match system.sees_positions() {
+        _ if system.bodies.iter().all(|body| body.rigid.is_some()) => 1.0,
+        true => tolerances::FORCE_FLOOR,
+        false => tolerances::FORCE_FLOOR.powi(2),
+    };
+    round_off * system.nodes.stiffness() * system.nodes.extent.powi(2)
+}
+
 impl Balance {
     pub fn new<const D: usize>(system: &System<D>, model: &Model) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
