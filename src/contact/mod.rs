@@ -59,7 +59,7 @@ pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};
 pub use node_to_segment::{NODE_TO_SEGMENT, NodeToSegment};
 pub use patches::{Evaluation, Patches};
-pub use points::{PointConstraints, PointFunction, PointVector};
+pub use points::{DrivenFunction, PointConstraints, PointFunction, PointVector};
 pub use quadratic::{ProxyNodes, RowsOf, Seen};
 pub use rigid::RigidContact;
 pub use rigid_corners::RigidCorners;
