@@ -1,6 +1,7 @@
 //! Exact joints between bodies, rigid or not, and to the ground.
 
 use super::amplitude::Amplitude;
+use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 
 /// One end of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,6 +130,18 @@ impl JointDefinition {
     /// The bodies that it joins.
     pub fn bodies(&self) -> impl Iterator<Item = usize> {
         self.ends.iter().filter_map(|end| end.body)
+    }
+
+    /// The first time after the start at which the rate of its drive jumps, as far as that tells its corners.
+    pub fn jump(&self) -> Option<f64> {
+        let drive = self.drive.as_ref()?;
+        // Beyond the differences by which a rate is found at a corner.
+        let beside = |time: f64, side: f64| drive.rate(time + side * 4.0 * TIME_DIFFERENCE * time.abs().max(SMALL_TIME)).unwrap_or(0.0);
+        let jumps = |time: &f64| {
+            let [before, after] = [beside(*time, -1.0), beside(*time, 1.0)];
+            (after - before).abs() > EQUAL * before.abs().max(after.abs())
+        };
+        drive.corners().into_iter().filter(|time| *time > 0.0).find(jumps)
     }
 
     /// Its coordinate where the bodies are at rest.

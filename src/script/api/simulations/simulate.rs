@@ -198,6 +198,13 @@ fn warn_of_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Re
             warning.hint("tie surfaces once, and leave supports to one of two tied surfaces; nothing is lost unless supports part them"),
         );
     }
+    for joint in &model.model.joints {
+        let Some(time) = joint.jump() else { continue };
+        let title = format!("the rate of the drive of joint \"{}\" jumps at t = {}", joint.name, brief(time));
+        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        let cause = "velocities at the ends of steps swing about the right ones from then on";
+        call.host.warn(warning.cause(cause).hint("let it change smoothly: `|t| if t < 1.0 { 0.5 * t * t } else { t - 0.5 }`"));
+    }
     for (name, rate) in simulation.loose_joints() {
         let title = format!("the initial velocities do not fit joint \"{name}\": what it holds would part at {}", brief(rate));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
