@@ -109,8 +109,7 @@ where
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
         let frictional = self.friction_work(&at, &shear, jump.as_ref());
-        // No zero with a sign where there is no friction.
-        row.friction_work = frictional.iter().sum::<f64>() + 0.0;
+        row.friction_work = frictional.iter().sum::<f64>() + 0.0; // no zero with a sign
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&shear, &active));

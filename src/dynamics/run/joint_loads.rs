@@ -17,8 +17,8 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// What the joint of that name exerts on the body that it holds, with the multipliers of the last step in the present positions, and its
-    /// coordinate; `None` when there is none.
+    /// What the joint of that name exerts on the body that it holds, with the multipliers of the last step in the present positions, and
+    /// its coordinate; `None` when there is none.
     pub fn joint_load(&self, name: &str) -> Option<JointLoad> {
         let index = self.model.joints.iter().position(|joint| joint.name == name)?;
         let joint = &self.model.joints[index];

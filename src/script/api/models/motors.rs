@@ -68,8 +68,8 @@ pub fn add_motor() -> Function {
         parameters: vec![Parameter::new("name", Kind::Text, NAME), Parameter::new("options", Kind::Options(keys), "bodies and torque")],
         returns: "",
         example: plate_example(
-            "let rotor = press.add_rigid_body(\"rotor\", ring(#{ inner_radius: 0.1, outer_radius: 0.4, cells: [1, 12], center: [5.0, 0.0] }), \
-             #{ density: 1.0 });\n\
+            "let rotor = press.add_rigid_body(\"rotor\", ring(#{ inner_radius: 0.1, outer_radius: 0.4, cells: [1, 12], center: [5.0, 0.0] \
+             }), #{ density: 1.0 });\n\
              press.add_joint(\"bearing\", #{ kind: \"point\", from: rotor, point: [5.0, 0.0] });\n\
              press.add_motor(\"motor\", #{ from: rotor, to: \"ground\", torque: hat(0.0, 0.5, 0.1) });",
         ),
