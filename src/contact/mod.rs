@@ -58,7 +58,7 @@ pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};
 pub use node_to_segment::{NODE_TO_SEGMENT, NodeToSegment};
 pub use patches::{Evaluation, Patches};
-pub use points::{PointConstraints, PointFunction, PointVector};
+pub use points::{DrivenFunction, PointConstraints, PointFunction, PointVector};
 pub use polygon_fit::{PolygonFit, polygon_fit};
 pub use quadratic::{ProxyNodes, RowsOf, Seen};
 pub use rigid::RigidContact;

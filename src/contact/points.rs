@@ -58,19 +58,43 @@ pub struct PointFunction {
     pub constant: f64,
 }
 
+/// The function that a value makes which is prescribed over time, such as an angle.
+pub type DrivenFunction = Box<dyn Fn(f64) -> PointFunction + Send + Sync>;
+
+/// How the function of a group follows a value that is prescribed over time.
+struct Drive {
+    function: DrivenFunction,
+    /// The function at the start and in the middle of the step.
+    start: PointFunction,
+    middle: PointFunction,
+}
+
 /// Functions that couple the same nodes.
-#[derive(Clone, Debug)]
 struct Group {
     nodes: Vec<u32>,
     vectors: Vec<PointVector>,
+    /// The functions; of a driven one that at the end of the step.
     functions: Vec<PointFunction>,
+    /// What drives it, if it has one function that changes over time.
+    drive: Option<Drive>,
     first_row: usize,
     /// Whether the ground is one of what they join: they change with rigid motions of all nodes.
     is_grounded: bool,
 }
 
+impl Group {
+    /// Its functions at the start of the step.
+    fn at_start(&self) -> &[PointFunction] {
+        self.drive.as_ref().map_or(&self.functions, |drive| std::slice::from_ref(&drive.start))
+    }
+
+    /// Its functions in the middle of the step.
+    fn in_middle(&self) -> &[PointFunction] {
+        self.drive.as_ref().map_or(&self.functions, |drive| std::slice::from_ref(&drive.middle))
+    }
+}
+
 /// Bilateral constraints between points of bodies.
-#[derive(Clone, Debug)]
 pub struct PointConstraints {
     sides: Sides,
     groups: Vec<Group>,
@@ -92,13 +116,31 @@ impl PointConstraints {
     /// Adds functions of some vectors; `owner`: a node whose motion as many functions as it has components hold, if all groups have one;
     /// `is_grounded`: whether the functions change with rigid motions of all nodes, because the ground is one of what they join.
     pub fn add(&mut self, vectors: Vec<PointVector>, functions: Vec<PointFunction>, owner: Option<u32>, is_grounded: bool) {
+        self.add_group(vectors, functions, None, owner, is_grounded);
+    }
+
+    /// Adds a function of some vectors that follows a value over time, which is `value` at first.
+    pub fn add_driven(&mut self, vectors: Vec<PointVector>, function: DrivenFunction, value: f64, is_grounded: bool) {
+        let now = function(value);
+        let drive = Drive { function, start: now.clone(), middle: now.clone() };
+        self.add_group(vectors, vec![now], Some(drive), None, is_grounded);
+    }
+
+    fn add_group(
+        &mut self,
+        vectors: Vec<PointVector>,
+        functions: Vec<PointFunction>,
+        drive: Option<Drive>,
+        owner: Option<u32>,
+        is_grounded: bool,
+    ) {
         let mut nodes: Vec<u32> = vectors.iter().flat_map(|vector| vector.parts.iter().map(|(node, _)| *node)).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let first_row = self.sides.weights.len();
         self.sides.weights.resize(first_row + functions.len(), 1.0);
         self.row_nodes.extend(owner);
-        self.groups.push(Group { nodes, vectors, functions, first_row, is_grounded });
+        self.groups.push(Group { nodes, vectors, functions, drive, first_row, is_grounded });
     }
 
     /// Whether there is none.
@@ -138,6 +180,16 @@ impl PointConstraints {
         }
     }
 
+    /// The values of functions of all groups, row by row.
+    fn values(&self, q: &[f64], functions: impl Fn(&Group) -> &[PointFunction]) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.sides.weights.len());
+        for group in &self.groups {
+            let y = self.vectors_at(group, q);
+            values.extend(functions(group).iter().map(|function| value(function, &y)));
+        }
+        values
+    }
+
     fn vectors_at(&self, group: &Group, q: &[f64]) -> Vec<[f64; 3]> {
         group.vectors.iter().map(|vector| vector.at(self.dimension, q)).collect()
     }
@@ -164,7 +216,7 @@ impl PatchFunctions for PointConstraints {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.start = self.gap(q_0);
+        self.start = self.values(q_0, Group::at_start);
         self.q_0.clear();
         self.q_0.extend_from_slice(q_0);
     }
@@ -181,7 +233,9 @@ impl PatchFunctions for PointConstraints {
             out.clear_patch(patches, p);
             out.live[p] = true;
             let end = self.vectors_at(group, q_1);
-            let test = if placement.share < 1.0 && !self.q_0.is_empty() {
+            let is_mean = placement.share < 1.0 && !self.q_0.is_empty();
+            let tested = if is_mean { group.in_middle() } else { &group.functions };
+            let test = if is_mean {
                 let mean = |(a, b): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
                 self.vectors_at(group, &self.q_0).iter().zip(&end).map(mean).collect()
             } else {
@@ -189,12 +243,12 @@ impl PatchFunctions for PointConstraints {
             };
             let count = patches.unknowns(p);
             let (gradients, tangent) = (patches.gradient_range(p), patches.tangent_range(p));
-            for (m, function) in group.functions.iter().enumerate() {
+            for (m, (function, tested)) in group.functions.iter().zip(tested).enumerate() {
                 let range = gradients.start + m * count..gradients.start + (m + 1) * count;
                 self.gradient_into(group, function, &end, &mut out.gradient_end[range.clone()]);
-                self.gradient_into(group, function, &test, &mut out.gradient_bar[range]);
+                self.gradient_into(group, tested, &test, &mut out.gradient_bar[range]);
                 let row = group.first_row + m;
-                self.hessian_into(group, function, placement.share * lambda[row], &mut out.tangent[tangent.clone()]);
+                self.hessian_into(group, tested, placement.share * lambda[row], &mut out.tangent[tangent.clone()]);
                 out.gap[row] = value(function, &end);
             }
         }
@@ -202,11 +256,7 @@ impl PatchFunctions for PointConstraints {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let of = |group: &Group| {
-            let y = self.vectors_at(group, q);
-            group.functions.iter().map(move |function| value(function, &y)).collect::<Vec<_>>()
-        };
-        self.groups.iter().flat_map(of).collect()
+        self.values(q, |group| &group.functions)
     }
 
     fn coverage(&self, _q: &[f64]) -> Vec<f64> {
@@ -228,26 +278,41 @@ impl CandidateSearch for PointConstraints {
 }
 
 impl RigidObstacle for PointConstraints {
+    fn drive(&mut self, [start, end]: [f64; 2]) {
+        for group in &mut self.groups {
+            let Some(drive) = &mut group.drive else { continue };
+            (drive.start, drive.middle) = ((drive.function)(start), (drive.function)(0.5 * (start + end)));
+            group.functions = vec![(drive.function)(end)];
+        }
+    }
+
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
-        // What the ground exerts has no counterpart among the nodes.
-        if self.groups.iter().all(|group| !group.is_grounded) {
+        if self.groups.iter().all(|group| !group.is_grounded && group.drive.is_none()) {
             return 0.0;
         }
         let mut out = Evaluation::default();
         self.evaluate(derivative, q_1, lambda, &mut out);
         let d = self.dimension;
         let patches = &self.sides.patches;
-        for (p, group) in self.groups.iter().enumerate().take(patches.len()).filter(|(_, group)| group.is_grounded) {
+        let mut work = 0.0;
+        for (p, group) in self.groups.iter().enumerate().take(patches.len()) {
             let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
-            for m in 0..group.functions.len() {
-                let row = group.first_row + m;
+            for row in group.first_row..group.first_row + group.functions.len() {
                 let pressure = before[row] + lambda[row];
-                for (entry, gradient) in out.gradient_bar[first + m * count..first + (m + 1) * count].iter().enumerate() {
-                    force[group.nodes[entry / d] as usize * d + entry % d] += pressure * gradient;
+                let gradients = &out.gradient_bar[first + (row - group.first_row) * count..][..count];
+                let place = |entry: usize| group.nodes[entry / d] as usize * d + entry % d;
+                if group.is_grounded {
+                    // What the ground exerts has no counterpart among the nodes.
+                    gradients.iter().enumerate().for_each(|(entry, gradient)| force[place(entry)] += pressure * gradient);
+                }
+                if group.drive.is_some() && !self.q_0.is_empty() {
+                    let moved = |entry: usize| q_1[place(entry)] - self.q_0[place(entry)];
+                    let change: f64 = gradients.iter().enumerate().map(|(entry, gradient)| gradient * moved(entry)).sum();
+                    work += pressure * (change - (out.gap[row] - self.start[row]));
                 }
             }
         }
-        0.0
+        work
     }
 }
 

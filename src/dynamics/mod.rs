@@ -5,23 +5,25 @@ mod parts;
 mod run;
 mod step;
 
-pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
+pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Rescaled, Sine, Table, TimeFunction, TimeFunctionError};
 pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
-pub use model::joints::{Anchor, JointDefinition, JointKind};
+pub use model::joints::{Anchor, Coordinate, JointDefinition, JointKind};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
 pub use model::prescription::{PrescribedMotion, Prescription, Turn};
 pub use model::remedy::{Ease, Remedy};
 pub use model::update_rules::{GAP, Holds, PERSISTENCY, UPDATE_RULES, UpdateRule, VELOCITY, default_rule};
+pub use parts::actuator::ActuatorDefinition;
 pub use parts::body_force::{BodyField, BodyForceDefinition};
 pub use parts::chamber::{ChamberDefinition, Gas};
 pub use parts::damper::DamperDefinition;
 pub use parts::drag::{DragDefinition, Dragged};
 pub use parts::force_laws::{Elastic, Sides, SpringLaw, Viscous};
 pub use parts::line::End;
+pub use parts::motor::MotorDefinition;
 pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
 pub use parts::torsion::TorsionDefinition;
@@ -31,7 +33,7 @@ pub use run::fields::{
     RedundantConstraints, pressure, von_mises,
 };
 pub use run::halvings::Halving;
-pub use run::ledger::{ContactTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
+pub use run::ledger::{ContactTotals, JointTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 pub use run::modes::{Mode, Modes, ModesError};
 pub use run::options::{Options, SettleReport, Statistics};
 pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};

@@ -431,5 +431,11 @@ pub const JOINT_APART: f64 = 1e-9;
 /// Distance of a point from a node over the size of a cell up to which a joint means that node.
 pub const SAME_NODE: f64 = 1e-6;
 
+/// Difference of a drive at the start from what its joint is at rest, over the size of the model or in radians, from which it would jump.
+pub const DRIVE_AT_REST: f64 = 1e-9;
+
+/// Largest range of an angle between the stops of a hinge `[rad]`: a little less than a turn, so that a step cannot jump over both.
+pub const WIDEST_ANGLE: f64 = 6.0;
+
 /// Rate at which a joint would part over the largest velocity at the start, from which the velocities do not fit the joint.
 pub const LOOSE_JOINT: f64 = 1e-6;

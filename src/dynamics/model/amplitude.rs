@@ -150,6 +150,35 @@ impl TimeFunction for Table {
     }
 }
 
+/// The value of another time function in other units.
+pub struct Rescaled {
+    inner: Amplitude,
+    time: f64,
+    value: f64,
+}
+
+impl Rescaled {
+    /// A function whose times count by one factor and values by another.
+    pub fn of(inner: &Amplitude, time: f64, value: f64) -> Amplitude {
+        if time == 1.0 && value == 1.0 { inner.clone() } else { Arc::new(Rescaled { inner: inner.clone(), time, value }) }
+    }
+}
+
+impl TimeFunction for Rescaled {
+    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.value * self.inner.value(time / self.time)?)
+    }
+    fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.value / self.time * self.inner.rate(time / self.time)?)
+    }
+    fn corners(&self) -> Vec<f64> {
+        self.inner.corners().into_iter().map(|time| time * self.time).collect()
+    }
+    fn describe(&self) -> String {
+        self.inner.describe()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

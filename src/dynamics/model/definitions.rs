@@ -127,15 +127,18 @@ impl Model {
         lacking.map_or(Ok(()), |what| Err(ModelError::NotInSpace { contact: interaction.name.clone(), what }))
     }
 
-    /// Times at which loads, prescribed motions and obstacles have kinks, in their order.
+    /// Times at which loads, prescribed motions, drives and obstacles have kinks, in their order.
     pub fn corners(&self) -> Vec<f64> {
         let motions = self.interactions.iter().filter_map(|interaction| match &interaction.partner {
             Partner::Obstacle { motion, turn, .. } => Some(motion.iter().flatten().chain(turn)),
             _ => None,
         });
         let loads = self.loads.iter().map(|load| &load.amplitude).chain(&self.gravity_amplitude);
-        let all = loads.chain(self.prescriptions.iter().flat_map(Prescription::functions)).chain(motions.flatten());
-        let mut corners: Vec<f64> = all.flat_map(|function| function.corners()).collect();
+        let drives = self.joints.iter().filter_map(|joint| joint.drive.as_ref());
+        let all = loads.chain(self.prescriptions.iter().flat_map(Prescription::functions)).chain(motions.flatten()).chain(drives);
+        let of_parts = self.parts.iter().flat_map(|part| part.functions());
+        let of_parts = of_parts.flat_map(|function| function.corners());
+        let mut corners: Vec<f64> = all.flat_map(|function| function.corners()).chain(of_parts).collect();
         corners.sort_by(f64::total_cmp);
         corners.dedup();
         corners

@@ -2,7 +2,7 @@
 
 use super::definitions::{BodyDefinition, Model};
 use super::error::ModelError;
-use super::joints::{Anchor, JointDefinition, JointKind};
+use super::joints::{Anchor, Coordinate, JointDefinition, JointKind};
 use crate::bodies::{Frame, Plane};
 use crate::math::norms::largest_extent;
 use crate::math::tolerances;
@@ -57,7 +57,8 @@ impl Model {
             }
         }
         for (index, joint) in self.joints.iter().enumerate() {
-            if self.joints[..index].iter().any(|other| other.name == joint.name) {
+            let of_parts = self.parts.iter().map(|part| part.name()).chain(self.contact_names());
+            if self.joints[..index].iter().map(|other| other.name.as_str()).chain(of_parts).any(|name| name == joint.name) {
                 return Err(ModelError::DuplicateName { what: "joint", name: joint.name.clone() });
             }
             self.check_joint(joint)?;
@@ -98,10 +99,58 @@ impl Model {
         {
             return unsound(format!("a cable has a length, and this one has {longest}"));
         }
+        self.check_coordinate(joint)?;
         if joint.kind == JointKind::Link && length(joint.distance()) <= tolerances::JOINT_APART * self.extent() {
             return unsound("both of its points are the same, and a link has a length".into());
         }
         Ok(())
+    }
+
+    /// What is wrong with a drive or with limits.
+    fn check_coordinate(&self, joint: &JointDefinition) -> Result<(), ModelError> {
+        let unsound = |reason: String| Err(ModelError::UnsoundJoint { joint: joint.name.clone(), reason });
+        let what = match (&joint.drive, &joint.limits) {
+            (None, None) => return Ok(()),
+            (Some(_), Some(_)) => return unsound("it has a drive and limits, and a drive leaves nothing to limit".into()),
+            (Some(_), None) => "drive",
+            (None, Some(_)) => "limit",
+        };
+        let (kind, dimension) = (joint.kind.name(), self.dimension());
+        let Some(coordinate) = joint.kind.coordinate(dimension) else {
+            let left = if joint.kind == JointKind::Weld { "nothing" } else { "turning about a point in space, which is no single angle" };
+            return unsound(format!("there is nothing to {what}: a {kind} leaves {left}"));
+        };
+        let deforms = |end: &&Anchor| end.body.is_some_and(|body| self.bodies[body].rigid.is_none());
+        if let (Coordinate::Angle, Some(end)) = (coordinate, joint.ends.iter().find(deforms)) {
+            let body = end.body.map_or("", |body| &self.bodies[body].name);
+            return unsound(format!("an angle needs directions, and a node of body \"{body}\", which deforms, has none"));
+        }
+        let (rest, name) = (joint.at_rest(), coordinate.name());
+        if let Some(drive) = &joint.drive {
+            let start = drive.value(0.0).unwrap_or(f64::NAN);
+            let scale = if coordinate == Coordinate::Angle { 1.0 } else { self.extent() };
+            // What is no number is told when a step asks for it.
+            if (start - rest).abs() > tolerances::DRIVE_AT_REST * scale {
+                return unsound(format!("its drive begins with the {name} {start}, and in the bodies at rest it is {rest}"));
+            }
+        }
+        let Some([least, largest]) = joint.limits else { return Ok(()) };
+        if matches!(joint.kind, JointKind::Cable(_)) {
+            return unsound("a cable has a length and no other limits; a link has a least and a largest distance".into());
+        }
+        if !(least.is_finite() && largest.is_finite() && least < largest) {
+            return unsound(format!("its limits {least} and {largest} are no range"));
+        }
+        if !(least..=largest).contains(&rest) {
+            return unsound(format!("the {name} is {rest} in the bodies at rest, outside of its limits {least} and {largest}"));
+        }
+        match coordinate {
+            Coordinate::Angle if largest - least > tolerances::WIDEST_ANGLE => {
+                unsound(format!("its limits are {} rad apart, and stops of one turn leave 6 at most", largest - least))
+            }
+            Coordinate::Distance if least < 0.0 => unsound(format!("the least distance {least} is below zero")),
+            _ => Ok(()),
+        }
     }
 
     /// How far what a joint makes one is apart at rest, the nodes of deformable bodies being where they are `[length]`.

@@ -1,5 +1,8 @@
 //! Exact joints between bodies, rigid or not, and to the ground.
 
+use super::amplitude::Amplitude;
+use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
+
 /// One end of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Anchor {
@@ -28,7 +31,45 @@ pub enum JointKind {
     Cable(f64),
 }
 
+/// What a joint leaves free, as one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinate {
+    /// By how much the second end has turned against the first, from rest on, about the axis `[rad]`.
+    Angle,
+    /// How far the second point has moved along the direction of the first end, from rest on `[length]`.
+    Travel,
+    /// Distance of both points `[length]`.
+    Distance,
+}
+
+impl Coordinate {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Coordinate::Angle => "angle",
+            Coordinate::Travel => "travel",
+            Coordinate::Distance => "distance",
+        }
+    }
+
+    /// The power of a length that it is.
+    pub fn lengths(self) -> i32 {
+        if self == Coordinate::Angle { 0 } else { 1 }
+    }
+}
+
 impl JointKind {
+    /// The coordinate that it leaves free and that may be prescribed or limited, if there is one.
+    pub fn coordinate(self, dimension: usize) -> Option<Coordinate> {
+        match self {
+            JointKind::Point if dimension == 2 => Some(Coordinate::Angle),
+            JointKind::Hinge(_) => Some(Coordinate::Angle),
+            JointKind::Slider(_) | JointKind::Slot(_) => Some(Coordinate::Travel),
+            JointKind::Link | JointKind::Cable(_) => Some(Coordinate::Distance),
+            JointKind::Point | JointKind::Weld => None,
+        }
+    }
+
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -71,7 +112,7 @@ impl JointKind {
 }
 
 /// An exact joint: constraints, no stiffness.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct JointDefinition {
     /// Name, unique among joints.
     pub name: String,
@@ -79,12 +120,37 @@ pub struct JointDefinition {
     pub kind: JointKind,
     /// What it joins.
     pub ends: [Anchor; 2],
+    /// What its coordinate is over time, if a motor prescribes it; of a cable its length.
+    pub drive: Option<Amplitude>,
+    /// The least and the largest value of its coordinate, if stops limit it.
+    pub limits: Option<[f64; 2]>,
 }
 
 impl JointDefinition {
     /// The bodies that it joins.
     pub fn bodies(&self) -> impl Iterator<Item = usize> {
         self.ends.iter().filter_map(|end| end.body)
+    }
+
+    /// The first time after the start at which the rate of its drive jumps, as far as that tells its corners.
+    pub fn jump(&self) -> Option<f64> {
+        let drive = self.drive.as_ref()?;
+        // Beyond the differences by which a rate is found at a corner.
+        let beside = |time: f64, side: f64| drive.rate(time + side * 4.0 * TIME_DIFFERENCE * time.abs().max(SMALL_TIME)).unwrap_or(0.0);
+        let jumps = |time: &f64| {
+            let [before, after] = [beside(*time, -1.0), beside(*time, 1.0)];
+            (after - before).abs() > EQUAL * before.abs().max(after.abs())
+        };
+        drive.corners().into_iter().filter(|time| *time > 0.0).find(jumps)
+    }
+
+    /// Its coordinate where the bodies are at rest.
+    pub fn at_rest(&self) -> f64 {
+        match self.kind {
+            JointKind::Cable(longest) => longest,
+            JointKind::Link => self.distance().iter().map(|x| x * x).sum::<f64>().sqrt(),
+            _ => 0.0,
+        }
     }
 
     /// Whether the ground is one end.

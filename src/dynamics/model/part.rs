@@ -7,6 +7,7 @@
 
 use std::sync::Arc;
 
+use super::amplitude::Amplitude;
 use super::error::{ModelError, StepError};
 use crate::bodies::Inverted;
 use crate::integrators::Derivative;
@@ -171,6 +172,11 @@ pub trait PartDefinition: Send + Sync {
     /// Whether it joins its bodies to something that stays where it is.
     fn is_grounded(&self) -> bool {
         false
+    }
+
+    /// Time functions that it follows: steps land on their kinks.
+    fn functions(&self) -> Vec<Amplitude> {
+        Vec::new()
     }
 
     /// Checks what can be said without computing, nothing by itself; the argument is where a node of a body is at rest.

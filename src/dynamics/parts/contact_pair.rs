@@ -12,6 +12,7 @@ use crate::contact::{ContactKernel, Evaluation, Patches};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::interactions::Interaction;
+use crate::dynamics::model::joints::Coordinate;
 use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
@@ -65,6 +66,8 @@ pub struct ContactPair {
     pub motion: [Option<Amplitude>; 3],
     /// Angle by which it has turned over time.
     pub turn: Option<Amplitude>,
+    /// What is prescribed of a joint over time.
+    pub drive: Option<(Coordinate, Amplitude)>,
     /// Mean velocity of the obstacle in this step.
     pub obstacle_velocity: [f64; 3],
     /// Its constraint functions.
@@ -150,6 +153,7 @@ impl ContactPair {
             corners: None,
             motion: [None, None, None],
             turn: None,
+            drive: None,
             obstacle_velocity: [0.0; 3],
             law: if kind.is_bilateral() { &Bilateral } else { &Unilateral },
             update: &GAP,
@@ -217,11 +221,19 @@ impl ContactPair {
         self.update.holds == Holds::AsItIs && self.is_unilateral()
     }
 
-    /// Puts a rigid obstacle where it is in a step of that size from `time`.
+    /// Puts a rigid obstacle or a drive where it is in a step of that size from `time`.
     ///
     /// # Errors
     /// A time function of its motion failed.
     pub fn move_obstacle(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        if let Some((coordinate, function)) = &self.drive {
+            let [start, end] = [self.value_of(function, time)?, self.value_of(function, time + dt)?];
+            let angle = (end - start).abs();
+            if *coordinate == Coordinate::Angle && angle > tolerances::EIGHTH_TURN {
+                return Err(StepError::TurnsFar { boundary: self.name.clone(), time, dt, angle });
+            }
+            self.kernel.drive([start, end]);
+        }
         if self.kind != PairKind::Obstacle {
             return Ok(());
         }
@@ -254,7 +266,11 @@ impl ContactPair {
 
     /// A component of the obstacle's motion.
     fn at(&self, function: &Option<Amplitude>, time: f64) -> Result<f64, StepError> {
-        let Some(function) = function else { return Ok(0.0) };
+        function.as_ref().map_or(Ok(0.0), |function| self.value_of(function, time))
+    }
+
+    /// What a time function gives.
+    fn value_of(&self, function: &Amplitude, time: f64) -> Result<f64, StepError> {
         let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
         let value = function.value(time).map_err(failed)?;
         if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }

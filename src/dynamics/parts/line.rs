@@ -142,11 +142,21 @@ impl Line {
 
     /// Adds a force on the head, which stands against the motion, and its derivative with respect to `r` at the end of the step.
     pub fn add(&self, weight: f64, force: [f64; 3], slope: impl Fn(usize, usize) -> f64, sums: &mut Sums) {
+        self.push(force.map(|force| weight * force), sums.internal);
+        self.add_slope(weight, slope, sums);
+    }
+
+    /// Adds a force on the head to a sum of forces.
+    pub fn push(&self, force: [f64; 3], sum: &mut [f64]) {
         for &(node, factor) in &self.nodes {
             for i in 0..self.dimension {
-                sums.internal[node as usize * self.dimension + i] += factor * (weight * force[i]);
+                sum[node as usize * self.dimension + i] += factor * force[i];
             }
         }
+    }
+
+    /// Adds the derivative of a force that stands against the motion.
+    pub fn add_slope(&self, weight: f64, slope: impl Fn(usize, usize) -> f64, sums: &mut Sums) {
         let Some(values) = sums.tangent.as_deref_mut() else { return };
         let pairs = self.nodes.iter().flat_map(|(_, a)| self.nodes.iter().map(move |(_, b)| a * b));
         for (block, factor) in self.places.iter().zip(pairs) {

@@ -2,6 +2,7 @@
 //!
 //! A [`Part`](super::model::part::Part) pushes on nodes; a [`ContactPair`](contact_pair::ContactPair) constrains them.
 
+pub mod actuator;
 pub mod body;
 pub mod body_force;
 pub mod body_mass;
@@ -11,10 +12,13 @@ pub mod contact_pair;
 pub mod damper;
 pub mod drag;
 pub mod force_laws;
+pub mod free_motion;
 pub mod friction_rows;
+pub mod joint_ends;
 pub mod laws;
 pub mod line;
 pub mod loads;
+pub mod motor;
 pub mod nodal;
 pub mod nodes;
 pub mod pairing;

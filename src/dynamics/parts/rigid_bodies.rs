@@ -10,12 +10,15 @@ use std::collections::BTreeSet;
 use super::body::Body;
 use super::carried::Carried;
 use super::contact_pair::{ContactPair, PairKind};
+use super::free_motion::FreeMotion;
+use super::joint_ends::{End, across, node_vector, size_of};
 use super::laws::Unilateral;
 use crate::contact::{PointConstraints, PointFunction, PointVector};
+use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::boundaries::inner_nodes;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Partner};
-use crate::dynamics::model::joints::{Anchor, JointDefinition, JointKind};
+use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointKind};
 use crate::dynamics::model::update_rules::PERSISTENCY;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
@@ -42,39 +45,48 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
     used
 }
 
-/// The constraints of rigid bodies and joints: for each body its rigidity and what it carries, then one pair for each joint.
+/// How a joint holds.
+struct Held {
+    is_one_sided: bool,
+    drive: Option<(Coordinate, Amplitude)>,
+}
+
+/// The constraints of rigid bodies and joints: for each body its rigidity and what it carries, then for each joint what it
+/// holds and its stops.
 pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference: &[f64]) -> Vec<ContactPair> {
     let mut pairs = Vec::new();
     let reach = largest_size(reference);
-    let mut add = |name: &str, kind: PairKind, body: usize, size: f64, kernel: PointConstraints| {
+    let mut add = |name: &str, kind: PairKind, body: usize, size: f64, kernel: PointConstraints, joint: Option<Held>| {
         if !kernel.is_empty() {
-            let is_one_sided = |joint: &JointDefinition| joint.name == name && matches!(joint.kind, JointKind::Cable(_));
             let mut pair = ContactPair::new(name, kind, Box::new(kernel), model.modulus(body), reach);
             pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
             pair.closed = (tolerances::CLOSED * size).max(10.0 * pair.gap_tolerance);
-            if kind == PairKind::Joint && model.joints.iter().any(is_one_sided) {
-                // What is taut gives back what it took.
-                (pair.law, pair.update) = (&Unilateral, &PERSISTENCY);
+            if let Some(Held { is_one_sided, drive }) = joint {
+                if is_one_sided {
+                    // What is taut, or at a stop, gives back what it took.
+                    (pair.law, pair.update) = (&Unilateral, &PERSISTENCY);
+                }
+                pair.drive = drive;
             }
             pairs.push(pair);
         }
     };
     for body in bodies {
         let Some(rigid) = &body.rigid else { continue };
-        add(&body.name, PairKind::Rigidity, body.number, rigid.size, rigidity::<D>(rigid, reference));
-        add(&body.name, PairKind::Rigidity, body.number, rigid.size, ties::<D>(rigid));
+        add(&body.name, PairKind::Rigidity, body.number, rigid.size, rigidity::<D>(rigid, reference), None);
+        add(&body.name, PairKind::Rigidity, body.number, rigid.size, ties::<D>(rigid), None);
     }
     let extent = model.extent();
     for joint in &model.joints {
         let body = joint.bodies().next().unwrap_or(0);
         let size = joint.bodies().filter_map(|body| bodies[body].rigid.as_ref()).map(|rigid| rigid.size).fold(extent, f64::min);
-        add(&joint.name, PairKind::Joint, body, size, joint_constraints(model, bodies, joint, size));
+        let drive = joint.drive.clone().and_then(|drive| Some((joint.kind.coordinate(D)?, drive)));
+        let held = Held { is_one_sided: matches!(joint.kind, JointKind::Cable(_)), drive };
+        add(&joint.name, PairKind::Joint, body, size, joint_constraints(model, bodies, joint, size), Some(held));
+        let stopped = Held { is_one_sided: true, drive: None };
+        add(&joint.name, PairKind::Joint, body, size, stops(model, bodies, joint, size), Some(stopped));
     }
     pairs
-}
-
-fn node_vector(node: u32) -> PointVector {
-    PointVector { parts: vec![(node, 1.0)], offset: [0.0; 3] }
 }
 
 /// The distances between masters stay: `(|x_i - x_j|^2 / l - l) / 2 = 0` of every two.
@@ -120,59 +132,9 @@ fn product(a: usize, b: usize, by: f64) -> PointFunction {
     PointFunction { products: vec![(a, b, by)], ..PointFunction::default() }
 }
 
-fn size_of(vector: [f64; 3]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// One end of a joint in the numbering of the model.
-struct End<'a, const D: usize> {
-    model: &'a Model,
-    body: Option<&'a Body<D>>,
-    anchor: Anchor,
-}
-
-impl<const D: usize> End<'_, D> {
-    /// Its point.
-    fn point(&self) -> PointVector {
-        let point = self.anchor.point;
-        match self.body.map(|body| (body, &body.rigid)) {
-            None => PointVector { parts: Vec::new(), offset: point },
-            Some((_, Some(rigid))) => {
-                PointVector { parts: rigid.masters.iter().copied().zip(rigid.frame.shares(point)).collect(), offset: [0.0; 3] }
-            }
-            Some((body, None)) => node_vector(body.nodes.start as u32 + self.model.bodies[body.number].nearest_node(point).0),
-        }
-    }
-
-    /// A direction of it, given at rest.
-    fn direction(&self, vector: [f64; 3]) -> PointVector {
-        match self.body.and_then(|body| body.rigid.as_ref()) {
-            Some(rigid) => {
-                PointVector { parts: rigid.masters.iter().copied().zip(rigid.frame.direction(vector)).collect(), offset: [0.0; 3] }
-            }
-            None => PointVector { parts: Vec::new(), offset: vector },
-        }
-    }
-}
-
-/// Two unit vectors across a direction: in the plane the first lies in it.
-pub fn across(direction: [f64; 3]) -> [[f64; 3]; 3] {
-    let size = size_of(direction);
-    let t = direction.map(|x| x / size);
-    let cross = |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    if t[2] == 0.0 {
-        return [t, [-t[1], t[0], 0.0], [0.0, 0.0, 1.0]];
-    }
-    let smallest = (0..3).min_by(|&a, &b| t[a].abs().total_cmp(&t[b].abs())).unwrap_or(0);
-    let axis = std::array::from_fn(|i| if i == smallest { 1.0 } else { 0.0 });
-    let raw = cross(t, axis);
-    let first = raw.map(|x| x / size_of(raw));
-    [t, first, cross(t, first)]
-}
-
 /// The constraints of a joint; angles count by `size`, so that all are lengths.
 fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &JointDefinition, size: f64) -> PointConstraints {
-    let [a, b] = joint.ends.map(|anchor| End { model, body: anchor.body.map(|body| &bodies[body]), anchor });
+    let [a, b] = End::of(model, bodies, joint);
     let between = b.point().minus(&a.point());
     let mut vectors = vec![between];
     let mut functions = Vec::new();
@@ -186,6 +148,8 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
     let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let frames: &[[[f64; 3]; 2]] = if D == 2 { &[[x, y]] } else { &[[x, y], [y, z], [z, x]] };
     match joint.kind {
+        // Its distance is limited or prescribed.
+        JointKind::Link | JointKind::Cable(_) if joint.limits.is_some() || joint.drive.is_some() => {}
         JointKind::Link => {
             let length = size_of(joint.distance());
             functions.push(PointFunction { constant: -0.5 * length, ..product(0, 0, 0.5 / length) });
@@ -214,6 +178,20 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
         }
     }
     let mut kernel = PointConstraints::new(D, size);
-    kernel.add(vectors, functions, None, joint.is_grounded());
+    if !functions.is_empty() {
+        kernel.add(vectors, functions, None, joint.is_grounded());
+    }
+    if let (Some(_), Some(free)) = (&joint.drive, FreeMotion::new(model, bodies, joint, size)) {
+        free.drive_into(&mut kernel);
+    }
+    kernel
+}
+
+/// The stops of a joint.
+fn stops<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &JointDefinition, size: f64) -> PointConstraints {
+    let mut kernel = PointConstraints::new(D, size);
+    if let (Some(limits), Some(free)) = (joint.limits, FreeMotion::new(model, bodies, joint, size)) {
+        free.limit_into(limits, &mut kernel);
+    }
     kernel
 }

@@ -26,6 +26,8 @@ struct Outside {
     /// Rigid obstacles and the ground, and the work that they do where they move.
     obstacles: Vec<f64>,
     obstacle_work: f64,
+    /// The share of that of each drive of a joint.
+    drive_works: Vec<f64>,
     /// Work of supports that move, and the angular momentum that they give besides that of their reactions.
     prescribed_work: f64,
     slip_moment: [f64; 3],
@@ -107,8 +109,7 @@ where
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
         let frictional = self.friction_work(&at, &shear, jump.as_ref());
-        // No zero with a sign where there is no friction.
-        row.friction_work = frictional.iter().sum::<f64>() + 0.0;
+        row.friction_work = frictional.iter().sum::<f64>() + 0.0; // no zero with a sign
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&shear, &active));
@@ -118,6 +119,7 @@ where
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
+        row.joints = self.joint_totals(&at.q_1, &lambda, &outside.drive_works);
         row.probes = self.probe_values(&at.u_1, &v_1);
         let state = State {
             drift: self.state.drift + row.energy_defect,
@@ -211,12 +213,14 @@ where
             system.loads_into(start.q_0, start.time, &mut load_n)?;
             load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += before * n);
         }
-        let (mut obstacles, mut obstacle_work) = (vec![0.0; unknowns], 0.0);
+        let (mut obstacles, mut obstacle_work, mut drive_works) = (vec![0.0; unknowns], 0.0, Vec::new());
         self.ground_into(start, motion, at, &mut obstacles, &mut load)?;
         for pair in &system.pairs {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
             let (lambda_n, lambda) = (shares(&self.state.lambda, if is_long { 0.0 } else { before }), shares(lambda, scheme.weight));
-            obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
+            let work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
+            obstacle_work += work;
+            drive_works.extend(pair.drive.as_ref().map(|_| if is_long { work / scheme.weight } else { work }));
         }
         if is_long {
             // As if the forces of the end had acted all the time.
@@ -243,7 +247,7 @@ where
                 force.iter_mut().zip(&lagging.left).for_each(|(force, left)| *force += scheme.lag.used * left);
             }
         }
-        Ok(Outside { load, obstacles, obstacle_work, prescribed_work, slip_moment, own })
+        Ok(Outside { load, obstacles, obstacle_work, drive_works, prescribed_work, slip_moment, own })
     }
 
     /// Adds what the ground and others outside exert through parts, and the loads of parts at the start; those of the step are there.

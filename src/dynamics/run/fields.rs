@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::contact::Obstacle;
+use crate::dynamics::model::joints::Coordinate;
 use crate::mesh::Mesh;
 
 /// Nodal fields of one body; every vector has one entry per node of its mesh.
@@ -127,6 +128,10 @@ pub struct JointLoad {
     pub moment: [f64; 3],
     /// Where that point is `[length]`.
     pub place: [f64; 3],
+    /// What it leaves free, if that is one number, with its value.
+    pub coordinate: Option<(Coordinate, f64)>,
+    /// Work of its drive in the last step, if it has one `[energy]`.
+    pub work: Option<f64>,
 }
 
 /// Constraints of a tie or a joint that follow from others and from supports, and are left out.
@@ -136,6 +141,8 @@ pub struct RedundantConstraints {
     pub name: String,
     /// Whether it is a joint.
     pub is_joint: bool,
+    /// Whether a drive is one of them.
+    pub is_driven: bool,
     /// How many of its constraints.
     pub count: usize,
     /// How many it has.

@@ -2,10 +2,12 @@
 
 use super::engine::Engine;
 use super::fields::JointLoad;
+use super::ledger::JointTotals;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::model::joints::Anchor;
+use crate::dynamics::model::joints::{Anchor, Coordinate, JointDefinition};
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow};
+use crate::dynamics::parts::free_motion::FreeMotion;
 use crate::dynamics::parts::nodal::{add_force, add_moment};
 use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
@@ -15,29 +17,53 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// What the joint of that name exerts on the body that it holds, with the multipliers of the last step in the present positions;
-    /// `None` when there is none.
+    /// What the joint of that name exerts on the body that it holds, with the multipliers of the last step in the present positions, and
+    /// its coordinate; `None` when there is none.
     pub fn joint_load(&self, name: &str) -> Option<JointLoad> {
         let index = self.model.joints.iter().position(|joint| joint.name == name)?;
         let joint = &self.model.joints[index];
-        let pair = self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Joint).nth(index)?;
-        let (q, lambda) = (&self.state.positions, &self.state.lambda[pair.rows.clone()]);
-        let held = self.system.bodies[joint.ends[1].body?].nodes.clone();
-        let place = self.anchor_place(&joint.ends[1])?;
-        let mut evaluation = Evaluation::default();
-        pair.kernel.evaluate(Derivative::AT_END, q, lambda, &mut evaluation);
-        let mut load = JointLoad { force: [0.0; 3], moment: [0.0; 3], place };
-        for row in pair.live_rows(&evaluation) {
-            let pressure = lambda[row.row - pair.rows.start];
-            let gradients = evaluation.gradient_end[row.gradient.clone()].chunks_exact(D);
-            for (&node, gradient) in row.nodes.iter().zip(gradients).filter(|(node, _)| held.contains(&(**node as usize))) {
-                let force: [f64; D] = std::array::from_fn(|i| pressure * gradient[i]);
-                let arm: [f64; D] = std::array::from_fn(|i| q[node as usize * D + i] - place[i]);
-                add_force(&mut load.force, &force);
-                add_moment(&mut load.moment, &arm, &force);
+        let (q, lambda, known) = (&self.state.positions, &self.state.lambda, self.state.row.joints.get(index));
+        let JointTotals { force, moment, value, .. } = self.joint_total(joint, q, lambda, known.map_or(0.0, |known| known.value));
+        let coordinate = joint.kind.coordinate(D).map(|coordinate| (coordinate, value));
+        let work = joint.drive.as_ref().map(|_| known.map_or(0.0, |known| known.work));
+        Some(JointLoad { force, moment, place: self.anchor_place(&joint.ends[1], q)?, coordinate, work })
+    }
+
+    /// What all joints exert at an iterate, and where they are; `works` are those of the drives in this step.
+    pub(super) fn joint_totals(&self, q: &[f64], lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
+        let mut works = works.iter();
+        let known = &self.state.row.joints;
+        let of = |(index, joint): (usize, &JointDefinition)| {
+            let mut total = self.joint_total(joint, q, lambda, known.get(index).map_or(0.0, |known| known.value));
+            total.work = if joint.drive.is_some() { works.next().copied().unwrap_or(0.0) } else { 0.0 };
+            total
+        };
+        self.model.joints.iter().enumerate().map(of).collect()
+    }
+
+    /// Those of a joint whose coordinate was `before`.
+    fn joint_total(&self, joint: &JointDefinition, q: &[f64], lambda: &[f64], before: f64) -> JointTotals {
+        let held = joint.ends[1].body.map_or(0..0, |body| self.system.bodies[body].nodes.clone());
+        let place = self.anchor_place(&joint.ends[1], q).unwrap_or_default();
+        let mut total = JointTotals::default();
+        for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Joint && pair.name == joint.name) {
+            let lambda = &lambda[pair.rows.clone()];
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Derivative::AT_END, q, lambda, &mut evaluation);
+            for row in pair.live_rows(&evaluation) {
+                let pressure = lambda[row.row - pair.rows.start];
+                let gradients = evaluation.gradient_end[row.gradient.clone()].chunks_exact(D);
+                for (&node, gradient) in row.nodes.iter().zip(gradients).filter(|(node, _)| held.contains(&(**node as usize))) {
+                    let force: [f64; D] = std::array::from_fn(|i| pressure * gradient[i]);
+                    let arm: [f64; D] = std::array::from_fn(|i| q[node as usize * D + i] - place[i]);
+                    add_force(&mut total.force, &force);
+                    add_moment(&mut total.moment, &arm, &force);
+                }
             }
         }
-        Some(load)
+        let free = FreeMotion::new(&self.model, &self.system.bodies, joint, 1.0);
+        total.value = free.map_or(f64::NAN, |free| free.value(q, before));
+        total
     }
 
     /// Joints that the velocities at the start do not fit, with the rate at which what they hold would part `[length/time]`.
@@ -46,7 +72,15 @@ where
         let rate = |pair: &ContactPair| {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
-            let of_row = |row: PatchRow| row.unknowns::<D>().map(|(k, entry)| evaluation.gradient_end[entry] * v[k]).sum::<f64>().abs();
+            // The row of a drive is the last one, and moves as that says.
+            let driven = pair.drive.as_ref().map_or(0.0, |(coordinate, function)| {
+                let arm = if *coordinate == Coordinate::Angle { pair.kernel.facet_size() } else { 1.0 };
+                arm * function.rate(self.state.row.time).unwrap_or(f64::NAN)
+            });
+            let of_row = |row: PatchRow| {
+                let demanded = if row.row + 1 == pair.rows.end { driven } else { 0.0 };
+                (row.unknowns::<D>().map(|(k, entry)| evaluation.gradient_end[entry] * v[k]).sum::<f64>() - demanded).abs()
+            };
             pair.live_rows(&evaluation).map(of_row).fold(0.0, f64::max)
         };
         let joints = self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Joint && pair.law.is_bilateral());
@@ -55,9 +89,8 @@ where
     }
 
     /// Where an end of a joint is.
-    fn anchor_place(&self, anchor: &Anchor) -> Option<[f64; 3]> {
+    fn anchor_place(&self, anchor: &Anchor, q: &[f64]) -> Option<[f64; 3]> {
         let body = &self.system.bodies[anchor.body?];
-        let q = &self.state.positions;
         let at = |node: usize, i: usize| if i < D { q[node * D + i] } else { 0.0 };
         let Some(rigid) = &body.rigid else {
             let node = body.nodes.start + self.model.bodies[body.number].nearest_node(anchor.point).0 as usize;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::bodies::{Elements, Space};
+use crate::dynamics::model::joints::{Coordinate, JointDefinition};
 use crate::dynamics::model::part::{Part, PartDefinition, Pose};
 use crate::dynamics::step::system::System;
 use crate::math::tolerances;
@@ -63,6 +64,8 @@ pub struct LedgerRow {
     pub reactions: Vec<Reaction>,
     /// One for each part of [`Model::parts`](crate::dynamics::Model::parts), in their order.
     pub parts: Vec<PartTotals>,
+    /// One for each joint of the model, in their order; none before the first step.
+    pub joints: Vec<JointTotals>,
     /// One for each node that is watched ([`Simulation::watch`](crate::dynamics::Simulation::watch)), in the order in which they were
     /// asked for.
     pub probes: Vec<ProbeValues>,
@@ -155,6 +158,37 @@ impl Reaction {
     }
 }
 
+/// What a joint exerts on the body that it holds, and where it is at the end of the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointTotals {
+    /// The force `[force]`.
+    pub force: [f64; 3],
+    /// The moment about the joint's point on that body `[force * length]`; in the plane the third component.
+    pub moment: [f64; 3],
+    /// Its coordinate, an angle over whole turns `[rad]` or a length; no number where it has none.
+    pub value: f64,
+    /// Work of its drive in the step `[energy]`.
+    pub work: f64,
+}
+
+impl JointTotals {
+    /// Names of its columns in a history.
+    pub fn columns(joint: &JointDefinition, dimension: usize) -> Vec<&'static str> {
+        let mut names = Reaction::columns(dimension);
+        names.extend(joint.kind.coordinate(dimension).map(Coordinate::name));
+        names.extend(joint.drive.as_ref().map(|_| "work"));
+        names
+    }
+
+    /// Its columns' values, in their order.
+    pub fn values(&self, joint: &JointDefinition, dimension: usize) -> Vec<f64> {
+        let mut values = Reaction { force: self.force, moment: self.moment }.values(dimension);
+        values.extend(joint.kind.coordinate(dimension).map(|_| self.value));
+        values.extend(joint.drive.as_ref().map(|_| self.work));
+        values
+    }
+}
+
 /// Motion of a watched node.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProbeValues {
@@ -227,6 +261,13 @@ impl LedgerRow {
             now.friction_work += then.friction_work;
         }
         self.parts.iter_mut().zip(&before.parts).for_each(|(now, then)| now.dissipated += then.dissipated);
+        for (now, then) in self.joints.iter_mut().zip(&before.joints) {
+            (0..3).for_each(|i| {
+                mean(&mut now.force[i], then.force[i]);
+                mean(&mut now.moment[i], then.moment[i]);
+            });
+            now.work += then.work;
+        }
         for (now, then) in self.reactions.iter_mut().zip(&before.reactions) {
             (0..3).for_each(|i| {
                 mean(&mut now.force[i], then.force[i]);

@@ -180,7 +180,9 @@ where
                 (body.to_string(), number, place)
             });
             let (name, count, of) = (pair.name.clone(), rows.count() + 1, pair.rows.len());
-            Some(RedundantConstraints { name, is_joint: pair.kind == PairKind::Joint, count, of, node })
+            // The row of a drive is the last of its joint.
+            let is_driven = pair.drive.is_some() && system.redundant[pair.rows.end - 1];
+            Some(RedundantConstraints { name, is_joint: pair.kind == PairKind::Joint, is_driven, count, of, node })
         };
         // Supports of a rigid body hold more nodes than it has motions.
         system.pairs.iter().filter(|pair| pair.kind != PairKind::Rigidity).filter_map(of).collect()

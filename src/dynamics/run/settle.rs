@@ -181,10 +181,10 @@ where
         let State { positions: q, lambda, active, slipped, .. } = &*self.state;
         let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
         let contacts = self.contact_totals(q, &touching);
-        let forces = &at.forces;
-        let reaction = |k: usize| forces.whole(forces.residual(k));
+        let reaction = |k: usize| at.forces.whole(at.forces.residual(k));
         let reactions = self.reactions(|k| self.state.positions[k], reaction);
         self.system.recycle(at);
+        let joints = self.joint_totals(q, lambda, &[]);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
         let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
             Arc::make_mut(&mut self.state);
@@ -201,7 +201,7 @@ where
         (row.momentum, row.angular_momentum) = self.system.nodes.momenta(q, v);
         row.active = self.system.touching(active);
         row.max_penetration = contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
-        (row.contacts, row.reactions, row.probes) = (contacts, reactions, probes);
+        (row.contacts, row.reactions, row.joints, row.probes) = (contacts, reactions, joints, probes);
         row.parts = self.system.part_totals(Pose { q, u }, v, memory, &[]);
         self.check_overlaps(&progress.closing)?;
         Ok(SettleReport {

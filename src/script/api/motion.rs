@@ -11,8 +11,8 @@ use super::units::{Dimension, Units};
 use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
-    Amplitude, Change, Coefficient, Friction, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, TimeFunction,
-    TimeFunctionError, Turn,
+    Amplitude, Change, Coefficient, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, Rescaled,
+    TimeFunction, TimeFunctionError, Turn,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
@@ -51,31 +51,6 @@ impl TimeFunction for Combined {
 
     fn describe(&self) -> String {
         self.terms.iter().map(|(factor, inner)| format!("{} {}", brief(*factor), inner.describe())).collect::<Vec<_>>().join(" + ")
-    }
-}
-
-/// The value of another time function in other units.
-struct Rescaled {
-    inner: Amplitude,
-    time: f64,
-    value: f64,
-}
-
-impl TimeFunction for Rescaled {
-    fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
-        Ok(self.value * self.inner.value(time / self.time)?)
-    }
-
-    fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
-        Ok(self.value / self.time * self.inner.rate(time / self.time)?)
-    }
-
-    fn corners(&self) -> Vec<f64> {
-        self.inner.corners().into_iter().map(|time| time * self.time).collect()
-    }
-
-    fn describe(&self) -> String {
-        self.inner.describe()
     }
 }
 
@@ -165,6 +140,12 @@ impl Motion {
         for joint in &mut moved.joints {
             joint.kind = joint.kind.along(|direction| self.vector(direction, 1.0));
             joint.ends.iter_mut().for_each(|end| end.point = self.point(end.point));
+            let scale = joint.kind.coordinate(dimension).map_or(1.0, |coordinate| units.length.powi(coordinate.lengths()));
+            joint.drive = joint.drive.as_ref().map(|drive| self.amplitude(drive, scale));
+            joint.limits = joint.limits.map(|limits| limits.map(|limit| scale * limit));
+            if let JointKind::Cable(longest) = &mut joint.kind {
+                *longest *= units.length;
+            }
         }
         moved.gravity = self.vector(model.gravity, speed / units.time);
         moved.gravity_amplitude = model.gravity_amplitude.as_ref().map(|amplitude| self.amplitude(amplitude, 1.0));
@@ -287,10 +268,7 @@ impl Motion {
     }
 
     fn amplitude(&self, inner: &Amplitude, value: f64) -> Amplitude {
-        if self.units.time == 1.0 && value == 1.0 {
-            return inner.clone();
-        }
-        Arc::new(Rescaled { inner: inner.clone(), time: self.units.time, value })
+        Rescaled::of(inner, self.units.time, value)
     }
 
     fn prescription(&self, model: &Model, given: &Prescription) -> Result<Prescription, String> {

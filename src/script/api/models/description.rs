@@ -2,7 +2,7 @@
 
 use super::data::ModelData;
 use crate::contact::{Obstacle, ObstacleInSpace};
-use crate::dynamics::{Amplitude, BodyBoundary, BodyDefinition, Interaction, Model, Partner, Prescription, Turn};
+use crate::dynamics::{Amplitude, BodyBoundary, BodyDefinition, Coordinate, Interaction, Model, Partner, Prescription, Turn};
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::wording::joined;
@@ -29,7 +29,11 @@ pub fn describe_model(data: &ModelData) -> String {
         let names =
             joint.ends.iter().rev().map(|end| end.body.map_or("the ground".into(), |body| format!("\"{}\"", model.bodies[body].name)));
         let at = vector_text(&joint.ends[1].point[..model.dimension()]);
-        format!("  joint \"{}\": {} of {} at {at}", joint.name, joint.kind.name(), joined(&names.collect::<Vec<_>>(), "and"))
+        let what = joint.kind.coordinate(model.dimension()).map_or("", Coordinate::name);
+        let drive = joint.drive.as_ref().map_or(String::new(), |drive| format!(", {what} {}", drive.describe()));
+        let limits = joint.limits.map_or(String::new(), |[least, largest]| format!(", {what} from {least} to {largest}"));
+        let names = joined(&names.collect::<Vec<_>>(), "and");
+        format!("  joint \"{}\": {} of {names} at {at}{drive}{limits}", joint.name, joint.kind.name())
     }));
     lines.extend(model.parts.iter().map(|part| format!("  {}", part.describe())));
     lines.extend(describe_contacts(model));

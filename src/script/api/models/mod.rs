@@ -16,6 +16,7 @@ pub mod growth;
 pub mod handle;
 pub mod loads;
 pub mod masses;
+pub mod motors;
 pub mod properties;
 pub mod rigid;
 pub mod springs;
@@ -40,6 +41,8 @@ pub fn functions() -> Vec<Function> {
     all.push(body_forces::body_force());
     all.extend([
         rigid::add_joint(),
+        motors::add_motor(),
+        motors::add_actuator(),
         springs::add_spring(),
         springs::add_torsion_spring(),
         dampers::add_damper(),

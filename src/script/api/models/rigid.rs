@@ -15,6 +15,7 @@ use crate::mesh::Mesh;
 use crate::script::api::examples::plate_example;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::remedies::ScriptWords;
+use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::Failure;
@@ -152,6 +153,45 @@ fn number_of(value: &Dynamic) -> Option<f64> {
 /// Words for [`JointKind`].
 const KINDS: [&str; 7] = ["point", "hinge", "slider", "slot", "weld", "link", "cable"];
 
+/// The keys of a joint.
+fn joint_options() -> Vec<Parameter> {
+    vec![
+        Parameter::new(
+            "kind",
+            Kind::Choice(&KINDS),
+            "what it leaves free: turning about a point (`point`: a hinge in the plane, a ball joint in space), turning about \
+             an axis in space (`hinge`), moving along a line without turning (`slider`), moving along a line of `to` and \
+             turning (`slot`), nothing (`weld`), all but the distance of two points (`link`), or all as long as they are \
+             not farther apart than `length` (`cable`)",
+        ),
+        Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the body that it holds"),
+        Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the body that it holds it to").or(Absent::Means("the ground")),
+        Parameter::new("point", Kind::Vector, "where it is at rest: any point of a rigid body, a node of one that deforms").of("length"),
+        Parameter::new("to_point", Kind::Vector, "the point of `to`, where that is another one: the other end of a link")
+            .of("length")
+            .or(Absent::Means("`point`")),
+        Parameter::new("axis", Kind::Vector, "the axis of a hinge, or the direction of a slider or a slot, at rest")
+            .of("length")
+            .or(Absent::Means("the kind needs none")),
+        Parameter::number("length", "length", Interval::Positive, "the length of a cable, at which it is taut")
+            .or(Absent::Means("the distance of both points at rest")),
+        Parameter::new(
+            "drive",
+            Kind::Amplitude,
+            "what a motor prescribes over time: the angle by which `from` turns in a hinge, in the plane in a point joint, about `axis` \
+             or counter-clockwise, the travel in a slider or a slot, both 0 at the start; the distance of a link, the length of a cable",
+        )
+        .or(Absent::Means("nothing is prescribed")),
+        Parameter::new(
+            "limits",
+            Kind::Array,
+            "`[least, largest]` angle or travel, at which it meets a stop without friction and bounces without loss; of a \
+             link the distances between which it is free",
+        )
+        .or(Absent::Means("none")),
+    ]
+}
+
 /// `add_joint`.
 pub fn add_joint() -> Function {
     Function {
@@ -161,41 +201,16 @@ pub fn add_joint() -> Function {
         summary: "joins two bodies, or a body and the ground, exactly: by constraints, without stiffness and without play",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among joints"),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::new(
-                        "kind",
-                        Kind::Choice(&KINDS),
-                        "what it leaves free: turning about a point (`point`: a hinge in the plane, a ball joint in space), turning about \
-                         an axis in space (`hinge`), moving along a line without turning (`slider`), moving along a line of `to` and \
-                         turning (`slot`), nothing (`weld`), all but the distance of two points (`link`), or all as long as they are \
-                         not farther apart than `length` (`cable`)",
-                    ),
-                    Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the body that it holds"),
-                    Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the body that it holds it to").or(Absent::Means("the ground")),
-                    Parameter::new("point", Kind::Vector, "where it is at rest: any point of a rigid body, a node of one that deforms")
-                        .of("length"),
-                    Parameter::new("to_point", Kind::Vector, "the point of `to`, where that is another one: the other end of a link")
-                        .of("length")
-                        .or(Absent::Means("`point`")),
-                    Parameter::new("axis", Kind::Vector, "the axis of a hinge, or the direction of a slider or a slot, at rest")
-                        .of("length")
-                        .or(Absent::Means("the kind needs none")),
-                    Parameter::number("length", "length", Interval::Positive, "the length of a cable, at which it is taut")
-                        .or(Absent::Means("the distance of both points at rest")),
-                ]),
-                "what it joins, and how",
-            ),
+            Parameter::new("options", Kind::Options(joint_options()), "what it joins, and how"),
         ],
         returns: "",
         example: plate_example(
             "let rod = press.add_rigid_body(\"rod\", rectangle(#{ size: [2.0, 0.1], cells: [4, 1], origin: [2.0, 0.0] }), #{ density: 1.0 \
              });\n\
              press.add_joint(\"hinge\", #{ kind: \"point\", from: rod, to: plate, point: [2.0, 0.0] });\n\
-             press.add_joint(\"rail\", #{ kind: \"slot\", from: rod, point: [4.0, 0.05], axis: [0.0, 1.0] });",
+             press.add_joint(\"rail\", #{ kind: \"slot\", from: rod, point: [4.0, 0.05], axis: [0.0, 1.0], limits: [-0.5, 0.5] });",
         ),
-        see_also: &["add_rigid_body", "add_spring", "tie", "fix"],
+        see_also: &["add_rigid_body", "add_motor", "add_spring", "tie", "fix"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.name("name")?, call.options("options")?);
@@ -210,7 +225,9 @@ pub fn add_joint() -> Function {
             for (end, argument) in ends.iter_mut().zip(["to_point", "point"]) {
                 snap(&options.argument(argument), &model.0.borrow().model, end)?;
             }
-            let mut joint = JointDefinition { name, kind, ends };
+            let argument = options.argument("drive");
+            let drive = if argument.is_given() { Some(amplitude_of(&argument)?) } else { None };
+            let mut joint = JointDefinition { name, kind, ends, drive, limits: limits_of(&options)? };
             set_length(&options, &mut joint)?;
             change(call, &model, |data| data.model.joints.push(joint))?;
             Ok(Dynamic::UNIT)
@@ -243,6 +260,22 @@ fn kind_of(options: &Options, model: &Model) -> Result<JointKind, Failure> {
         "cable" => JointKind::Cable(0.0),
         _ => JointKind::Point,
     })
+}
+
+/// The limits of a joint.
+fn limits_of(options: &Options) -> Result<Option<[f64; 2]>, Failure> {
+    let argument = options.argument("limits");
+    if !argument.is_given() {
+        return Ok(None);
+    }
+    let values = argument.value().try_cast::<Array>().unwrap_or_default();
+    match values.iter().map(number_of).collect::<Option<Vec<f64>>>().as_deref() {
+        Some(&[least, largest]) if least < largest => Ok(Some([least, largest])),
+        _ => {
+            let failure = argument.fail(format!("{} must be two numbers, the least and the largest", argument.title()));
+            Err(failure.hint("such as `limits: [deg(-30), deg(45)]`, or `limits: [0.0, 0.5]`"))
+        }
+    }
 }
 
 /// Gives a cable its length.

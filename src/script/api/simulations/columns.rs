@@ -1,7 +1,7 @@
 //! The columns of a simulation's history behind those of the ledger: totals of contact pairs, reactions of supports, readings of springs
-//! and other parts, values of probes.
+//! and other parts, what joints exert, values of probes.
 
-use crate::dynamics::{ContactTotals, LedgerRow, Model, PartTotals, ProbeValues, Reaction};
+use crate::dynamics::{ContactTotals, JointTotals, LedgerRow, Model, PartTotals, ProbeValues, Reaction};
 
 /// A material point that is followed.
 #[derive(Clone)]
@@ -14,7 +14,8 @@ pub struct Probe {
     pub node: usize,
 }
 
-/// Names of the history's columns of all contact pairs, then of the boundaries that supports hold, then of parts such as springs.
+/// Names of the history's columns of all contact pairs, then of the boundaries that supports hold, of parts such as springs, of
+/// joints.
 pub fn model_columns(model: &Model) -> Vec<String> {
     let contacts = ContactTotals::columns(model.dimension());
     let mut names: Vec<String> =
@@ -22,6 +23,9 @@ pub fn model_columns(model: &Model) -> Vec<String> {
     let reactions = Reaction::columns(model.dimension());
     names.extend(model.support_names().iter().flat_map(|name| reactions.iter().map(move |column| format!("{name}.reaction.{column}"))));
     names.extend(model.parts.iter().flat_map(|part| PartTotals::columns(&**part).map(|column| format!("{}.{column}", part.name()))));
+    for joint in &model.joints {
+        names.extend(JointTotals::columns(joint, model.dimension()).iter().map(|column| format!("{}.{column}", joint.name)));
+    }
     names
 }
 
@@ -41,6 +45,9 @@ pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     values.extend(row.reactions.iter().flat_map(|reaction| reaction.values(dimension)));
     values.resize(contacts + model.support_names().len() * Reaction::columns(dimension).len(), f64::NAN);
     values.extend(model.parts.iter().zip(&row.parts).flat_map(|(part, totals)| totals.values(&**part)));
+    let (joints, known) = (&model.joints, values.len());
+    values.extend(joints.iter().zip(&row.joints).flat_map(|(joint, totals)| totals.values(joint, dimension)));
+    values.resize(known + joints.iter().map(|joint| JointTotals::columns(joint, dimension).len()).sum::<usize>(), f64::NAN);
     values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
     values
 }

@@ -53,7 +53,71 @@ pub fn functions() -> Vec<Function> {
             JointHandle::moment,
         ),
         property("position", "Array", "where the joint's point on `from` is", |joint| joint.array(joint.load.place)),
+        coordinate("angle", "the angle by which `from` has turned in a hinge, in the plane in a point joint, over whole turns `[rad]`"),
+        coordinate("travel", "how far `from` has moved in a slider or a slot `[length]`"),
+        coordinate("distance", "the distance of both points of a link or a cable `[length]`"),
+        work(),
     ]
+}
+
+/// The coordinate of a joint by its name.
+fn coordinate(name: &'static str, summary: &'static str) -> Function {
+    let (joint, options) = match name {
+        "travel" => ("rail", "kind: \"slider\", axis: [1.0, 0.0], drive: |t| 0.5 * t * t"),
+        "distance" => ("rope", "kind: \"cable\", to_point: [0.0, 3.0], drive: |t| 3.0 - 0.5 * t * t"),
+        _ => ("swing", "kind: \"point\", drive: |t| 0.5 * t * t"),
+    };
+    Function {
+        name,
+        form: Form::Property(JointHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns: "float",
+        example: rod_example(joint, options, name),
+        see_also: &["joint", "add_joint"],
+        body: body(move |call| {
+            let joint = call.receiver::<JointHandle>();
+            match joint.load.coordinate {
+                Some((coordinate, value)) if coordinate.name() == name => Ok(value.into()),
+                other => {
+                    let has = other.map_or("neither angle, travel nor distance".into(), |(other, _)| format!("`{}`", other.name()));
+                    Err(call.fail(format!("joint \"{}\" has no {name}", joint.name)).hint(format!("it has {has}")).into())
+                }
+            }
+        }),
+    }
+}
+
+/// `work`.
+fn work() -> Function {
+    Function {
+        name: "work",
+        form: Form::Property(JointHandle::receiver()),
+        topic: Topic::Results,
+        summary: "work of the joint's drive in the last step, part of `load_work` `[energy]`",
+        parameters: Vec::new(),
+        returns: "float",
+        example: rod_example("swing", "kind: \"point\", drive: |t| 0.5 * t * t", "work"),
+        see_also: &["joint", "add_joint"],
+        body: body(|call| {
+            let joint = call.receiver::<JointHandle>();
+            let failure = || call.fail(format!("joint \"{}\" has no drive", joint.name)).hint("forces of joints without one do no work");
+            Ok(joint.load.work.ok_or_else(failure)?.into())
+        }),
+    }
+}
+
+/// A rod with a joint that a motor moves, for examples.
+fn rod_example(joint: &str, options: &str, property: &str) -> std::borrow::Cow<'static, str> {
+    let lines = format!(
+        "let machine = model(\"machine\");\n\
+         let rod = machine.add_rigid_body(\"rod\", rectangle(#{{ size: [2.0, 0.1], cells: [4, 1] }}), #{{ density: 1.0 }});\n\
+         machine.add_joint(\"{joint}\", #{{ from: rod, point: [0.0, 0.0], {options} }});\n\
+         let sim = simulate(machine, #{{ integrator: energy_momentum(), dt: 0.001 }});\nsim.step();\n\
+         print(sim.joint(\"{joint}\").{property});"
+    );
+    lines.into()
 }
 
 /// A model with a joint, for examples.

@@ -132,7 +132,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
         call.host.warn(warning.hint(finding.hint()));
     }
-    warn_of_joints(call, &model, &simulation);
+    warn_of_joints(call, &model, &simulation)?;
     for body in model.model.locking() {
         call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.remedy()));
     }
@@ -169,9 +169,17 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
 }
 
 /// Warns of constraints that follow from others, and of velocities that do not fit joints.
-fn warn_of_joints(call: &Call, model: &ModelData, simulation: &Simulation) {
+///
+/// # Errors
+/// A drive of what is held already.
+fn warn_of_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Result<(), Failure> {
     for found in simulation.redundant_constraints() {
-        let RedundantConstraints { name, is_joint, count, of, node } = found;
+        let RedundantConstraints { name, is_joint, is_driven, count, of, node } = found;
+        if is_driven {
+            let failure = Failure::script(format!("the drive of joint \"{name}\" moves what is held already, or driven by another joint"));
+            let hint = "a mechanism takes as many drives as it has motions: leave out this one, or another joint or support";
+            return Err(failure.hint(hint).placed(call.place(&Target::Call)));
+        }
         if is_joint {
             let title = format!("{count} of {of} constraints of joint \"{name}\" follow from the joints before it, and are left out");
             let warning = Diagnostic::warning(title, call.place(&Target::Call));
@@ -190,12 +198,20 @@ fn warn_of_joints(call: &Call, model: &ModelData, simulation: &Simulation) {
             warning.hint("tie surfaces once, and leave supports to one of two tied surfaces; nothing is lost unless supports part them"),
         );
     }
+    for joint in &model.model.joints {
+        let Some(time) = joint.jump() else { continue };
+        let title = format!("the rate of the drive of joint \"{}\" jumps at t = {}", joint.name, brief(time));
+        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        let cause = "velocities at the ends of steps swing about the right ones from then on";
+        call.host.warn(warning.cause(cause).hint("let it change smoothly: `|t| if t < 1.0 { 0.5 * t * t } else { t - 0.5 }`"));
+    }
     for (name, rate) in simulation.loose_joints() {
         let title = format!("the initial velocities do not fit joint \"{name}\": what it holds would part at {}", brief(rate));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         let cause = "the first step makes them fit, and the velocities at the ends of steps swing about the right ones from then on";
         call.host.warn(warning.cause(cause).hint("give every body of a mechanism the velocity and the spin that its joints leave it"));
     }
+    Ok(())
 }
 
 /// How often sound may cross a body in a step at most, before its density counts as a mistake of units.

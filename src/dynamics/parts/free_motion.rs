@@ -1,0 +1,118 @@
+//! What a joint leaves free as one number, its coordinate: what it is, how a drive prescribes it, how stops limit it.
+//!
+//! An angle `phi` between directions `b` of one end and `a`, `n` of the other, unit vectors across the axis and each other, stands in
+//! `b.a = cos phi`, `b.n = sin phi`, so
+//!
+//! ```text
+//! drive   Phi = h sin(phi - s)                                     = h (cos s b.n - sin s b.a)
+//! stops   Phi = h (cos(phi - m) - cos w) / sin w >= 0              m: middle of the range, w: half its width
+//! ```
+//!
+//! A travel is `r.t` with the vector `r` between the points and a direction `t` of the first end, a distance `|r|`, prescribed or limited
+//! as `(|r|^2 - s^2) / (2 l)`. All are quadratic in points and directions, so their gradients in the middle of a step are discrete gradients,
+//! and none changes with rigid motions of both ends: the energy is exact, and so are the momenta between two bodies.
+
+use super::body::Body;
+use super::joint_ends::{End, across};
+use crate::contact::{DrivenFunction, PointConstraints, PointFunction, PointVector};
+use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointKind};
+
+/// The coordinate of a joint in the numbering of the model.
+pub struct FreeMotion {
+    dimension: usize,
+    coordinate: Coordinate,
+    /// `b, a, n` of an angle, `r, t` of a travel, `r` of a distance.
+    vectors: Vec<PointVector>,
+    /// What it is at rest besides what counts: `r.t` of a travel, `l` of a distance.
+    rest: f64,
+    /// A length by which an angle counts.
+    size: f64,
+    /// Whether it may be less than its drive.
+    is_cable: bool,
+    is_grounded: bool,
+}
+
+impl FreeMotion {
+    /// That of a joint, if it has a coordinate; angles count by `size`.
+    pub fn new<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &JointDefinition, size: f64) -> Option<Self> {
+        let coordinate = joint.kind.coordinate(D)?;
+        let [a, b] = End::of(model, bodies, joint);
+        let [t, n, m] = across(joint.kind.direction().unwrap_or([1.0, 0.0, 0.0]));
+        let between = || b.point().minus(&a.point());
+        let (vectors, rest) = match coordinate {
+            Coordinate::Angle if D == 2 => (vec![b.direction(t), a.direction(t), a.direction(n)], 0.0),
+            Coordinate::Angle => (vec![b.direction(n), a.direction(n), a.direction(m)], 0.0),
+            Coordinate::Travel => {
+                let rest = joint.distance().iter().zip(t).map(|(r, t)| r * t).sum();
+                (vec![between(), a.direction(t)], rest)
+            }
+            Coordinate::Distance => (vec![between()], joint.at_rest()),
+        };
+        let (is_cable, is_grounded) = (matches!(joint.kind, JointKind::Cable(_)), joint.is_grounded());
+        Some(FreeMotion { dimension: D, coordinate, vectors, rest, size, is_cable, is_grounded })
+    }
+
+    /// Its value where the nodes are at `q`; of an angle that which is nearest to one `before`.
+    pub fn value(&self, q: &[f64], before: f64) -> f64 {
+        let y: Vec<[f64; 3]> = self.vectors.iter().map(|vector| vector.at(self.dimension, q)).collect();
+        let dot = |i: usize, j: usize| -> f64 { y[i].iter().zip(y[j]).map(|(a, b)| a * b).sum() };
+        match self.coordinate {
+            Coordinate::Angle => {
+                let angle = dot(0, 2).atan2(dot(0, 1));
+                angle + std::f64::consts::TAU * ((before - angle) / std::f64::consts::TAU).round()
+            }
+            Coordinate::Travel => dot(0, 1) - self.rest,
+            Coordinate::Distance => dot(0, 0).sqrt(),
+        }
+    }
+
+    /// Adds the row that prescribes it.
+    pub fn drive_into(&self, kernel: &mut PointConstraints) {
+        let (size, rest) = (self.size, self.rest);
+        let sign = if self.is_cable { -1.0 } else { 1.0 };
+        let function: DrivenFunction = match self.coordinate {
+            Coordinate::Angle => Box::new(move |angle| {
+                let (sine, cosine) = angle.sin_cos();
+                PointFunction { products: vec![(0, 1, -size * sine), (0, 2, size * cosine)], ..PointFunction::default() }
+            }),
+            Coordinate::Travel => {
+                Box::new(move |travel| PointFunction { products: vec![(0, 1, 1.0)], linear: Vec::new(), constant: -(rest + travel) })
+            }
+            Coordinate::Distance => Box::new(move |distance| distance_beyond(sign, distance, rest)),
+        };
+        let start = if self.coordinate == Coordinate::Distance { rest } else { 0.0 };
+        kernel.add_driven(self.vectors.clone(), function, start, self.is_grounded);
+    }
+
+    /// Adds the rows that keep it within limits.
+    pub fn limit_into(&self, [least, largest]: [f64; 2], kernel: &mut PointConstraints) {
+        let functions = match self.coordinate {
+            Coordinate::Angle => {
+                let (middle, (sine, cosine)) = (0.5 * (least + largest), (0.5 * (largest - least)).sin_cos());
+                let by = self.size / sine;
+                let products = vec![(0, 1, by * middle.cos()), (0, 2, by * middle.sin())];
+                vec![PointFunction { products, linear: Vec::new(), constant: -by * cosine }]
+            }
+            Coordinate::Travel => {
+                let beyond = |sign: f64, travel: f64| PointFunction {
+                    products: vec![(0, 1, sign)],
+                    linear: Vec::new(),
+                    constant: -sign * (self.rest + travel),
+                };
+                vec![beyond(1.0, least), beyond(-1.0, largest)]
+            }
+            Coordinate::Distance => {
+                let shortest = (least > 0.0).then(|| distance_beyond(1.0, least, least));
+                shortest.into_iter().chain([distance_beyond(-1.0, largest, largest)]).collect()
+            }
+        };
+        kernel.add(self.vectors.clone(), functions, None, self.is_grounded);
+    }
+}
+
+/// `sign (|r|^2 - distance^2) / (2 length)` of the first vector.
+fn distance_beyond(sign: f64, distance: f64, length: f64) -> PointFunction {
+    let by = 0.5 * sign / length;
+    PointFunction { products: vec![(0, 0, by)], linear: Vec::new(), constant: -by * distance * distance }
+}

@@ -1,0 +1,129 @@
+//! What drives by a force or a torque over time: actuators between points, motors between rigid bodies.
+
+use std::sync::Arc;
+
+use rhai::{Dynamic, ImmutableString};
+
+use super::arguments::body_of;
+use super::change::change;
+use super::ends::{GROUND, end_parameters, ends_of};
+use super::handle::{BodyHandle, ModelHandle};
+use crate::bodies::Frame;
+use crate::dynamics::{ActuatorDefinition, MotorDefinition, Turn};
+use crate::script::api::examples::{TOUCH, plate_example};
+use crate::script::api::time_functions::amplitude_of;
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+const NAME: &str = "its name, unique among springs, dampers, chambers and masses";
+
+/// `add_actuator`.
+pub fn add_actuator() -> Function {
+    let mut keys = end_parameters();
+    let force = Parameter::new("force", Kind::Amplitude, "the force that pushes the ends apart over time (plane: per thickness)");
+    keys.push(force.of("force"));
+    Function {
+        name: "add_actuator",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "pushes points of bodies, centroids of boundaries or the ground apart along their line with a force over time, as a \
+                  cylinder does: on both ends alike, its work is part of `load_work`; the history has its `length`, `force` and `work`",
+        parameters: vec![Parameter::new("name", Kind::Text, NAME), Parameter::new("options", Kind::Options(keys), "ends and force")],
+        returns: "",
+        example: plate_example(&format!(
+            "{TOUCH}press.add_actuator(\"cylinder\", #{{ from: plate.boundary(\"top\"), to: \"ground\", to_point: [1.0, 3.0], force: \
+             ramp(0.0, 0.1, 2.0) }});"
+        )),
+        see_also: &["add_motor", "add_joint", "add_spring", "force"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.name("name")?, call.options("options")?);
+            let (ends, force) = (ends_of(&options, &model)?, amplitude_of(&options.argument("force"))?);
+            change(call, &model, |data| data.model.parts.push(Arc::new(ActuatorDefinition { name, ends, force })))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `add_motor`.
+pub fn add_motor() -> Function {
+    let keys = vec![
+        Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the rigid body that it turns"),
+        Parameter::new("to", Kind::Either("a Body or \"ground\""), "what it turns it against: the rigid body that has the torque back"),
+        Parameter::new("axis", Kind::Vector, "the axis at rest, in space: it turns with `to`")
+            .of("1")
+            .or(Absent::Means("the model is plane")),
+        Parameter::new("torque", Kind::Amplitude, "the torque over time, counter-clockwise or about `axis` (plane: per thickness)")
+            .of("force * length"),
+    ];
+    Function {
+        name: "add_motor",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "turns a rigid body against another one, or against the ground, with a torque over time: on both alike, its work is part \
+                  of `load_work`; the history has its `torque` and `work`. A motor that prescribes the angle is the `drive` of a joint",
+        parameters: vec![Parameter::new("name", Kind::Text, NAME), Parameter::new("options", Kind::Options(keys), "bodies and torque")],
+        returns: "",
+        example: plate_example(
+            "let rotor = press.add_rigid_body(\"rotor\", ring(#{ inner_radius: 0.1, outer_radius: 0.4, cells: [1, 12], center: [5.0, 0.0] \
+             }), #{ density: 1.0 });\n\
+             press.add_joint(\"bearing\", #{ kind: \"point\", from: rotor, point: [5.0, 0.0] });\n\
+             press.add_motor(\"motor\", #{ from: rotor, to: \"ground\", torque: hat(0.0, 0.5, 0.1) });",
+        ),
+        see_also: &["add_actuator", "add_joint", "torque", "add_torsion_spring"],
+        body: body(|call| {
+            let model = call.receiver::<ModelHandle>();
+            let (name, options) = (call.name("name")?, call.options("options")?);
+            let to = options.argument("to");
+            let is_ground = to.value().read_lock::<ImmutableString>().is_some_and(|word| *word == GROUND);
+            let from = options.argument("from");
+            let bodies = [Some(masters_of(&from, &model)?), if is_ground { None } else { Some(masters_of(&to, &model)?) }];
+            if let [Some((a, _)), Some((b, _))] = &bodies
+                && a == b
+            {
+                return Err(to.fail("a motor turns a body against another one").hint("name two bodies, or the ground").into());
+            }
+            let axis = axis_of(&options, model.0.borrow().model.dimension())?;
+            let torque = amplitude_of(&options.argument("torque"))?;
+            change(call, &model, |data| data.model.parts.push(Arc::new(MotorDefinition { name, bodies, axis, torque })))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// A rigid body with its masters.
+fn masters_of(argument: &Argument, model: &ModelHandle) -> Result<(usize, Vec<u32>), Failure> {
+    if !argument.is_given() {
+        return Err(argument.missing());
+    }
+    let index = body_of(argument, model)?.index;
+    let data = model.0.borrow();
+    let body = &data.model.bodies[index];
+    match Frame::new(&body.mesh).filter(|_| body.rigid.is_some()) {
+        Some(frame) => Ok((index, frame.masters)),
+        None => {
+            let failure = argument.fail(format!("body \"{}\" deforms, and a motor turns rigid bodies", body.name));
+            Err(failure.hint("add it with `add_rigid_body`, or load a boundary of it: `model.torque(boundary, amplitude)`"))
+        }
+    }
+}
+
+/// The axis of a motor.
+fn axis_of(options: &Options, dimension: usize) -> Result<[f64; 3], Failure> {
+    let argument = options.argument("axis");
+    match (dimension, argument.is_given()) {
+        (2, false) => Ok(Turn::UPRIGHT),
+        (2, true) => Err(argument.fail("the model is plane: a motor turns about the third axis").hint("remove the option")),
+        (_, false) => Err(argument.missing()),
+        (_, true) => {
+            let axis = argument.vector(3)?;
+            if axis == [0.0; 3] {
+                return Err(argument.fail(format!("{} has no direction", argument.title())).hint("such as `[0.0, 0.0, 1.0]`"));
+            }
+            Ok(axis)
+        }
+    }
+}
