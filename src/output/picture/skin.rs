@@ -159,3 +159,49 @@ pub(super) fn cut_surface(surface: ObstacleSurface, section: &CutPlane) -> (Obst
     let facets = left.into_iter().filter(|facet: &Vec<u32>| facet.len() > 2).collect();
     (ObstacleSurface { points, facets, ..surface }, edges)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::view::{View, dot};
+    use super::*;
+    use crate::elements::CellKind;
+    use crate::output::samples::block;
+
+    fn area(skin: &Skin, face: &[u32]) -> [f64; 3] {
+        let at = |k: usize| skin.points[face[k % face.len()] as usize];
+        let mut sum = [0.0; 3];
+        for k in 0..face.len() {
+            let (a, b) = (at(k), at(k + 1));
+            for d in 0..3 {
+                let (e, f) = ((d + 1) % 3, (d + 2) % 3);
+                sum[d] += 0.5 * (a[e] * b[f] - a[f] * b[e]);
+            }
+        }
+        sum
+    }
+
+    /// What is left of a block is closed: the areas of hull and cut sum to nothing, those of the cut to that of the section, whether the plane
+    /// goes through cells or along their faces; values are linear in the cut.
+    #[test]
+    fn a_cut_closes_what_is_left() {
+        let plain = block([4, 2, 2], [4.0, 1.0, 2.0]);
+        for kind in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex20, CellKind::Tet10, CellKind::Hex27] {
+            let mesh = plain.mesh.with_cells(kind).expect("hexahedra become cells of any kind");
+            let body = BodyFields { mesh: mesh.into(), ..plain.clone() };
+            let values: Vec<f64> = body.mesh.points.iter().map(|[x, y, z]| 2.0 * x - y + 0.5 * z).collect();
+            for (point, normal) in [([1.3, 0.0, 0.0], [1.0, 0.0, 0.0]), ([2.0, 0.5, 1.0], [1.0, 0.0, 0.0]), ([2.0, 0.5, 1.0], [3.0, -1.0, 1.0])] {
+                let section = CutPlane::new(Some(point), normal, &View::default()).expect("it faces the viewer");
+                let skin = Skin::new(&body, |node| body.mesh.points[node], Some(&section));
+                let faces = skin.faces.iter().map(|face| area(&skin, face));
+                let cut = faces.fold([0.0; 3], |sum, area| [0, 1, 2].map(|d| sum[d] + area[d]));
+                let hull = skin.facets.iter().map(|face| area(&skin, face)).fold([0.0; 3], |sum, area| [0, 1, 2].map(|d| sum[d] + area[d]));
+                // The section of 1 by 2 as seen along x, which the viewer sees from the front.
+                assert!((cut[0] - 2.0).abs() < 1e-12, "{kind:?} {point:?}: {cut:?}");
+                assert!((0..3).all(|d| (cut[d] + hull[d]).abs() < 1e-12), "{kind:?} {point:?}: {cut:?} {hull:?}");
+                for (x, value) in skin.points.iter().zip(skin.values(&values)) {
+                    assert!((value - dot([2.0, -1.0, 0.5], *x)).abs() < 1e-12);
+                }
+            }
+        }
+    }
+}
