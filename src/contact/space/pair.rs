@@ -429,7 +429,7 @@ impl<T: Number> Polygon<T> {
         let depth = |j: usize| (neighbor.1[0][j] + neighbor.1[1][j]) * 0.5;
         let nearest = (1..3).map(depth).fold(depth(0), |least, depth| if depth.re() < least.re() { depth } else { least });
         let mut share = T::from(0.0);
-        if nearest.re() < band {
+        if band > 0.0 && nearest.re() < band {
             let near = T::from(1.0) - nearest * (1.0 / band);
             share = near * near * 0.5;
         }
@@ -518,14 +518,42 @@ mod tests {
             for (k, a) in before.iter().enumerate() {
                 prop_assert!((a - after[(k + 3) % 4]).abs() < 1e-14);
             }
-            let gradient = Pair::new(&x, counts).expect("it has an area").gradient(&[1.0, -0.5, 2.0, 0.25]);
-            let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-            for (x, g) in x.iter().zip(gradient) {
-                (0..3).for_each(|i| force[i] += g[i]);
-                let turn = cross(*x, g);
-                (0..3).for_each(|i| moment[i] += turn[i]);
+            let (pair, weights) = (Pair::new(&x, counts).expect("it has an area"), [1.0, -0.5, 2.0, 0.25]);
+            for gradient in [pair.gradient(&weights), pair.smooth_gradient(&weights)] {
+                let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+                for (x, g) in x.iter().zip(gradient) {
+                    (0..3).for_each(|i| force[i] += g[i]);
+                    let turn = cross(*x, g);
+                    (0..3).for_each(|i| moment[i] += turn[i]);
+                }
+                prop_assert!(force.iter().chain(&moment).all(|sum| sum.abs() < 1e-14), "{force:?} {moment:?}");
             }
-            prop_assert!(force.iter().chain(&moment).all(|sum| sum.abs() < 1e-14), "{force:?} {moment:?}");
+        }
+
+        /// The gradient that acts is continuous where edges coincide, as steep as its band is narrow, and that of the function elsewhere.
+        #[test]
+        fn the_gradient_that_acts_has_no_kink(
+            noise in prop::collection::vec(-1.0..1.0f64, 24),
+            shift in prop::sample::select(vec![0.0, 0.25]),
+        ) {
+            let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let at = |size: f64| -> [[Vec3<f64>; NODES]; 2] {
+                let own = square.iter().map(|&[x, y]| [x, y, 0.0]);
+                let other = square.iter().rev().map(|&[x, y]| [x + shift, y + shift, 0.3]);
+                let x: Vec<Vec3<f64>> =
+                    own.chain(other).enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + size * noise[3 * k + i])).collect();
+                let pair = Pair::new(&x, [4, 4]).expect("it has an area");
+                [pair.gradient(&[1.0; CORNERS]), pair.smooth_gradient(&[1.0; CORNERS])]
+            };
+            let apart = |a: &[Vec3<f64>; NODES], b: &[Vec3<f64>; NODES]| {
+                a.as_flattened().iter().zip(b.as_flattened()).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+            };
+            let [_, there] = at(0.0);
+            for size in [1e-4, 1e-6, 1e-8] {
+                let [exact, smooth] = at(size);
+                prop_assert!(apart(&smooth, &there) < 10.0 * size / EDGES_MEET, "{size:e}: {}", apart(&smooth, &there));
+                prop_assert!(shift > 0.0 || apart(&exact, &smooth) > 1e-3, "they differ where edges coincide");
+            }
         }
 
         /// The value is continuous along lines through configurations whose edges coincide.

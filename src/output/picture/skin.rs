@@ -1,8 +1,8 @@
 //! What can be seen of a body in space: the facets of its hull, or what a section leaves of them with the cells that it cuts.
 //!
-//! A facet is a polygon of nodes, so is each face of a cell. What lies beyond the plane is cut off from the polygons (Sutherland and Hodgman
-//! 1974, with one plane); the new edges of the faces of a cell, chained, are the outline of the cut through it. New points belong to edges
-//! of cells, so that neighbors share them, and values are linear along these.
+//! A facet is a polygon of nodes, so is each face of a cell. What lies beyond the plane is cut off from the polygons (Sutherland and
+//! Hodgman 1974, with one plane); the new edges of the faces of a cell, chained, are the outline of the cut through it. New points belong to
+//! edges of cells, so that neighbors share them, and values are linear along these.
 
 use std::collections::HashMap;
 
@@ -180,8 +180,8 @@ mod tests {
         sum
     }
 
-    /// What is left of a block is closed: the areas of hull and cut sum to nothing, those of the cut to that of the section, whether the plane
-    /// goes through cells or along their faces; values are linear in the cut.
+    /// What is left of a block is closed: the areas of hull and cut sum to nothing, those of the cut to that of the section, whether the
+    /// plane goes through cells or along their faces; values are linear in the cut.
     #[test]
     fn a_cut_closes_what_is_left() {
         let plain = block([4, 2, 2], [4.0, 1.0, 2.0]);
@@ -189,7 +189,9 @@ mod tests {
             let mesh = plain.mesh.with_cells(kind).expect("hexahedra become cells of any kind");
             let body = BodyFields { mesh: mesh.into(), ..plain.clone() };
             let values: Vec<f64> = body.mesh.points.iter().map(|[x, y, z]| 2.0 * x - y + 0.5 * z).collect();
-            for (point, normal) in [([1.3, 0.0, 0.0], [1.0, 0.0, 0.0]), ([2.0, 0.5, 1.0], [1.0, 0.0, 0.0]), ([2.0, 0.5, 1.0], [3.0, -1.0, 1.0])] {
+            for (point, normal) in
+                [([1.3, 0.0, 0.0], [1.0, 0.0, 0.0]), ([2.0, 0.5, 1.0], [1.0, 0.0, 0.0]), ([2.0, 0.5, 1.0], [3.0, -1.0, 1.0])]
+            {
                 let section = CutPlane::new(Some(point), normal, &View::default()).expect("it faces the viewer");
                 let skin = Skin::new(&body, |node| body.mesh.points[node], Some(&section));
                 let faces = skin.faces.iter().map(|face| area(&skin, face));

@@ -83,7 +83,12 @@ pub(super) fn keys() -> Vec<Parameter> {
             "a plane that opens bodies in space: what is on the viewer's side of it is taken away, and the field is seen on the cut",
             "nothing is cut",
         ),
-        optional("bodies", Kind::Array, "the bodies that are shown, such as `[ball]`: what others hide is seen, such as where they touch it", "all"),
+        optional(
+            "bodies",
+            Kind::Array,
+            "the bodies that are shown, such as `[ball]`: what others hide is seen, such as where they touch it",
+            "all",
+        ),
         Parameter::number("width", "pixels", Interval::Closed(240.0, 10000.0), "the width; a PNG has twice as many pixels")
             .or(Absent::Number(720.0)),
     ]
