@@ -135,6 +135,11 @@ pub const FACING: f64 = 1e-6;
 /// do not face each other.
 pub const FACING_AREA: f64 = 1e-9;
 
+/// Distance between edges of two facets in space that coincide nearly, over the height of a triangle of one of them, within which the force
+/// on what they bound goes from one to the other by and by: wide enough for Newton's method, which finds no solution at a kink, narrow
+/// against all that is seen of a facet.
+pub const EDGES_MEET: f64 = 0.01;
+
 /// Cosine of the angle between the normals of two facets above which they are no pair: facets that touch face to face have -1, the flank
 /// of a needle of 24 degrees on a flat side -0.2; the gap between facets that are nearly perpendicular is steep and means nothing.
 pub const OPPOSITE: f64 = -0.1;
@@ -315,6 +320,9 @@ pub const NOTHING: f64 = 1e-290;
 
 /// Share of a plot's range by which a value may lie outside it and is still drawn: round-off of the range.
 pub const PLOT_END: f64 = 1e-9;
+
+/// Height of a point over the plane of a section, over the largest one, below which it lies in the plane: round-off of a symmetry plane.
+pub const ON_SECTION: f64 = 1e-9;
 
 /// Thickness of what a picture shows, relative to its length: a body without any still has a frame.
 pub const PICTURE_THICKNESS: f64 = 1e-3;

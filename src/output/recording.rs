@@ -2,9 +2,9 @@
 //!
 //! A *still* is kept of every nominal step at first; whenever there are more than allowed, every second one is dropped and the spacing
 //! doubles. So which stills are there depends on the steps alone, never on the clock, and a long run costs what a short one does. A still
-//! holds displacement, velocity and stress of all nodes that can be seen (in space those of the hull) as 16-bit numbers between the
-//! extremes of each component: an error of 1/131072 of the range. It is the state's picture, not the state: nothing can be computed from it
-//! again.
+//! holds displacement, velocity and stress of all nodes that can be seen (in space those of the hull, unless the inside is asked for) as
+//! 16-bit numbers between the extremes of each component: an error of 1/131072 of the range. It is the state's picture, not the state:
+//! nothing can be computed from it again.
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of
@@ -56,9 +56,9 @@ pub struct Skin {
 }
 
 impl Skin {
-    fn new(mesh: &Mesh) -> Self {
+    fn new(mesh: &Mesh, has_inside: bool) -> Self {
         let dimension = mesh.dimension();
-        let mut nodes: Vec<u32> = if dimension == 2 {
+        let mut nodes: Vec<u32> = if dimension == 2 || has_inside {
             (0..mesh.points.len() as u32).collect()
         } else {
             mesh.hull().into_iter().flat_map(|facet| mesh.facet_nodes(facet).collect::<Vec<_>>()).collect()
@@ -153,9 +153,10 @@ pub fn shapes(model: &Model) -> Vec<Obstacle> {
 }
 
 impl Recording {
-    /// Of a model, with so many stills at most (2 at least); by default 160, or fewer where they would take too much memory.
-    pub fn new(model: &Model, most: Option<usize>) -> Self {
-        let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh)).collect();
+    /// Of a model, with so many stills at most (2 at least); by default 160, or fewer where they would take too much memory. `has_inside`:
+    /// whether all nodes of bodies in space are recorded.
+    pub fn new(model: &Model, most: Option<usize>, has_inside: bool) -> Self {
+        let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh, has_inside)).collect();
         let size: usize = bodies.iter().map(|skin| 2 * skin.components() * skin.nodes.len()).sum();
         let most = most.unwrap_or_else(|| (BYTES / size.max(1)).clamp(FEWEST, STILLS)).max(2);
         Recording { most, spacing: 1, steps: 0, stills: Vec::new(), bodies }

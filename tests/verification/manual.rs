@@ -25,6 +25,7 @@ pub const SCRIPTS: &[(&str, usize)] = &[
     ("11_vibrations", 16),
     ("12_integrators", 26),
     ("13_friction", 7),
+    ("14_solids_in_space", 28),
 ];
 
 /// What a script computes against what is known.

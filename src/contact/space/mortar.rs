@@ -95,18 +95,18 @@ impl MortarInSpace {
     }
 }
 
-/// The gradient of a pair's function as one list; nothing without a pair.
-fn gradient_into(pair: &Option<Pair<f64>>, weights: &[f64; CORNERS], out: &mut [f64]) {
-    match pair {
-        Some(pair) => out.copy_from_slice(&pair.gradient(weights).as_flattened()[..out.len()]),
+/// A gradient as one list; zeros without a pair.
+fn list_into(gradient: Option<[Vec3<f64>; NODES]>, out: &mut [f64]) {
+    match gradient {
+        Some(gradient) => out.copy_from_slice(&gradient.as_flattened()[..out.len()]),
         None => out.fill(0.0),
     }
 }
 
-/// `share` times the Hessian of a pair's function.
+/// `share` times the Hessian of a pair's function, of its gradient without kinks.
 fn hessian_into(z: &[f64], counts: [usize; 2], raised: [&Raised; 2], weights: &[f64; CORNERS], share: f64, out: &mut [f64]) {
     match Pair::new(&vectors::jets::<UNKNOWNS>(z), counts) {
-        Some(pair) => vectors::hessian_into(&pair.raised(raised).gradient(weights), share, out),
+        Some(pair) => vectors::hessian_into(&pair.raised(raised).smooth_gradient(weights), share, out),
         None => out.fill(0.0),
     }
 }
@@ -197,7 +197,7 @@ impl Scratch {
         }
         let range = kernel.sides.patches.gradient_range(p);
         for (k, block) in out.gradient_end[range.clone()].chunks_exact_mut(unknowns).enumerate() {
-            gradient_into(&end, &unit(k), block);
+            list_into(end.as_ref().map(|end| end.gradient(&unit(k))), block);
         }
         let tangent = &mut out.tangent[kernel.sides.patches.tangent_range(p)];
         tangent.fill(0.0);
@@ -213,7 +213,7 @@ impl Scratch {
             }
             let blocks = out.gradient_bar[range.clone()].chunks_exact_mut(unknowns).zip(out.gradient_end[range].chunks_exact(unknowns));
             for (k, (bar, at_end)) in blocks.enumerate() {
-                gradient_into(&middle, &unit(k), row);
+                list_into(middle.as_ref().map(|middle| middle.smooth_gradient(&unit(k))), row);
                 projection.gradient_into(row, values[k] - start.values[k], bar);
                 of_middle.iter_mut().zip(&*row).for_each(|(sum, g)| *sum += weights[k] * g);
                 of_end.iter_mut().zip(at_end).for_each(|(sum, g)| *sum += weights[k] * g);
@@ -236,7 +236,7 @@ impl Scratch {
             Configuration::End => (&end, end_z),
         };
         for (k, block) in out.gradient_bar[range].chunks_exact_mut(unknowns).enumerate() {
-            gradient_into(pair, &unit(k), block);
+            list_into(pair.as_ref().map(|pair| pair.smooth_gradient(&unit(k))), block);
         }
         if is_pressed && pair.is_some() {
             hessian_into(z, kernel.counts(p), kernel.raised(p), &weights, placement.share, tangent);

@@ -19,7 +19,9 @@
 //! d/dh_j = -int W N_j dA               d/dp_j =   grad h_secondary int W N_j dA - grad W int g N_j dA + sum_edges nu int W g N_j ds
 //! ```
 //!
-//! over the edges of the polygon that lie on the triangle's own border. Heights may have constants added (`bulge.rs`), which change gaps
+//! over the edges of the polygon that lie on the triangle's own border. Where edges of both triangles nearly coincide, these forces go from
+//! one to the other by and by, so that the gradient that acts has no kink; a discrete gradient is exact whatever gradient it corrects.
+//! Heights may have constants added (`bulge.rs`), which change gaps
 //! and no derivatives of heights. The frame turns with the secondary facet: with the moment `m` of
 //! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives
 //! the Hessian.
@@ -27,7 +29,7 @@
 use super::bulge::Raised;
 use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
 use crate::contact::slip::Number;
-use crate::math::tolerances::FACING_AREA;
+use crate::math::tolerances::{EDGES_MEET, FACING_AREA};
 
 /// Nodes of a facet, at most.
 pub const CORNERS: usize = 4;
@@ -281,10 +283,19 @@ impl<T: Number> Pair<T> {
 
     /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes.
     pub fn gradient(&self, weights: &[f64; CORNERS]) -> [Vec3<T>; NODES] {
+        self.gradient_with(weights, 0.0)
+    }
+
+    /// The same without kinks, as it acts: see [`Polygon::bearers`].
+    pub fn smooth_gradient(&self, weights: &[f64; CORNERS]) -> [Vec3<T>; NODES] {
+        self.gradient_with(weights, EDGES_MEET)
+    }
+
+    fn gradient_with(&self, weights: &[f64; CORNERS], band: f64) -> [Vec3<T>; NODES] {
         let zero = T::from(0.0);
         let (mut of_p, mut of_h) = ([[zero; 2]; NODES + 2], [zero; NODES + 2]);
         for polygon in &self.polygons {
-            self.add_polygon(polygon, self.weights(polygon.secondary, weights), &mut of_p, &mut of_h);
+            self.add_polygon(polygon, band, self.weights(polygon.secondary, weights), &mut of_p, &mut of_h);
         }
         for (place, point) in [NODES, NODES + 1].into_iter().enumerate() {
             let (nodes, share) = self.shares(NODES + place);
@@ -318,7 +329,7 @@ impl<T: Number> Pair<T> {
 
     /// Adds what one polygon gives to the derivatives with respect to plane coordinates and heights; `weights` at the corners of the
     /// secondary triangle.
-    fn add_polygon(&self, polygon: &Polygon<T>, weights: [f64; 3], of_p: &mut [[T; 2]; NODES + 2], of_h: &mut [T; NODES + 2]) {
+    fn add_polygon(&self, polygon: &Polygon<T>, band: f64, weights: [f64; 3], of_p: &mut [[T; 2]; NODES + 2], of_h: &mut [T; NODES + 2]) {
         let zero = T::from(0.0);
         let (mut weight, mut gap) = ([zero; VERTICES], [zero; VERTICES]);
         for (k, vertex) in polygon.vertices[..polygon.count].iter().enumerate() {
@@ -356,13 +367,11 @@ impl<T: Number> Pair<T> {
             let (aa, bb) = (weight[k] * gap[k], weight[next] * gap[next]);
             let ab = weight[k] * gap[next] + weight[next] * gap[k];
             let (first, last) = ((aa * 3.0 + ab + bb) * (1.0 / 12.0), (aa + ab + bb * 3.0) * (1.0 / 12.0));
-            for j in 0..3 {
-                let (corner, at) = match a.border {
-                    Border::Secondary => (polygon.secondary[j], [a.of_secondary[j], b.of_secondary[j]]),
-                    Border::Primary => (polygon.primary[j], [a.of_primary[j], b.of_primary[j]]),
-                };
-                let moved = first * at[0] + last * at[1];
-                (0..2).for_each(|i| of_p[corner][i] += outward[i] * moved);
+            for (share, corners, at) in polygon.bearers([k, next], band) {
+                for j in 0..3 {
+                    let moved = (first * at[0][j] + last * at[1][j]) * share;
+                    (0..2).for_each(|i| of_p[corners[j]][i] += outward[i] * moved);
+                }
             }
         }
     }
@@ -407,6 +416,24 @@ impl<T: Number> Polygon<T> {
             vertex.of_secondary = shares(secondary, self.areas[0], vertex.p);
             vertex.of_primary = shares(primary, self.areas[1], vertex.p);
         }
+    }
+
+    /// Which triangles an edge of the polygon goes with: its share, its corners and its shape functions at both ends. An edge goes with the
+    /// triangle on whose border it lies, and in part with the other one where that has its own border nearer than `band` of its height,
+    /// half with either where both coincide: forces do not jump there, and have neither a resultant nor a moment of their own.
+    fn bearers(&self, [k, next]: [usize; 2], band: f64) -> [(T, [usize; 3], [[T; 3]; 2]); 2] {
+        let (a, b) = (&self.vertices[k], &self.vertices[next]);
+        let own = (self.secondary, [a.of_secondary, b.of_secondary]);
+        let other = (self.primary, [a.of_primary, b.of_primary]);
+        let (bearer, neighbor) = if a.border == Border::Secondary { (own, other) } else { (other, own) };
+        let depth = |j: usize| (neighbor.1[0][j] + neighbor.1[1][j]) * 0.5;
+        let nearest = (1..3).map(depth).fold(depth(0), |least, depth| if depth.re() < least.re() { depth } else { least });
+        let mut share = T::from(0.0);
+        if band > 0.0 && nearest.re() < band {
+            let near = T::from(1.0) - nearest * (1.0 / band);
+            share = near * near * 0.5;
+        }
+        [(T::from(1.0) - share, bearer.0, bearer.1), (share, neighbor.0, neighbor.1)]
     }
 
     /// Integral of a product of two affine functions, from their values at the corners: exact.
@@ -491,14 +518,42 @@ mod tests {
             for (k, a) in before.iter().enumerate() {
                 prop_assert!((a - after[(k + 3) % 4]).abs() < 1e-14);
             }
-            let gradient = Pair::new(&x, counts).expect("it has an area").gradient(&[1.0, -0.5, 2.0, 0.25]);
-            let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-            for (x, g) in x.iter().zip(gradient) {
-                (0..3).for_each(|i| force[i] += g[i]);
-                let turn = cross(*x, g);
-                (0..3).for_each(|i| moment[i] += turn[i]);
+            let (pair, weights) = (Pair::new(&x, counts).expect("it has an area"), [1.0, -0.5, 2.0, 0.25]);
+            for gradient in [pair.gradient(&weights), pair.smooth_gradient(&weights)] {
+                let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+                for (x, g) in x.iter().zip(gradient) {
+                    (0..3).for_each(|i| force[i] += g[i]);
+                    let turn = cross(*x, g);
+                    (0..3).for_each(|i| moment[i] += turn[i]);
+                }
+                prop_assert!(force.iter().chain(&moment).all(|sum| sum.abs() < 1e-14), "{force:?} {moment:?}");
             }
-            prop_assert!(force.iter().chain(&moment).all(|sum| sum.abs() < 1e-14), "{force:?} {moment:?}");
+        }
+
+        /// The gradient that acts is continuous where edges coincide, as steep as its band is narrow, and that of the function elsewhere.
+        #[test]
+        fn the_gradient_that_acts_has_no_kink(
+            noise in prop::collection::vec(-1.0..1.0f64, 24),
+            shift in prop::sample::select(vec![0.0, 0.25]),
+        ) {
+            let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let at = |size: f64| -> [[Vec3<f64>; NODES]; 2] {
+                let own = square.iter().map(|&[x, y]| [x, y, 0.0]);
+                let other = square.iter().rev().map(|&[x, y]| [x + shift, y + shift, 0.3]);
+                let x: Vec<Vec3<f64>> =
+                    own.chain(other).enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + size * noise[3 * k + i])).collect();
+                let pair = Pair::new(&x, [4, 4]).expect("it has an area");
+                [pair.gradient(&[1.0; CORNERS]), pair.smooth_gradient(&[1.0; CORNERS])]
+            };
+            let apart = |a: &[Vec3<f64>; NODES], b: &[Vec3<f64>; NODES]| {
+                a.as_flattened().iter().zip(b.as_flattened()).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+            };
+            let [_, there] = at(0.0);
+            for size in [1e-4, 1e-6, 1e-8] {
+                let [exact, smooth] = at(size);
+                prop_assert!(apart(&smooth, &there) < 10.0 * size / EDGES_MEET, "{size:e}: {}", apart(&smooth, &there));
+                prop_assert!(shift > 0.0 || apart(&exact, &smooth) > 1e-3, "they differ where edges coincide");
+            }
         }
 
         /// The value is continuous along lines through configurations whose edges coincide.

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::field::Vectors;
 use super::hull::facing_nodes;
 use super::scale::TEXT;
+use super::skin::Skin;
 use super::view::Camera;
 use crate::dynamics::BodyFields;
 use crate::output::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke, elided};
@@ -43,12 +44,12 @@ pub(super) fn far_end(body: &BodyFields, node: usize, vectors: Vectors, factor: 
     [0, 1, 2].map(|d| x[d] + way * vector[d])
 }
 
-/// Arrows at the nodes of all bodies.
-pub(super) fn arrows_into(out: &mut Drawing, bodies: &[BodyFields], vectors: Vectors, camera: &Camera, factor: f64) {
+/// Arrows at the nodes of all bodies; in space at those that are seen of their skins.
+pub(super) fn arrows_into(out: &mut Drawing, (bodies, skins): (&[BodyFields], &[Skin]), vectors: Vectors, camera: &Camera, factor: f64) {
     let mut taken = HashSet::new();
     let (mut shafts, mut heads) = (Vec::new(), Vec::new());
-    for body in bodies {
-        let nodes = if body.mesh.dimension() == 2 { (0..body.mesh.points.len()).collect() } else { facing_nodes(body, camera) };
+    for (index, body) in bodies.iter().enumerate() {
+        let nodes = skins.get(index).map_or_else(|| (0..body.mesh.points.len()).collect(), |skin| facing_nodes(skin, camera));
         for node in nodes {
             let (place, far) = (camera.place(body.position(node)), camera.place(far_end(body, node, vectors, factor)));
             let is_finite = place.iter().chain(&far).all(|x| x.is_finite());

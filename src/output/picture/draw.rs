@@ -3,11 +3,12 @@
 use super::arrows::{arrows_into, factor, far_end, key_into, longest};
 use super::marks::{Axes, TRIAD_ROOM, bar_into, triad_into};
 use super::options::{Measure, Panel, PictureOptions, Sight};
-use super::scale::{Scale, TEXT};
+use super::scale::{INK, Scale, TEXT};
+use super::skin::{Skin, cut_surface};
 use super::view::{Bounds, Camera, View};
 use super::{hull, plane};
 use crate::dynamics::{BodyFields, PlacedObstacle};
-use crate::output::drawing::{Anchor, Drawing, Point, elided};
+use crate::output::drawing::{Anchor, Drawing, Ink, Line, Point, Stroke, elided};
 use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
 
@@ -34,7 +35,11 @@ const BAR: [f64; 2] = [120.0, 360.0];
 struct Layout<'a> {
     bodies: &'a [BodyFields],
     walls: Vec<Wall>,
+    /// Of bodies in space.
+    skins: Vec<Skin>,
     surfaces: Vec<ObstacleSurface>,
+    /// Where a section cuts obstacles.
+    rims: Vec<[[f64; 3]; 2]>,
     options: &'a PictureOptions,
     is_plane: bool,
     bounds: Bounds,
@@ -51,6 +56,7 @@ struct Layout<'a> {
 
 /// The bodies and the obstacles that they touch.
 pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &PictureOptions) -> Drawing {
+    let bodies: &[BodyFields] = &options.shown_of(bodies);
     let values: Vec<Vec<Vec<f64>>> = options.panels.iter().map(|panel| panel_values(bodies, panel)).collect();
     let unit = |panel: &Panel| if panel.unit.is_empty() { String::new() } else { format!(" [{}]", panel.unit) };
     let scale = |(panel, values): (&Panel, &Vec<Vec<f64>>)| {
@@ -82,6 +88,7 @@ pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pi
 
 /// What is in sight of a picture of these bodies, to be joined with that of others ([`Sight::with`]).
 pub fn sight(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &PictureOptions) -> Sight {
+    let bodies: &[BodyFields] = &options.shown_of(bodies);
     let (layout, _) = Layout::new(bodies, obstacles, options, options.width.max(NARROWEST), 0.0);
     Sight { bounds: layout.bounds, longest: options.vectors.as_ref().map_or(0.0, |(vectors, _)| longest(bodies, *vectors)) }
 }
@@ -96,8 +103,15 @@ impl<'a> Layout<'a> {
         let is_plane = bodies.iter().all(|body| body.mesh.dimension() == 2);
         let view = if is_plane { View::PLANE } else { options.view };
         let mut points: Vec<Point> = Vec::new();
-        for body in bodies {
-            points.extend((0..body.mesh.points.len()).map(|node| view.flat(body.position(node))));
+        let in_space = Surroundings::of_bodies(bodies);
+        let section = options.section.filter(|_| !is_plane).map(|section| section.through(in_space.middle));
+        let skin = |body: &BodyFields| Skin::new(body, |node| body.position(node), section.as_ref());
+        let skins: Vec<Skin> = bodies.iter().filter(|_| !is_plane).map(skin).collect();
+        for (index, body) in bodies.iter().enumerate() {
+            match skins.get(index).filter(|_| section.is_some()) {
+                Some(skin) => points.extend(skin.seen().map(|point| view.flat(point))),
+                None => points.extend((0..body.mesh.points.len()).map(|node| view.flat(body.position(node)))),
+            }
             if options.is_undeformed_shown {
                 points.extend(body.mesh.points.iter().map(|&point| view.flat(point)));
             }
@@ -108,9 +122,13 @@ impl<'a> Layout<'a> {
             None => Surroundings::of(points.iter().map(|&[x, y]| [x, y, 0.0])),
         };
         let walls: Vec<Wall> = obstacles.iter().filter_map(|obstacle| Wall::new(obstacle, &around, 2.0 * NEIGHBORHOOD)).collect();
-        let in_space = Surroundings::of_bodies(bodies);
-        let surfaces: Vec<ObstacleSurface> =
+        let mut surfaces: Vec<ObstacleSurface> =
             obstacles.iter().filter_map(|obstacle| ObstacleSurface::new(obstacle, &in_space, REACH_IN_SPACE)).collect();
+        let mut rims = Vec::new();
+        if let Some(section) = &section {
+            let cut: (Vec<_>, Vec<_>) = surfaces.into_iter().map(|surface| cut_surface(surface, section)).unzip();
+            (surfaces, rims) = (cut.0, cut.1.concat());
+        }
         let reach = NEIGHBORHOOD * own.size[0].max(own.size[1]);
         let (low, high) = (own.low, own.high());
         let is_within = |point: &Point, reach: f64| (0..2).all(|d| (low[d] - reach..=high[d] + reach).contains(&point[d]));
@@ -139,8 +157,8 @@ impl<'a> Layout<'a> {
         let fits = ((width / NARROWEST) as usize).max(1);
         let columns = if bounds.size[0] > WIDE * bounds.size[1] { 1 } else { count.min(2).min(fits) };
         let panel = (width / columns as f64).max(NARROWEST);
-        let mut layout =
-            Layout { bodies, walls, surfaces, options, is_plane, bounds, axes: None, zoom: 1.0, size: [panel, 0.0], height: 0.0, arrow };
+        let (size, axes, zoom, height) = ([panel, 0.0], None, 1.0, 0.0);
+        let mut layout = Layout { bodies, walls, skins, surfaces, rims, options, is_plane, bounds, axes, zoom, size, height, arrow };
         layout.zoom = layout.fitting(panel - 3.0 * MARGIN - bar, panel);
         if is_plane && options.measure == Measure::Axes {
             let axes = Axes::over(bounds.low, bounds.high(), layout.zoom, &options.length_unit);
@@ -194,15 +212,18 @@ impl<'a> Layout<'a> {
                 out.end();
             }
         } else {
-            hull::bodies_into(out, (self.bodies, &self.surfaces), values, &camera, scale, options.is_meshed);
+            hull::bodies_into(out, (&self.skins, &self.surfaces), values, &camera, scale, options.is_meshed);
+            let rims = self.rims.iter().map(|&rim| Line::open(rim.map(|point| camera.place(point)))).collect();
+            out.paint(rims, Ink::Stroke(Stroke::new(INK, 1.1)));
         }
         if options.is_undeformed_shown && self.is_plane {
             self.bodies.iter().for_each(|body| plane::undeformed_into(out, body, &camera));
         } else if options.is_undeformed_shown {
-            hull::undeformed_into(out, self.bodies, &camera);
+            let skin = |body: &BodyFields| Skin::new(body, |node| body.mesh.points[node], None);
+            hull::undeformed_into(out, &self.bodies.iter().map(skin).collect::<Vec<_>>(), &camera);
         }
         if let Some((vectors, _)) = &options.vectors {
-            arrows_into(out, self.bodies, *vectors, &camera, self.arrow);
+            arrows_into(out, (self.bodies, &self.skins), *vectors, &camera, self.arrow);
         }
         out.end();
         if let Some(axes) = &self.axes {

@@ -1,12 +1,12 @@
 //! Bodies in space: the facets of their hull that face the viewer, far ones first (painter's algorithm), lightly shaded. Facets that
-//! pierce each other are not resolved.
+//! pierce each other are not resolved. What a section cuts lies in front of all that it leaves.
 
 use std::collections::HashMap;
 
 use super::plane::{WALL, contours_into, has_room_for_edges, undeformed_stroke};
 use super::scale::{INK, Scale};
+use super::skin::Skin;
 use super::view::{Camera, View, dot};
-use crate::dynamics::BodyFields;
 use crate::output::contours::Patch;
 use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
 use crate::output::obstacle_surfaces::ObstacleSurface;
@@ -24,6 +24,8 @@ struct Side {
     nodes: Vec<u32>,
     normal: [f64; 3],
     depth: f64,
+    /// Whether it lies in the section.
+    is_cut: bool,
 }
 
 impl Side {
@@ -36,16 +38,16 @@ impl Side {
 type EdgeNormals = HashMap<(usize, [u32; 2]), Vec<[f64; 3]>>;
 
 /// The facets that face the viewer, from far to near.
-fn sides(bodies: &[BodyFields], position: impl Fn(&BodyFields, usize) -> [f64; 3], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
+fn sides(skins: &[Skin], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
     let (mut sides, mut normals_at) = (Vec::new(), EdgeNormals::new());
     let toward = camera.view.toward;
-    for (index, body) in bodies.iter().enumerate() {
-        for facet in body.mesh.hull() {
-            let nodes = body.mesh.around(facet);
-            let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| position(body, node as usize)).collect();
+    for (index, skin) in skins.iter().enumerate() {
+        let facets = skin.facets.iter().map(|nodes| (nodes, false));
+        for (nodes, is_cut) in facets.chain(skin.faces.iter().map(|nodes| (nodes, true))) {
+            let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| skin.points[node as usize]).collect();
             let normal = normal(&corners);
             let depth = corners.iter().map(|&corner| dot(corner, toward) / corners.len() as f64).sum();
-            let side = Side { body: index, nodes, normal, depth };
+            let side = Side { body: index, nodes: nodes.clone(), normal, depth, is_cut };
             for [a, b] in side.edges() {
                 normals_at.entry((index, [a.min(b), a.max(b)])).or_default().push(normal);
             }
@@ -54,8 +56,13 @@ fn sides(bodies: &[BodyFields], position: impl Fn(&BodyFields, usize) -> [f64; 3
             }
         }
     }
-    sides.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    sort(&mut sides);
     (sides, normals_at)
+}
+
+/// From far to near.
+fn sort(sides: &mut [Side]) {
+    sides.sort_by(|a, b| a.is_cut.cmp(&b.is_cut).then(a.depth.total_cmp(&b.depth)));
 }
 
 /// Edges of a facet that are edges of the body, or its silhouette.
@@ -75,7 +82,7 @@ fn wall_sides(surfaces: &[ObstacleSurface], bodies: usize, camera: &Camera) -> V
         let corners: Vec<[f64; 3]> = facet.iter().map(|&node| surface.points[node as usize]).collect();
         let normal = normal(&corners);
         let least = corners.iter().map(|&corner| dot(corner, toward)).fold(f64::INFINITY, f64::min);
-        (dot(normal, toward) > 0.0).then(|| Side { body: bodies + index, nodes: facet.clone(), normal, depth: least })
+        (dot(normal, toward) > 0.0).then(|| Side { body: bodies + index, nodes: facet.clone(), normal, depth: least, is_cut: false })
     };
     let of = |(index, surface)| {
         let surface: &ObstacleSurface = surface;
@@ -93,22 +100,23 @@ fn light(side: &Side, view: &View) -> f64 {
 /// Bodies with a value at each node, and rigid obstacles between them.
 pub(super) fn bodies_into(
     out: &mut Drawing,
-    (bodies, surfaces): (&[BodyFields], &[ObstacleSurface]),
+    (skins, surfaces): (&[Skin], &[ObstacleSurface]),
     values: &[Vec<f64>],
     camera: &Camera,
     scale: &Scale,
     is_meshed: bool,
 ) {
-    let (mut sides, normals_at) = sides(bodies, BodyFields::position, camera);
-    let place = |side: &Side, node: u32| camera.place(bodies[side.body].position(node as usize));
+    let values: Vec<Vec<f64>> = skins.iter().zip(values).map(|(skin, values)| skin.values(values)).collect();
+    let (mut sides, normals_at) = sides(skins, camera);
+    let place = |side: &Side, node: u32| camera.place(skins[side.body].points[node as usize]);
     let edges = sides.iter().flat_map(|side| side.edges().map(|edge| edge.map(|node| place(side, node))).collect::<Vec<_>>());
     let is_coarse = has_room_for_edges(edges);
     let view = camera.view;
-    sides.extend(wall_sides(surfaces, bodies.len(), camera));
-    sides.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    sides.extend(wall_sides(surfaces, skins.len(), camera));
+    sort(&mut sides);
     for side in &sides {
         let light = light(side, &view);
-        if let Some(surface) = side.body.checked_sub(bodies.len()).map(|index| &surfaces[index]) {
+        if let Some(surface) = side.body.checked_sub(skins.len()).map(|index| &surfaces[index]) {
             let corners: Vec<Point> = side.nodes.iter().map(|&node| camera.place(surface.points[node as usize])).collect();
             let outline = vec![Line::closed(corners)];
             let color = WALL.map(|part| (f64::from(part) * light).round() as u8);
@@ -137,20 +145,20 @@ pub(super) fn bodies_into(
 }
 
 /// Edges that bodies had before they were deformed, those that face away left out.
-pub(super) fn undeformed_into(out: &mut Drawing, bodies: &[BodyFields], camera: &Camera) {
-    let (sides, normals_at) = sides(bodies, |body, node| body.mesh.points[node], camera);
-    let place = |side: &Side, node: u32| camera.place(bodies[side.body].mesh.points[node as usize]);
+pub(super) fn undeformed_into(out: &mut Drawing, skins: &[Skin], camera: &Camera) {
+    let (sides, normals_at) = sides(skins, camera);
     let edges = sides.iter().flat_map(|side| {
         let sharp = sharp_edges(side, &normals_at, camera.view.toward);
-        sharp.into_iter().map(move |edge| Line::open(edge.map(|node| place(side, node)))).collect::<Vec<_>>()
+        sharp.into_iter().map(|edge| Line::open(edge.map(|node| camera.place(skins[side.body].points[node as usize])))).collect::<Vec<_>>()
     });
     out.paint(edges.collect(), Ink::Stroke(undeformed_stroke()));
 }
 
 /// Nodes of a body that the viewer may see: those of facets that face him.
-pub(super) fn facing_nodes(body: &BodyFields, camera: &Camera) -> Vec<usize> {
-    let (sides, _) = sides(std::slice::from_ref(body), BodyFields::position, camera);
-    let mut nodes: Vec<usize> = sides.iter().flat_map(|side| side.nodes.iter().map(|&node| node as usize)).collect();
+pub(super) fn facing_nodes(skin: &Skin, camera: &Camera) -> Vec<usize> {
+    let (sides, _) = sides(std::slice::from_ref(skin), camera);
+    let nodes = sides.iter().flat_map(|side| side.nodes.iter().map(|&node| node as usize));
+    let mut nodes: Vec<usize> = nodes.filter(|&node| node < skin.nodes).collect();
     nodes.sort_unstable();
     nodes.dedup();
     nodes

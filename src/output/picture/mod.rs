@@ -8,6 +8,8 @@ mod marks;
 mod options;
 mod plane;
 mod scale;
+mod section;
+mod skin;
 mod view;
 
 #[cfg(test)]
@@ -16,4 +18,5 @@ mod tests;
 pub use draw::{picture, sight};
 pub use field::{Component, Field, Vectors};
 pub use options::{Measure, Panel, PictureOptions, Sight};
+pub use section::CutPlane;
 pub use view::{VIEWS, View};

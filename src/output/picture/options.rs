@@ -1,7 +1,11 @@
 //! What a picture shows and how.
 
+use std::borrow::Cow;
+
 use super::field::{Field, Vectors};
+use super::section::CutPlane;
 use super::view::{Bounds, View};
+use crate::dynamics::BodyFields;
 
 /// A field as one panel of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,6 +63,10 @@ pub struct PictureOptions {
     pub width: f64,
     /// From where bodies in space are seen.
     pub view: View,
+    /// A plane that opens bodies in space.
+    pub section: Option<CutPlane>,
+    /// Names of the bodies that are shown; all of them where there is none.
+    pub only: Vec<String>,
     /// Whether cell edges are drawn where there is room for them.
     pub is_meshed: bool,
     /// Whether the undeformed bodies are outlined.
@@ -73,6 +81,16 @@ pub struct PictureOptions {
     pub sight: Option<Sight>,
 }
 
+impl PictureOptions {
+    /// Those of the bodies that are shown.
+    pub(super) fn shown_of<'a>(&self, bodies: &'a [BodyFields]) -> Cow<'a, [BodyFields]> {
+        if self.only.is_empty() {
+            return Cow::Borrowed(bodies);
+        }
+        bodies.iter().filter(|body| self.only.contains(&body.name)).cloned().collect()
+    }
+}
+
 impl Default for PictureOptions {
     fn default() -> Self {
         PictureOptions {
@@ -80,6 +98,8 @@ impl Default for PictureOptions {
             title: String::new(),
             width: 720.0,
             view: View::default(),
+            section: None,
+            only: Vec::new(),
             is_meshed: true,
             is_undeformed_shown: false,
             vectors: None,

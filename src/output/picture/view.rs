@@ -76,7 +76,7 @@ fn negative(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| 0.0 - x)
 }
 
-fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
+pub(super) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
     let length = a[0].hypot(a[1]).hypot(a[2]);
     (length > 0.0 && length.is_finite()).then(|| a.map(|x| x / length))
 }

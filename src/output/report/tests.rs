@@ -28,7 +28,7 @@ fn model() -> Model {
 fn page() -> (String, Vec<LedgerRow>) {
     let model = model();
     let mut simulation = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.1)).unwrap();
-    let mut recording = Recording::new(&model, Some(4));
+    let mut recording = Recording::new(&model, Some(4), false);
     let mut rows = vec![simulation.row().clone()];
     recording.begin(&simulation, 0);
     for _ in 0..9 {
@@ -136,7 +136,7 @@ fn stills_are_the_motion_to_the_last_of_65535_parts() {
 fn a_recording_goes_on_from_its_copy_to_the_same_page() {
     let model = model();
     let mut simulation = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.1)).unwrap();
-    let mut recording = Recording::new(&model, Some(4));
+    let mut recording = Recording::new(&model, Some(4), false);
     recording.begin(&simulation, 0);
     let mut copy = None;
     for row in 1..=13 {

@@ -24,6 +24,8 @@ pub struct Keeping {
     pub fields_every: Option<f64>,
     /// Stills of the recording at most.
     pub stills: Option<usize>,
+    /// Whether they have the inside of bodies in space.
+    pub stills_inside: bool,
 }
 
 /// The files of a simulation.
@@ -84,7 +86,8 @@ impl Artifacts {
             let series = FieldWriter::new(open(&files, "fields.pvd")?);
             let obstacles = obstacle_series(&files, model, open)?;
             let contacts = if has_surfaces(model) { Some(open(&files, "contacts.pvd")?) } else { None };
-            let (recording, every, model) = (Recording::new(model, keeping.stills), keeping.fields_every, model.clone());
+            let (recording, every, model) =
+                (Recording::new(model, keeping.stills, keeping.stills_inside), keeping.fields_every, model.clone());
             let (live, spent) = (None, begun.elapsed());
             Ok(Some(Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, recalls, spent }))
         };

@@ -115,7 +115,7 @@ impl ModesHandle {
 
     /// What pictures show, and the largest deflection in them.
     fn shown(&self, options: &Options) -> Result<(PictureOptions, f64), Failure> {
-        let mut shown = shown(options, self.0.simulation.0.model.model.dimension())?;
+        let mut shown = shown(options, &self.0.simulation.0.model)?;
         if !options.argument("field").is_given() {
             shown.panels.iter_mut().for_each(|panel| panel.field = Field::Displacement);
         }

@@ -36,7 +36,12 @@ pub(super) fn movie_function() -> Function {
             let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
-            let shown = shown(&options, handle.0.model.model.dimension())?;
+            let shown = shown(&options, &handle.0.model)?;
+            if shown.section.is_some() && !handle.0.keeping.stills_inside {
+                let failure = options.argument("section").fail("the stills of this run have no inside");
+                let failure = failure.cause("of bodies in space the surface alone is recorded");
+                return Err(failure.hint("write `stills_inside: true` into the options of `simulate`").into());
+            }
             let seconds = options.number("seconds")?;
             Ok(write_course(call, &handle, &[".png", ".gif"], || drawn(call, &handle, shown, title.as_deref(), seconds))?)
         }),

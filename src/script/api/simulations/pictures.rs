@@ -7,9 +7,10 @@ use rhai::Dynamic;
 use super::handle::SimulationHandle;
 use super::plots::ascending;
 use crate::math::catalogue::Interval;
-use crate::output::{Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
+use crate::output::{CutPlane, Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
+use crate::script::api::models::{data::ModelData, handle::BodyHandle};
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
@@ -73,6 +74,21 @@ pub(super) fn keys() -> Vec<Parameter> {
             "\"iso\"",
         ),
         Parameter::new("up", Kind::Choice(AXES), "the axis that points to the sky in space").or(Absent::Text("z")),
+        optional(
+            "section",
+            Kind::Options(vec![
+                optional("normal", Kind::Vector, "the normal of the plane, on either side; it must be given", "required"),
+                optional("point", Kind::Vector, "a point of the plane", "the middle of what is shown"),
+            ]),
+            "a plane that opens bodies in space: what is on the viewer's side of it is taken away, and the field is seen on the cut",
+            "nothing is cut",
+        ),
+        optional(
+            "bodies",
+            Kind::Array,
+            "the bodies that are shown, such as `[ball]`: what others hide is seen, such as where they touch it",
+            "all",
+        ),
         Parameter::number("width", "pixels", Interval::Closed(240.0, 10000.0), "the width; a PNG has twice as many pixels")
             .or(Absent::Number(720.0)),
     ]
@@ -98,10 +114,9 @@ pub(super) fn picture_function() -> Function {
         see_also: &["movie", "plot", "write_fields"],
         body: body(|call| {
             let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
-            let dimension = handle.0.model.model.dimension();
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
-            let mut shown = shown(&options, dimension)?;
+            let mut shown = shown(&options, &handle.0.model)?;
             Ok(write_drawing(call, Some(&handle), || {
                 handle.with(call, |simulation| {
                     shown.title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, brief(simulation.time())));
@@ -112,8 +127,9 @@ pub(super) fn picture_function() -> Function {
     }
 }
 
-/// What the options say, in a space of that dimension.
-pub(super) fn shown(options: &Options, dimension: usize) -> Result<PictureOptions, Failure> {
+/// What the options say of pictures of a model.
+pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptions, Failure> {
+    let dimension = model.model.dimension();
     let text = |name: &str| {
         let argument = options.argument(name);
         if argument.is_given() { argument.text() } else { Ok(String::new()) }
@@ -128,11 +144,14 @@ pub(super) fn shown(options: &Options, dimension: usize) -> Result<PictureOption
     }
     let vectors = text("vectors")?;
     let vectors = Vectors::ALL.iter().find(|row| row.0 == vectors).map(|row| row.2);
+    let view = view(options, dimension)?;
     Ok(PictureOptions {
         panels: panels(options)?,
         title: String::new(),
         width: options.number("width")?,
-        view: view(options, dimension)?,
+        view,
+        section: section(options, &view, dimension)?,
+        only: bodies(&options.argument("bodies"), model)?,
         is_meshed: options.flag("mesh")?,
         is_undeformed_shown: options.flag("undeformed")?,
         vectors: vectors.zip(Some(text("vector_unit")?)),
@@ -186,6 +205,51 @@ fn ranges(argument: &Argument, count: usize) -> Result<Vec<Option<[f64; 2]>>, Fa
             Err(failure.hint("write `range: [[0.0, 1.0], [0.0, 5.0]]`, or leave it out"))
         }
     }
+}
+
+/// The plane that opens bodies in space.
+fn section(options: &Options, view: &View, dimension: usize) -> Result<Option<CutPlane>, Failure> {
+    let argument = options.argument("section");
+    if !argument.is_given() {
+        return Ok(None);
+    }
+    if dimension == 2 {
+        let failure = argument.fail(format!("{} is for bodies in space", argument.title())).label("these bodies are plane");
+        return Err(failure.hint("leave it out: pictures of the plane show the inside"));
+    }
+    let plane = options.nested("section")?;
+    let (normal, point) = (plane.argument("normal"), plane.argument("point"));
+    if !normal.is_given() {
+        let failure = argument.fail(format!("{} has no normal", argument.title())).label("`normal` is missing");
+        return Err(failure.hint("write `section: #{ normal: [0, 1, 0] }`, and `point: [x, y, z]` to cut elsewhere than in the middle"));
+    }
+    let point = if point.is_given() { Some(point.vector(3)?) } else { None };
+    let direction = normal.vector(3)?;
+    if direction == [0.0; 3] {
+        return Err(normal.fail(format!("{} has no direction", normal.title())).hint("write the normal of the plane, such as `[0, 1, 0]`"));
+    }
+    let plane = CutPlane::new(point, direction, view).ok_or_else(|| {
+        let failure = normal.fail("the section is seen from its edge").cause("its plane contains the direction of sight");
+        failure.hint("choose another `view`, such as the normal itself")
+    })?;
+    Ok(Some(plane))
+}
+
+/// Names of the bodies that are shown; none where all of them are.
+fn bodies(argument: &Argument, model: &ModelData) -> Result<Vec<String>, Failure> {
+    if !argument.is_given() {
+        return Ok(Vec::new());
+    }
+    let wrong = || {
+        let failure = argument.fail(format!("{} must be an array of bodies of this model", argument.title()));
+        failure.hint("write `bodies: [body]` with what `add_body` gave, or leave it out to show all")
+    };
+    let name_of = |value: Dynamic| {
+        let name = value.try_cast::<BodyHandle>()?.definition().name;
+        model.model.bodies.iter().any(|body| body.name == name).then_some(name)
+    };
+    let names: Option<Vec<String>> = argument.array()?.into_iter().map(name_of).collect();
+    names.filter(|names| !names.is_empty()).ok_or_else(wrong)
 }
 
 /// From where bodies in space are seen.

@@ -82,6 +82,12 @@ fn simulate() -> Function {
                     .within(Interval::Closed(2.0, 5000.0))
                     .or(Absent::Means("160, and fewer of large models")),
                     Parameter::new(
+                        "stills_inside",
+                        Kind::Flag,
+                        "whether these pictures have the inside of bodies in space, for movies with a `section`",
+                    )
+                    .or(Absent::Flag(false)),
+                    Parameter::new(
                         "accept_overlap",
                         Kind::Flag,
                         "whether bodies that overlap at the start are meant to; without it, the first step refuses them unless `settle` \
@@ -114,6 +120,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let fields_every = options.optional_number("fields_every")?;
     let stills = options.argument("stills");
     let stills = if stills.is_given() { Some(stills.integer()? as usize) } else { None };
+    let stills_inside = options.flag("stills_inside")?;
     let accepts_overlap = options.flag("accept_overlap")?;
     kernel.accepts_overlap = accepts_overlap;
     check_overrides(call.host, call.engine(), false)?;
@@ -160,7 +167,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = vec![simulation.row().clone()];
     let so_far = SoFar { history, probes: Vec::new(), spent: begun.elapsed() };
-    let handle = create(call, model, simulation, motion, Keeping { fields_every, stills }, so_far)?;
+    let handle = create(call, model, simulation, motion, Keeping { fields_every, stills, stills_inside }, so_far)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
     handle.0.accepts_overlap.set(accepts_overlap);
     handle.note_contact();

@@ -1,0 +1,36 @@
+//! A plane that opens bodies in space.
+
+use super::view::{View, dot, unit};
+use crate::math::tolerances::{FLAT, ON_SECTION};
+
+/// A plane that opens bodies in space: what is on the viewer's side of it is taken away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutPlane {
+    /// A point of the plane; the middle of what is shown where there is none `[length]`.
+    point: Option<[f64; 3]>,
+    /// Unit normal toward the viewer.
+    normal: [f64; 3],
+}
+
+impl CutPlane {
+    /// The plane through a point with that normal, whose sign says nothing; `None` where it has no direction or is seen from its edge.
+    pub fn new(point: Option<[f64; 3]>, normal: [f64; 3], view: &View) -> Option<Self> {
+        let normal = unit(normal)?;
+        let facing = dot(normal, view.toward);
+        (facing.abs() > FLAT).then(|| CutPlane { point, normal: normal.map(|x| x * facing.signum()) })
+    }
+
+    /// The plane, through that point unless it has one.
+    pub(super) fn through(self, middle: [f64; 3]) -> Self {
+        CutPlane { point: Some(self.point.unwrap_or(middle)), ..self }
+    }
+
+    /// Heights of points above the plane; zero where that is round-off.
+    pub(super) fn heights(&self, points: &[[f64; 3]]) -> Vec<f64> {
+        let point = self.point.unwrap_or([0.0; 3]);
+        let height = |x: &[f64; 3]| dot(self.normal, [0, 1, 2].map(|d| x[d] - point[d]));
+        let heights: Vec<f64> = points.iter().map(height).collect();
+        let largest = heights.iter().copied().filter(|height| height.is_finite()).fold(0.0, |most: f64, height| most.max(height.abs()));
+        heights.into_iter().map(|height| if height.abs() <= ON_SECTION * largest { 0.0 } else { height }).collect()
+    }
+}
