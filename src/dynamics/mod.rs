@@ -38,6 +38,7 @@ pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, Path
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use run::run_findings::{RunFinding, RunFindingKind};
 pub use run::simulation::Simulation;
+pub use run::stable_step::StableStep;
 pub use run::state::State;
 pub use run::tally::Tally;
 pub use step::counters::PhaseTimes;

@@ -13,6 +13,7 @@ use super::options::{Options, SettleReport, Statistics};
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
+use super::stable_step::StableStep;
 use super::state::State;
 use super::steps::Steps;
 use super::tally::Tally;
@@ -119,6 +120,17 @@ impl Simulation {
     /// [`ModesError`].
     pub fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
         self.steps.modes(count)
+    }
+
+    /// The longest explicit step that is stable about the present state, which stays as it is.
+    ///
+    /// # Errors
+    /// The forces cannot be computed.
+    ///
+    /// # Panics
+    /// With an integrator that solves equations.
+    pub fn stable_step(&mut self) -> Result<StableStep, StepError> {
+        self.steps.stable_step()
     }
 
     /// Equilibria along the load, which is the time of all time functions, from the present state on; the simulation stays as it is.

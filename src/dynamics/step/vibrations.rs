@@ -8,6 +8,7 @@
 use std::time::Instant;
 
 use super::constraint_rows::ConstraintRows;
+use super::explicit::at_rest;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::{StepKind, StepStart};
@@ -15,7 +16,7 @@ use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::laws::{Equation, Row, RowState};
+use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::linear::Operator;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
@@ -135,7 +136,7 @@ where
                         rows.0[row] = Equation::held(0.0, 0.0);
                     }
                 } else {
-                    let Equation { acts, diagonal, .. } = pair.law.equation(&penalized(pair, row, evaluation.gap[local]));
+                    let Equation { acts, diagonal, .. } = pair.law.equation(&at_rest(pair, row, evaluation.gap[local]));
                     if acts {
                         rows.0[row] = Equation::held(-diagonal, 0.0);
                     }
@@ -159,22 +160,6 @@ where
             largest = (0..D).filter(|i| !system.supports.fixed[node as usize * D + i]).map(diagonal).fold(largest, f64::max);
         }
         largest
-    }
-}
-
-/// A row with a potential at a gap, as equilibria see it.
-fn penalized(pair: &ContactPair, row: usize, gap: f64) -> Row {
-    Row {
-        gap,
-        lambda: 0.0,
-        gap_n: gap,
-        target: 0.0,
-        shift: 0.0,
-        end_point: true,
-        compliance: 0.0,
-        c: pair.c,
-        stiffness: pair.penalty(row).unwrap_or(0.0),
-        tolerance: pair.gap_tolerance,
     }
 }
 

@@ -7,6 +7,7 @@ pub mod columns;
 pub mod contact_state;
 pub mod ending;
 pub mod events;
+pub mod explicit;
 pub mod fields;
 pub mod following;
 pub mod forensics;
@@ -40,6 +41,7 @@ pub mod writing;
 /// The functions of this topic, in the order of the reference; those of probes and results stand beside them.
 pub fn functions() -> Vec<Function> {
     let mut all = integrators::functions();
+    all.extend(explicit::functions());
     all.extend(simulate::functions());
     all.extend([stepping::step(), stepping::run_to(), settling::settle(), stepping::on_step()]);
     all.extend(states::functions());
