@@ -25,12 +25,14 @@ pub use parts::line::End;
 pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
 pub use parts::torsion::TorsionDefinition;
+pub use run::buckling::{Buckling, BucklingError};
 pub use run::energy_account::EnergyAccount;
 pub use run::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, NodeState, PlacedObstacle,
     RedundantConstraints, pressure, von_mises,
 };
 pub use run::halvings::Halving;
+pub use run::harmonic::{Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
 pub use run::ledger::{ContactTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 pub use run::modes::{Mode, Modes, ModesError};
 pub use run::options::{Options, SettleReport, Statistics};

@@ -448,3 +448,12 @@ pub const SMALL_MOTION: f64 = 1e-7;
 /// Energy that nothing explains, over all the energy that there was and that came in, at which explicit steps are stopped: near the stable
 /// step what they do to the fastest vibrations swings by some ten times.
 pub const RAN_AWAY: f64 = 100.0;
+
+/// What a steady vibration may miss in the product of the masses, relative to its size: a hundredth of what closed forms are asked for.
+pub const RESPONSE: f64 = 1e-9;
+
+/// Difference of the strain energy of a state from that of the linear model, relative, above which linear buckling says so.
+pub const LINEAR_STATE: f64 = 0.05;
+
+/// The same times the load factor: how far the way to the buckling load is from straight.
+pub const LINEAR_PATH: f64 = 0.2;

@@ -76,7 +76,7 @@ where
         };
         [row.dissipation, row.damping] = heat(&dissipated, &row.parts);
         row.potential = self.potential(&at, &penalty_gap, &memory);
-        self.book_explicit_work(&mut row, motion, &leap, &at, &forces, &ends);
+        self.book_explicit_work(&mut row, motion, &leap, &at, &forces, (&ends, &v_1));
         self.book_explicit_momenta(&mut row, start, &at, &ends);
         let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &leap.lambda[1], active: &active, slipped: &[] };
         self.book_contacts(&mut row, &at.q_1, &touching, None, &[]);
@@ -158,7 +158,16 @@ where
         Ends { obstacles, reactions, others, obstacle_work }
     }
 
-    fn book_explicit_work(&self, row: &mut LedgerRow, motion: &Motion, leap: &Leap, at: &Linearization, forces: &PartForces, ends: &Ends) {
+    /// Work of loads, supports and obstacles along the way, and that of contact by the velocities before and after each of its impulses.
+    fn book_explicit_work(
+        &self,
+        row: &mut LedgerRow,
+        motion: &Motion,
+        leap: &Leap,
+        at: &Linearization,
+        forces: &PartForces,
+        (ends, v_1): (&Ends, &[f64]),
+    ) {
         let (system, old) = (&self.system, &self.state.row);
         let load_0 = &motion.remembered.outside[0].left;
         let loads: f64 = (0..at.moved.len()).map(|k| (load_0[k] + 0.5 * forces.load[k]) * at.moved[k]).sum();
@@ -167,9 +176,11 @@ where
         row.load_work = loads + supports + ends.obstacle_work[0];
         if !leap.kick.is_empty() {
             let pressed_1 = system.pressed(&at.pairs, &leap.lambda[1], |pair| pair.has_multipliers());
+            let dt = leap.dt;
             let of = |k: usize| {
-                let smooth = 0.5 * (leap.pressed_0[k] + pressed_1[k]) * at.moved[k];
-                smooth + leap.kick[k] * 0.5 * (leap.unpushed[k] + at.moved[k])
+                let (begun, left) = (leap.unpushed[k], at.moved[k]);
+                let before = 0.25 * leap.pressed_0[k] * (dt * motion.v_0[k] + begun);
+                before + 0.5 * leap.kick[k] * (begun + left) + 0.25 * pressed_1[k] * (left + dt * v_1[k])
             };
             row.contact_work = (0..at.moved.len()).map(of).sum::<f64>() - ends.obstacle_work[1];
         }

@@ -2,6 +2,7 @@
 
 pub mod accept;
 pub mod balance;
+pub mod buckling;
 pub mod closing;
 pub mod contact_quantities;
 pub mod diagnosis;
@@ -14,6 +15,7 @@ pub mod fields;
 pub mod find_modes;
 pub mod follow_path;
 pub mod halvings;
+pub mod harmonic;
 pub mod impact;
 pub mod increments;
 pub mod joint_loads;

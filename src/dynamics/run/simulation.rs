@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use super::buckling::{Buckling, BucklingError};
 use super::engine::Engine;
 use super::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
 };
 use super::halvings::Halving;
+use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
 use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
@@ -120,6 +122,22 @@ impl Simulation {
     /// [`ModesError`].
     pub fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
         self.steps.modes(count)
+    }
+
+    /// Steady vibrations about the present state under what swings, as [`Self::modes`] sees the state, which stays as it is.
+    ///
+    /// # Errors
+    /// [`HarmonicError`].
+    pub fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
+        self.steps.harmonic_response(options)
+    }
+
+    /// The smallest factors of the load of the present state at which the model buckles, which stays as it is.
+    ///
+    /// # Errors
+    /// [`BucklingError`].
+    pub fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
+        self.steps.buckling(count)
     }
 
     /// The longest explicit step that is stable about the present state, which stays as it is.

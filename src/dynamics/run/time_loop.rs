@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::buckling::{Buckling, BucklingError};
 use super::closing::Closing;
 use super::engine::Engine;
 use super::failed::tried;
@@ -11,6 +12,7 @@ use super::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
 };
 use super::halvings::Halving;
+use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
 use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
@@ -115,6 +117,14 @@ where
 
     fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
         self.find_modes(count)
+    }
+
+    fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
+        self.find_response(options)
+    }
+
+    fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
+        self.find_buckling(count)
     }
 
     fn stable_step(&mut self) -> Result<StableStep, StepError> {

@@ -96,7 +96,7 @@ where
     Space<D>: Elements<D>,
 {
     /// The equations of a model in its initial configuration; `default_rule` is that of contacts that name none. With a mass at the nodes
-    /// alone there is no matrix until one is asked for.
+    /// alone there is no matrix until one is asked for, if bodies and loads are all that there is.
     ///
     /// # Errors
     /// A model that cannot be simulated.
@@ -121,14 +121,19 @@ where
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);
         let (mut masses, count): (Vec<(u32, f64)>, _) = (others.iter().flat_map(|part| part.point_masses()).collect(), reference.len() / D);
-        let (pattern, mass) = if let Some(lumping) = lumping {
+        // Bodies and loads have forces without places in a matrix, other parts may not.
+        let has_matrix = lumping.is_none() || !others.is_empty();
+        let pattern = if has_matrix {
+            pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs)
+        } else {
+            Pattern::new(&[], std::iter::empty::<&[u32]>())
+        };
+        let mass = if let Some(lumping) = lumping {
             let mass = lumped_mass(&bodies, lumping, count, &masses)?;
             masses = (0..).zip(mass.iter().copied()).collect();
-            (Pattern::new(&[], std::iter::empty::<&[u32]>()), NodeMatrix::diagonal(mass))
+            NodeMatrix::diagonal(mass)
         } else {
-            let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
-            let mass = consistent_mass(&bodies, &pattern, count, &masses);
-            (pattern, mass)
+            consistent_mass(&bodies, &pattern, count, &masses)
         };
         let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), mass);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
@@ -154,8 +159,8 @@ where
             given: Vec::new(),
             workers,
         };
-        system.matrix.is_stale = lumping.is_some();
-        if !system.matrix.is_stale {
+        system.matrix.is_stale = !has_matrix;
+        if has_matrix {
             system.place();
         }
         Ok(system)

@@ -28,6 +28,8 @@ use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::simulations::history::HistoryHandle;
 use crate::script::api::simulations::integrators::IntegratorHandle;
 use crate::script::api::simulations::joints::JointHandle;
+use crate::script::api::simulations::buckling::BucklingHandle;
+use crate::script::api::simulations::harmonic::ResponseHandle;
 use crate::script::api::simulations::modes::ModesHandle;
 use crate::script::api::simulations::paths::PathHandle;
 use crate::script::api::simulations::probes::ProbeHandle;
@@ -161,6 +163,8 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<BodyStateHandle>(engine);
     types.add::<ModesHandle>(engine);
     types.add::<PathHandle>(engine);
+    types.add::<ResponseHandle>(engine);
+    types.add::<BucklingHandle>(engine);
     types.add::<TimeFunctionHandle>(engine);
     types.add::<IntegratorHandle>(engine);
     types.add::<SimulationHandle>(engine);

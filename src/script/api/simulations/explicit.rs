@@ -48,7 +48,7 @@ fn integrator() -> Function {
         returns: IntegratorHandle::NAME,
         example: format!(
             "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.9 * stable_step(flight) }});\n\
-             sim.run_to(0.01);\nprint(sim.step_count);"
+             sim.run_to(0.01);\nprint(sim.steps);"
         )
         .into(),
         see_also: &["simulate", "stable_step"],
@@ -64,7 +64,7 @@ fn stable_step() -> Function {
         summary: "the longest step of `central_differences` that is stable for a model as it begins, 2 over the largest angular frequency; \
                   take a tenth less: cells that are compressed on the way need shorter ones",
         parameters: vec![Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"), options_parameter()],
-        returns: "Number",
+        returns: "number",
         example: format!("{FLIGHT}print(stable_step(flight));\nprint(stable_step(flight, #{{ mass: \"hrz\" }}));").into(),
         see_also: &["central_differences", "simulate"],
         body: body(|call| {

@@ -3,6 +3,7 @@
 use crate::script::language::function::Function;
 
 pub mod artifacts;
+pub mod buckling;
 pub mod columns;
 pub mod contact_state;
 pub mod ending;
@@ -12,6 +13,7 @@ pub mod fields;
 pub mod following;
 pub mod forensics;
 pub mod handle;
+pub mod harmonic;
 pub mod history;
 pub mod integrators;
 pub mod joints;
@@ -53,6 +55,8 @@ pub fn functions() -> Vec<Function> {
     all.extend(joints::functions());
     all.extend(fields::functions());
     all.extend(modes::functions());
+    all.extend(harmonic::functions());
+    all.extend(buckling::functions());
     all.extend(paths::functions());
     all
 }
