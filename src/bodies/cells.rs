@@ -131,7 +131,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         batch: &Batch<D, A>,
         step: &Step,
         work: &mut Workspace<FMA, D, S, A, Q>,
-        answer: &mut Answer<L>,
+        answer: &mut Option<Box<Answer<L>>>,
         geometric: Option<f64>,
     ) -> bool {
         let (table, physics) = (&self.table, &self.physics);
@@ -148,6 +148,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let special = physics.special.as_ref().map(|special| {
             let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_axisymmetric));
             let points = work.special_points(batch, table, around);
+            let answer = answer.get_or_insert_with(|| Box::new(Answer::EMPTY));
             special.respond(&points, step.derivative, answer);
             work.take(answer);
             points
@@ -161,7 +162,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         } else {
             work.integrate_force(step.derivative, step.weight);
         }
-        if let Some(points) = special {
+        if let (Some(points), Some(answer)) = (special, answer) {
             // Around the axis nothing may turn inside out either.
             if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
                 return false;
@@ -215,7 +216,7 @@ pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     gradient: [[[Lanes<false>; D]; D]; Q],
     strain: [Components<S>; Q],
     /// What a special stress needs to know, where there is one.
-    special: Option<SpecialPoints<D>>,
+    special: Option<Box<SpecialPoints<D>>>,
     smallest_determinants: [f64; WIDTH],
 }
 
@@ -256,7 +257,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                     *least = least.min(*least * (1.0 + hoop.0[lane])).min(1.0 + hoop.0[lane]);
                 }
             }
-            deformation.special = Some(points);
+            deformation.special = Some(Box::new(points));
         }
         deformation
     }
@@ -288,7 +289,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     fn run<const FMA: bool>(self) -> Result<(), usize> {
         let Assemble { cells, step, batches, mut sums, geometric } = self;
         let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
-        let mut answer = Answer::EMPTY;
+        let mut answer = None;
         for index in batches {
             let geometric = sums.values.is_some().then_some(geometric);
             if !cells.respond(&cells.batches[index], step, &mut work, &mut answer, geometric) {

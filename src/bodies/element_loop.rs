@@ -75,7 +75,8 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Adds the mass of the cells at their nodes to the masses of these; whether every node of a cell has a positive part of it.
     fn add_lumped_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool;
 
-    /// The cell that by itself, with its mass at its nodes, can vibrate fastest about displacements `u`: no vibration of the body is faster.
+    /// The cell that by itself, with its mass at its nodes, can vibrate fastest about displacements `u`; no vibration of the body is
+    /// faster.
     fn fastest_cell(&self, lumping: Lumping, u: &[f64]) -> FastestCell;
 
     /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `u_1`

@@ -1,12 +1,11 @@
 //! Mass at the nodes alone, and how fast a cell by itself can vibrate with it.
 //!
-//! No vibration of a body is faster than the fastest one of its cells by themselves (Irons; Hughes, The Finite Element Method, 1987, section
-//! 9.2). That of a cell is bounded by the norms of `m^-1/2 K_e m^-1/2`.
+//! No vibration of a body is faster than the fastest one of its cells by themselves (Hughes, The Finite Element Method, 1987, section 9.2).
+//! That of a cell is bounded by the norms of `m^-1/2 K_e m^-1/2`.
 
 use super::batch::{Batch, many};
 use super::cells::Cells;
 use super::element_loop::{FastestCell, Step};
-use super::special::Answer;
 use super::workspace::Workspace;
 use crate::integrators::{Derivative, Lumping};
 use crate::math::lanes::{Lanes, WIDTH};
@@ -108,9 +107,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     fn run<const FMA: bool>(self) -> Box<Tangent<D, A>> {
         let Stiffness { cells, batch, u } = self;
         let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
-        let mut answer = Answer::EMPTY;
         let step = Step { derivative: Derivative::AT_END, weight: 1.0, inertia: 0.0, u_0: u, u_1: u };
-        cells.respond(batch, &step, &mut work, &mut answer, Some(1.0));
+        cells.respond(batch, &step, &mut work, &mut None, Some(1.0));
         let mut tangent = Box::new([[[[Lanes::ZERO; D]; A]; D]; A]);
         for b in 0..many::<A>() {
             for k in 0..D {

@@ -92,7 +92,7 @@ impl Lanczos {
         self.applied() == self.vectors.len()
     }
 
-    /// Components of the images of the vectors so far along the one to which the operator is to be applied next; nothing where there is none.
+    /// Components of the images of the vectors so far along the one to which the operator is to be applied next; 0 where there is none.
     pub fn coupling(&self) -> Vec<f64> {
         let next = self.applied();
         self.projected.iter().map(|along| along.get(next).copied().unwrap_or(0.0)).collect()

@@ -441,8 +441,8 @@ pub const PUSHED: f64 = 1e-12;
 /// How far `omega^2` of the fastest vibration may be missed, relative to it: half of that is the error of the stable step.
 pub const FASTEST: f64 = 0.005;
 
-/// Displacement by which forces are differentiated for the fastest vibration, relative to the extent of the model: a strain of 1e-5 in cells
-/// of a hundredth of it.
+/// Displacement by which forces are differentiated for the fastest vibration, relative to the extent of the model: a strain of 1e-5 in
+/// cells of a hundredth of it.
 pub const SMALL_MOTION: f64 = 1e-7;
 
 /// Energy that nothing explains, over all the energy that there was and that came in, at which explicit steps are stopped: near the stable

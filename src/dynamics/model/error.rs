@@ -375,6 +375,8 @@ pub enum StepError {
         body: String,
         /// That cell in its mesh.
         cell: usize,
+        /// Share of penalties of contacts in the square of the frequency.
+        penalty_share: f64,
     },
     /// Explicit steps have made energy from nothing, or have turned a cell inside out.
     #[error("explicit steps of {} came to an end at t = {time}: {cause}", three_digits(*dt))]
@@ -443,9 +445,13 @@ impl StepError {
             }
             StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),
             StepError::NotConverged { remedy, .. } => remedy.to_string(),
+            StepError::TooLong { stable, penalty_share, .. } if *penalty_share > 0.5 => format!(
+                "take `dt` of {} or less, or a smaller `penalty` of contacts, which is most of the stiffness; multipliers shorten no steps",
+                three_digits(0.9 * stable)
+            ),
             StepError::TooLong { stable, body, cell, .. } => format!(
-                "take `dt` of {} or less; the fastest cell by itself is cell {cell} of body \"{body}\": larger, softer or heavier cells there \
-                 admit longer steps",
+                "take `dt` of {} or less; the fastest cell by itself is cell {cell} of body \"{body}\": larger, softer or heavier cells \
+                 there admit longer steps",
                 three_digits(0.9 * stable)
             ),
             StepError::RanAway { dt, stable, .. } => match stable {

@@ -13,7 +13,11 @@ pub fn check_explicit(model: &Model) -> Result<(), ModelError> {
     let implicit = "take an integrator that solves equations, such as `energy_momentum`";
     if let Some(body) = model.bodies.iter().find(|body| body.rigid.is_some()) {
         let reason = "what holds its nodes together are equations";
-        return refused(format!("the rigid body \"{}\"", body.name), reason, "let it deform, as stiff as its cells allow, or take a rigid obstacle");
+        return refused(
+            format!("the rigid body \"{}\"", body.name),
+            reason,
+            "let it deform, as stiff as its cells allow, or take a rigid obstacle",
+        );
     }
     if let Some(joint) = model.joints.first() {
         return refused(format!("joint \"{}\"", joint.name), "what it holds are equations", "join the points by stiff springs");
@@ -21,7 +25,11 @@ pub fn check_explicit(model: &Model) -> Result<(), ModelError> {
     for interaction in &model.interactions {
         let name = &interaction.name;
         if interaction.is_tie() {
-            return refused(format!("tie \"{name}\""), "what it holds are equations", "make one mesh of the parts, or take another integrator");
+            return refused(
+                format!("tie \"{name}\""),
+                "what it holds are equations",
+                "make one mesh of the parts, or take another integrator",
+            );
         }
         if interaction.equality {
             return refused(format!("the contact \"{name}\" that also pulls"), "what it holds are equations", implicit);

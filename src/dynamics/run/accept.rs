@@ -150,7 +150,14 @@ where
     }
 
     /// Sums over the contacts, with the work of friction in each.
-    pub(super) fn book_contacts(&self, row: &mut LedgerRow, q: &[f64], touching: &Touching, jump: Option<&VelocityCorrection>, frictional: &[f64]) {
+    pub(super) fn book_contacts(
+        &self,
+        row: &mut LedgerRow,
+        q: &[f64],
+        touching: &Touching,
+        jump: Option<&VelocityCorrection>,
+        frictional: &[f64],
+    ) {
         let pressed = |jump: &VelocityCorrection| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
         let pressing: Option<Vec<f64>> = jump.map(pressed);
         let touching = Touching { lambda: pressing.as_deref().unwrap_or(touching.lambda), ..*touching };

@@ -36,6 +36,8 @@ pub struct StableStep {
     pub body: String,
     /// The cell in its mesh.
     pub cell: usize,
+    /// Share of penalties in the square of the frequency.
+    pub penalty_share: f64,
 }
 
 /// `m^-1 K` at a state.
@@ -95,7 +97,7 @@ where
                 break;
             }
         }
-        Ok(StableStep { dt, frequency: squared.sqrt(), bound, body, cell })
+        Ok(StableStep { dt, frequency: squared.sqrt(), bound, body, cell, penalty_share: by_penalties / squared })
     }
 
     /// Square of the largest angular frequency, not below by more than [`tolerances::FASTEST`].
@@ -126,9 +128,9 @@ where
         if self.options.integrator.lumping().is_none() {
             return Ok(());
         }
-        let StableStep { dt: stable, frequency, body, cell, .. } = self.stable_step()?;
+        let StableStep { dt: stable, frequency, body, cell, penalty_share, .. } = self.stable_step()?;
         let (time, dt) = (self.state.row.time, self.options.dt);
-        if dt > stable { Err(StepError::TooLong { time, dt, stable, frequency, body, cell }) } else { Ok(()) }
+        if dt > stable { Err(StepError::TooLong { time, dt, stable, frequency, body, cell, penalty_share }) } else { Ok(()) }
     }
 }
 
@@ -139,8 +141,8 @@ fn fastest_cell<const D: usize>(system: &System<D>, lumping: Lumping, u: &[f64])
     fastest.unwrap_or((0, FastestCell { cell: 0, frequency_squared: 0.0 }))
 }
 
-/// A bound of what closed penalties add to the square of a frequency: `k w / m` of the nodes on either side, with the pressure `k` per depth
-/// and the area `w` of a node.
+/// A bound of what closed penalties add to the square of a frequency: `k w / m` of the nodes on either side, with the pressure `k` per
+/// depth and the area `w` of a node.
 fn penalties<const D: usize>(system: &System<D>) -> f64 {
     let of = |pair: &ContactPair| {
         let weights = pair.kernel.weights();

@@ -7,11 +7,12 @@ use super::iterate::Linearization;
 use super::start::{StepStart, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
-use crate::contact::Evaluation;
+use crate::contact::{Evaluation, Outlook};
 use crate::dynamics::model::part::{Iterate, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::Row;
 use crate::integrators::Derivative;
+use crate::machine::memory::Shortage;
 
 /// Forces at positions, component by component `[force]`.
 #[derive(Default)]
@@ -28,6 +29,19 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
+    /// Starts a step that solves no equations, as [`Self::begin_step`] does.
+    ///
+    /// # Errors
+    /// The contacts do not fit into memory.
+    pub fn begin_explicit_step(&mut self, outlook: &Outlook) -> Result<(), Shortage> {
+        if self.find_candidates(outlook, &[]) {
+            self.matrix.is_stale = true;
+            self.ensure_patches()?;
+        }
+        self.begin_pairs(outlook);
+        Ok(())
+    }
+
     /// Positions and displacements after a motion, as [`Self::linearize`] has them.
     pub fn place_after(&self, start: &StepStart, at: &mut Linearization) {
         let Linearization { q_1, u_1, moved, .. } = at;

@@ -62,32 +62,33 @@ where
     Ok((bodies, reference))
 }
 
-/// The consistent mass of bodies in a pattern, with masses of other parts at nodes.
-pub(super) fn consistent_mass<const D: usize>(bodies: &[Body<D>], pattern: &Pattern, nodes: usize, masses: &[(u32, f64)]) -> NodeMatrix {
-    let mut mass = NodeMatrix::new(pattern, nodes);
-    bodies.iter().for_each(|body| body.elements.add_mass(&mut mass));
-    masses.iter().for_each(|&(node, value)| mass.add(node, node, value));
-    mass
-}
-
-/// Mass at so many nodes, with masses of other parts there.
+/// The mass of so many nodes, with masses of other parts there: consistent in a pattern, or at the nodes alone. Then all of it joins the
+/// masses at nodes, for cells have none.
 ///
 /// # Errors
 /// A node that gets none of a cell.
-pub(super) fn lumped_mass<const D: usize>(
+pub(super) fn mass_of<const D: usize>(
     bodies: &[Body<D>],
-    lumping: Lumping,
+    lumping: Option<Lumping>,
+    pattern: &Pattern,
     nodes: usize,
-    masses: &[(u32, f64)],
-) -> Result<Vec<f64>, ModelError> {
+    others: &mut Vec<(u32, f64)>,
+) -> Result<NodeMatrix, ModelError> {
+    let Some(lumping) = lumping else {
+        let mut mass = NodeMatrix::new(pattern, nodes);
+        bodies.iter().for_each(|body| body.elements.add_mass(&mut mass));
+        others.iter().for_each(|&(node, value)| mass.add(node, node, value));
+        return Ok(mass);
+    };
     let mut mass = vec![0.0; nodes];
     for body in bodies {
         if !body.elements.add_lumped_mass(lumping, &mut mass) {
             return Err(ModelError::NoLumpedMass { body: body.name.clone() });
         }
     }
-    masses.iter().for_each(|&(node, value)| mass[node as usize] += value);
-    Ok(mass)
+    others.iter().for_each(|&(node, value)| mass[node as usize] += value);
+    *others = (0..).zip(mass.iter().copied()).collect();
+    Ok(NodeMatrix::diagonal(mass))
 }
 
 /// Gravity that follows a time function, a load on all nodes.

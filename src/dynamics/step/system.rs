@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use super::counters::Counters;
 use super::iterate::{Linearization, Spare};
-use super::making::{bodies_of, consistent_mass, loads_of, lumped_mass, part_followers, varying_gravity};
+use super::making::{bodies_of, loads_of, mass_of, part_followers, varying_gravity};
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Space};
@@ -128,13 +128,7 @@ where
         } else {
             Pattern::new(&[], std::iter::empty::<&[u32]>())
         };
-        let mass = if let Some(lumping) = lumping {
-            let mass = lumped_mass(&bodies, lumping, count, &masses)?;
-            masses = (0..).zip(mass.iter().copied()).collect();
-            NodeMatrix::diagonal(mass)
-        } else {
-            consistent_mass(&bodies, &pattern, count, &masses)
-        };
+        let mass = mass_of(&bodies, lumping, &pattern, count, &mut masses)?;
         let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), mass);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
@@ -464,21 +458,8 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// The same for a step that solves no equations.
-    ///
-    /// # Errors
-    /// The contacts do not fit into memory.
-    pub fn begin_explicit_step(&mut self, outlook: &Outlook) -> Result<(), Shortage> {
-        if self.find_candidates(outlook, &[]) {
-            self.matrix.is_stale = true;
-            self.ensure_patches()?;
-        }
-        self.begin_pairs(outlook);
-        Ok(())
-    }
-
     /// Finds the candidate pairs of each contact; whether they are others than before.
-    fn find_candidates(&mut self, outlook: &Outlook, depths: &[f64]) -> bool {
+    pub(super) fn find_candidates(&mut self, outlook: &Outlook, depths: &[f64]) -> bool {
         self.spare.begin_step();
         let clock = Instant::now();
         let mut changed = false;
@@ -490,7 +471,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Lets contacts keep what depends on the start of a step.
-    fn begin_pairs(&mut self, outlook: &Outlook) {
+    pub(super) fn begin_pairs(&mut self, outlook: &Outlook) {
         let clock = Instant::now();
         for pair in &mut self.pairs {
             pair.kernel.begin_step(outlook.q);
@@ -513,7 +494,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Whether there is memory for what contacts couple: a patch of a coarse side and many fine facets grows with the square of these.
-    fn ensure_patches(&self) -> Result<(), Shortage> {
+    pub(super) fn ensure_patches(&self) -> Result<(), Shortage> {
         memory::ensure(self.pairs.iter().map(|pair| pair.kernel.patches().bytes()).fold(0, u64::saturating_add))
     }
 }

@@ -59,9 +59,9 @@ fn buckling() -> Function {
         name: "buckling",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "linear buckling of a settled state: the factors of its load at which a small motion meets no resistance, as if stresses and \
-                  displacements grew with the load; settle under a small part of the load, for the way beyond is taken for straight; loads \
-                  that turn with their boundary are refused; the state stays as it is",
+        summary: "linear buckling of a settled state: the factors of its load at which a small motion meets no resistance, as if stresses \
+                  and displacements grew with the load; settle under a small part of the load, for the way beyond is taken for straight; \
+                  loads that turn with their boundary are refused; the state stays as it is",
         parameters: vec![
             Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(1))]), "how many").or(Absent::Means("#{ count: 1 }")),
         ],

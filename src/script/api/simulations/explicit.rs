@@ -24,8 +24,8 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn mass_parameter() -> Parameter {
-    let summary = "how the mass of a cell is shared among its nodes: by `row_sum`, by its diagonal (`hrz`, which is always positive), or by row \
-                   sums where all of these are positive, else by the diagonal";
+    let summary = "how the mass of a cell is shared among its nodes: by `row_sum`, by its diagonal (`hrz`, which is always positive), or by \
+                   row sums where all of these are positive, else by the diagonal";
     Parameter::new("mass", Kind::Choice(MASSES), summary).or(Absent::Text(MASSES[0]))
 }
 
@@ -85,8 +85,8 @@ fn stable_step_now() -> Function {
         name: "stable_step",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Simulation,
-        summary: "the longest stable step of `central_differences` about the present state, as a map: `dt`, `frequency` (the largest angular \
-                  one), `bound` (the step by the fastest cell alone, which costs next to nothing), `body` and `cell` (that cell)",
+        summary: "the longest stable step of `central_differences` about the present state, as a map: `dt`, `frequency` (the largest \
+                  angular one), `bound` (the step by the fastest cell alone, which costs next to nothing), `body` and `cell` (that cell)",
         parameters: Vec::new(),
         returns: "Map",
         example: format!(
@@ -109,7 +109,7 @@ fn now(call: &Call) -> Result<Map, Failure> {
     }
     let found = simulation.stable_step();
     drop(simulation);
-    let StableStep { dt, frequency, bound, body, cell } = found.map_err(|error| handle.step_failure(call, error))?;
+    let StableStep { dt, frequency, bound, body, cell, .. } = found.map_err(|error| handle.step_failure(call, error))?;
     let unit = handle.0.kernel_time(1.0);
     let entries: [(&str, Dynamic); 5] = [
         ("dt", (dt / unit).into()),

@@ -74,7 +74,8 @@ fn option_parameters() -> Vec<Parameter> {
     };
     vec![
         Parameter::new("frequencies", Kind::Array, "oscillations per time, positive").of("1/time"),
-        Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "where the force acts").or(Absent::Means("nowhere; then give `base`")),
+        Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "where the force acts")
+            .or(Absent::Means("nowhere; then give `base`")),
         Parameter::new("force", Kind::Vector, "amplitude of the whole force, spread evenly").of("force").or(Absent::Means("none")),
         Parameter::new("base", Kind::Vector, "amplitude of the motion of all supports and of the ground, in place of a force")
             .of("length")
