@@ -16,13 +16,13 @@ use std::ops::Range;
 
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
-use super::element_loop::{ElementLoop, Inverted, PointStress, Step};
+use super::element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
 use super::special::{Answer, SpecialPoints};
 use super::workspace::Workspace;
 use crate::elements::ReferenceCell;
-use crate::integrators::Derivative;
+use crate::integrators::{Derivative, Lumping};
 use crate::linear::{Block, NodeMatrix, Pattern};
 use crate::materials::Components;
 use crate::math::lanes::{Lanes, WIDTH, relabel_rows};
@@ -42,15 +42,15 @@ struct Places<const A: usize> {
 
 /// The cells of a body.
 pub(super) struct Cells<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
-    physics: Physics<S, L>,
+    pub(super) physics: Physics<S, L>,
     cliques: Vec<Vec<u32>>,
-    table: Table<D, A, Q>,
-    batches: Vec<Batch<D, A>>,
+    pub(super) table: Table<D, A, Q>,
+    pub(super) batches: Vec<Batch<D, A>>,
     places: Vec<Places<A>>,
     rounds: Vec<Vec<PlacedRun<D>>>,
 }
 
-/// A run of cells with the places of the matrix columns of its nodes.
+/// A run of cells with the places of the matrix columns of its nodes, none while there is no matrix.
 struct PlacedRun<const D: usize> {
     run: Run,
     values: Range<usize>,
@@ -70,13 +70,15 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     /// The first cell that is inside out.
     pub(super) fn new<C: ReferenceCell<D, A, Q>>(mesh: &Mesh, physics: Physics<S, L>, first_node: usize) -> Result<Self, Inverted> {
         let cells: Vec<&[u32]> = mesh.cells().collect();
+        let cliques: Vec<Vec<u32>> = cells.iter().map(|cell| cell.iter().map(|&node| node + first_node as u32).collect()).collect();
+        let unplaced = |run| PlacedRun { run, values: 0..0, fresh_values: Vec::new() };
         let elements = Cells {
             physics,
-            cliques: cells.iter().map(|cell| cell.iter().map(|&node| node + first_node as u32).collect()).collect(),
+            rounds: rounds(&cliques, WIDTH).into_iter().map(|round| round.into_iter().map(unplaced).collect()).collect(),
+            cliques,
             table: Table::new::<C>(),
             batches: cells.chunks(WIDTH).map(|chunk| Batch::new(chunk, &mesh.points, first_node)).collect(),
             places: Vec::new(),
-            rounds: Vec::new(),
         };
         for (index, batch) in elements.batches.iter().enumerate() {
             let volumes = elements.deform(batch, None).volumes;
@@ -92,7 +94,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     /// Volumes, displacement gradients and strains of a batch at its points; those of rest without displacements.
-    fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
+    pub(super) fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
         dispatch(Deform { cells: self, batch, u })
     }
 
@@ -118,8 +120,59 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     /// The nodes of a cell of a batch.
-    fn nodes(&self, batch: usize, lane: usize) -> &[u32] {
+    pub(super) fn nodes(&self, batch: usize, lane: usize) -> &[u32] {
         &self.cliques[batch * WIDTH + lane]
+    }
+
+    /// Forces of a batch in a step and, with a share of the geometric stiffness, its tangent; whether no cell is inside out.
+    #[inline(always)]
+    pub(super) fn respond<const FMA: bool>(
+        &self,
+        batch: &Batch<D, A>,
+        step: &Step,
+        work: &mut Workspace<FMA, D, S, A, Q>,
+        answer: &mut Option<Box<Answer<L>>>,
+        geometric: Option<f64>,
+    ) -> bool {
+        let (table, physics) = (&self.table, &self.physics);
+        let is_axisymmetric = physics.is_axisymmetric();
+        work.set_points(batch, table);
+        if is_axisymmetric {
+            work.revolve(batch, table);
+        }
+        work.set_start(batch, step.u_0);
+        work.set_end(batch, step.u_1);
+        if work.is_inside_out() {
+            return false;
+        }
+        let special = physics.special.as_ref().map(|special| {
+            let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_axisymmetric));
+            let points = work.special_points(batch, table, around);
+            let answer = answer.get_or_insert_with(|| Box::new(Answer::EMPTY));
+            special.respond(&points, step.derivative, answer);
+            work.take(answer);
+            points
+        });
+        if special.is_none() {
+            work.respond(&*physics.law, step.derivative);
+        }
+        if let Some(geometric) = geometric {
+            work.integrate(step.derivative, step.weight, geometric);
+            work.add_mass(table, step.inertia * physics.density);
+        } else {
+            work.integrate_force(step.derivative, step.weight);
+        }
+        if let (Some(points), Some(answer)) = (special, answer) {
+            // Around the axis nothing may turn inside out either.
+            if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
+                return false;
+            }
+            let share = geometric.unwrap_or_default() * work.geometric_share(step.derivative.placement().share);
+            let Step { derivative, weight, .. } = *step;
+            let share = Share { derivative, weight, with_tangent: geometric.is_some(), geometric: share };
+            work.complete(answer, &points, table, is_axisymmetric, share);
+        }
+        true
     }
 
     /// Adds the force of the cells of a batch.
@@ -158,12 +211,12 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 }
 
 /// A batch at its points.
-struct Deformation<const D: usize, const S: usize, const Q: usize> {
-    volumes: [Lanes<false>; Q],
+pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
+    pub(super) volumes: [Lanes<false>; Q],
     gradient: [[[Lanes<false>; D]; D]; Q],
     strain: [Components<S>; Q],
     /// What a special stress needs to know, where there is one.
-    special: Option<SpecialPoints<D>>,
+    special: Option<Box<SpecialPoints<D>>>,
     smallest_determinants: [f64; WIDTH],
 }
 
@@ -204,7 +257,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                     *least = least.min(*least * (1.0 + hoop.0[lane])).min(1.0 + hoop.0[lane]);
                 }
             }
-            deformation.special = Some(points);
+            deformation.special = Some(Box::new(points));
         }
         deformation
     }
@@ -235,45 +288,12 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Result<(), usize> {
         let Assemble { cells, step, batches, mut sums, geometric } = self;
-        let (table, physics) = (&cells.table, &cells.physics);
-        let mut work = Workspace::<FMA, D, S, A, Q>::new(physics.strain);
-        let (is_axisymmetric, mut answer) = (physics.is_axisymmetric(), Answer::EMPTY);
+        let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
+        let mut answer = None;
         for index in batches {
-            let batch = &cells.batches[index];
-            work.set_points(batch, table);
-            if is_axisymmetric {
-                work.revolve(batch, table);
-            }
-            work.set_start(batch, step.u_0);
-            work.set_end(batch, step.u_1);
-            if work.is_inside_out() {
+            let geometric = sums.values.is_some().then_some(geometric);
+            if !cells.respond(&cells.batches[index], step, &mut work, &mut answer, geometric) {
                 return Err(index);
-            }
-            let special = physics.special.as_ref().map(|special| {
-                let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_axisymmetric));
-                let points = work.special_points(batch, table, around);
-                special.respond(&points, step.derivative, &mut answer);
-                work.take(&answer);
-                points
-            });
-            if special.is_none() {
-                work.respond(&*physics.law, step.derivative);
-            }
-            if sums.values.is_some() {
-                work.integrate(step.derivative, step.weight, geometric);
-                work.add_mass(table, step.inertia * physics.density);
-            } else {
-                work.integrate_force(step.derivative, step.weight);
-            }
-            if let Some(points) = special {
-                // Around the axis nothing may turn inside out either.
-                if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
-                    return Err(index);
-                }
-                let geometric = geometric * work.geometric_share(step.derivative.placement().share);
-                let Step { derivative, weight, .. } = *step;
-                let share = Share { derivative, weight, with_tangent: sums.values.is_some(), geometric };
-                work.complete(&answer, &points, table, is_axisymmetric, share);
             }
             if let Some(values) = &mut sums.values {
                 cells.scatter_tangent(index, &work, values, sums.first_value);
@@ -299,8 +319,10 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let before = |node: usize| columns(node as u32).start as usize;
         let after = |node: usize| before(node) + D * columns(node as u32).stride as usize;
         let values = |nodes: &Range<usize>| before(nodes.start)..after(nodes.end - 1);
-        let place = |run: Run| PlacedRun { values: values(&run.nodes), fresh_values: run.fresh.iter().map(values).collect(), run };
-        self.rounds = rounds(&self.cliques, WIDTH).into_iter().map(|round| round.into_iter().map(place).collect()).collect();
+        for placed in self.rounds.iter_mut().flatten() {
+            placed.values = values(&placed.run.nodes);
+            placed.fresh_values = placed.run.fresh.iter().map(values).collect();
+        }
     }
 
     fn add_mass(&self, mass: &mut NodeMatrix) {
@@ -317,6 +339,14 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 }
             }
         }
+    }
+
+    fn add_lumped_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool {
+        self.lump_mass(lumping, mass)
+    }
+
+    fn fastest_cell(&self, lumping: Lumping, u: &[f64]) -> FastestCell {
+        self.find_fastest(lumping, u)
     }
 
     fn assemble(&self, step: &Step, force: &mut [f64], mut values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted> {

@@ -2,7 +2,7 @@
 //!
 //! A [`Step`] says how the strain energy is differentiated; how that is done stands in `cells.rs`.
 
-use crate::integrators::Derivative;
+use crate::integrators::{Derivative, Lumping};
 use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
 
@@ -13,6 +13,15 @@ pub struct Inverted {
     pub cell: usize,
     /// Smallest determinant of the deformation gradient at its quadrature points.
     pub determinant: f64,
+}
+
+/// How fast the fastest cell can vibrate by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FastestCell {
+    /// Its number in the mesh.
+    pub cell: usize,
+    /// A bound of the square of its angular frequencies `[1/time^2]`.
+    pub frequency_squared: f64,
 }
 
 /// A step as the element loop sees it. Displacements are flat, node after node, of the whole model: strains have the accuracy of their
@@ -62,6 +71,13 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
 
     /// Adds the consistent mass.
     fn add_mass(&self, mass: &mut NodeMatrix);
+
+    /// Adds the mass of the cells at their nodes to the masses of these; whether every node of a cell has a positive part of it.
+    fn add_lumped_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool;
+
+    /// The cell that by itself, with its mass at its nodes, can vibrate fastest about displacements `u`; no vibration of the body is
+    /// faster.
+    fn fastest_cell(&self, lumping: Lumping, u: &[f64]) -> FastestCell;
 
     /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `u_1`
     /// with the weighted mass; these columns are zero elsewhere. Without `values` only the force, to the same bytes.

@@ -10,6 +10,7 @@ mod dilatation;
 mod element_loop;
 mod formulation;
 mod kinds;
+mod lumped;
 mod physics;
 mod recovery;
 mod rigid;
@@ -21,7 +22,7 @@ mod surface_loads;
 mod thickness;
 mod workspace;
 
-pub use element_loop::{ElementLoop, Inverted, PointStress, Step};
+pub use element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
 pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{Elements, Space};
 pub use recovery::Recovery;

@@ -16,9 +16,10 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::element_loop::{ElementLoop, Inverted, PointStress, Step};
+use super::element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
 use super::formulation::Formulation;
 use super::kinds::{Elements, Space};
+use crate::integrators::Lumping;
 use crate::linear::{Block, NodeMatrix, Pattern, Vertex};
 use crate::materials::Material;
 use crate::math::tolerances;
@@ -247,6 +248,14 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
             masters.iter().zip(row).for_each(|(&v, &value)| mass.add(u, v, value));
         }
         self.tied.iter().for_each(|&(node, value)| mass.add(node, node, value));
+    }
+
+    fn add_lumped_mass(&self, _lumping: Lumping, _mass: &mut [f64]) -> bool {
+        false
+    }
+
+    fn fastest_cell(&self, _lumping: Lumping, _u: &[f64]) -> FastestCell {
+        FastestCell { cell: 0, frequency_squared: 0.0 }
     }
 
     fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, _workers: &Workers) -> Result<(), Inverted> {

@@ -27,12 +27,14 @@ pub use parts::motor::MotorDefinition;
 pub use parts::point_mass::PointMassDefinition;
 pub use parts::spring::SpringDefinition;
 pub use parts::torsion::TorsionDefinition;
+pub use run::buckling::{Buckling, BucklingError};
 pub use run::energy_account::EnergyAccount;
 pub use run::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, NodeState, PlacedObstacle,
     RedundantConstraints, pressure, von_mises,
 };
 pub use run::halvings::Halving;
+pub use run::harmonic::{Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
 pub use run::ledger::{ContactTotals, JointTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 pub use run::modes::{Mode, Modes, ModesError};
 pub use run::options::{Options, SettleReport, Statistics};
@@ -40,6 +42,7 @@ pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, Path
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use run::run_findings::{RunFinding, RunFindingKind};
 pub use run::simulation::Simulation;
+pub use run::stable_step::StableStep;
 pub use run::state::State;
 pub use run::tally::Tally;
 pub use step::counters::PhaseTimes;

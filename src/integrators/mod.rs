@@ -6,6 +6,7 @@
 
 mod backward_euler;
 mod bdf2;
+mod central_differences;
 mod derivative;
 mod discrete_gradient;
 mod energy_momentum;
@@ -20,6 +21,7 @@ mod trapezoidal;
 
 pub use backward_euler::BACKWARD_EULER;
 pub use bdf2::{BDF2, TR_BDF2};
+pub use central_differences::{CENTRAL_DIFFERENCES, central_differences};
 pub use derivative::{Configuration, Derivative, Placement};
 pub use discrete_gradient::discrete_gradient;
 pub use energy_momentum::ENERGY_MOMENTUM;
@@ -29,13 +31,16 @@ pub use midpoint::MIDPOINT;
 pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
-pub use scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
+pub use scheme::{Affine, Course, History, Lag, Lumping, Parameters, Promises, Scheme};
 pub use trapezoidal::TRAPEZOIDAL;
 
-/// All time integrators, in the order of the reference.
+/// All time integrators that solve equations, in the order of the reference: their steps may have any size.
 pub static CATALOGUE: &[&Scheme] =
     &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK, &HHT, &WBZ, &GENERALIZED_ALPHA, &BDF2, &TR_BDF2];
 
-/// Those of them that take numbers.
+/// Those that solve none.
+pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];
+
+/// Those of the catalogue that take numbers.
 pub static FAMILIES: &[&Family] =
     &[&newmark::FAMILY, &generalized_alpha::HHT_FAMILY, &generalized_alpha::WBZ_FAMILY, &generalized_alpha::GENERALIZED_ALPHA_FAMILY];

@@ -86,6 +86,31 @@ pub enum Course {
     /// In stages, one after the other: each has its share of the step and is a scheme, which finds what the one before has left. What the
     /// row itself has is that of the last.
     Stages(&'static [(f64, Scheme)]),
+    /// Without equations: positions follow from the forces at the start, with a mass at every node alone. No step may be longer than the
+    /// fastest vibration admits.
+    Explicit(Lumping),
+}
+
+/// How the mass of a cell is shared among its nodes, to be at the nodes alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lumping {
+    /// By row sums where all are positive, else as [`Self::Diagonal`].
+    Suitable,
+    /// By the row sums of the consistent mass.
+    RowSum,
+    /// By its diagonal, scaled to the mass of the cell (Hinton, Rock and Zienkiewicz, Earthquake Eng. Struct. Dyn. 4, 1976).
+    Diagonal,
+}
+
+impl Lumping {
+    /// Every way with its name.
+    pub const ALL: [(&'static str, Lumping); 3] =
+        [("suitable", Lumping::Suitable), ("row_sum", Lumping::RowSum), ("hrz", Lumping::Diagonal)];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
 }
 
 /// The numbers that make one row of a family, by their names.
@@ -176,7 +201,8 @@ impl Scheme {
 
     /// The scheme with its parameters.
     pub fn describe(&self) -> String {
-        let given: Vec<String> = self.given().map(|(name, value)| format!("{name} = {value}")).collect();
+        let mut given: Vec<String> = self.given().map(|(name, value)| format!("{name} = {value}")).collect();
+        given.extend(self.lumping().filter(|lumping| *lumping != Lumping::Suitable).map(|lumping| format!("mass = {}", lumping.name())));
         if given.is_empty() { self.name.into() } else { format!("{}, {}", self.name, given.join(", ")) }
     }
 
@@ -184,7 +210,7 @@ impl Scheme {
     pub fn after(&self, before: f64, dt: f64) -> Scheme {
         match self.course {
             Course::ByRatio(row) => Scheme { course: self.course, ..row(before / dt) },
-            Course::Whole | Course::Stages(_) => *self,
+            Course::Whole | Course::Stages(_) | Course::Explicit(_) => *self,
         }
     }
 
@@ -192,8 +218,13 @@ impl Scheme {
     pub fn stages(&self) -> &'static [(f64, Scheme)] {
         match self.course {
             Course::Stages(stages) => stages,
-            Course::Whole | Course::ByRatio(_) => &[],
+            Course::Whole | Course::ByRatio(_) | Course::Explicit(_) => &[],
         }
+    }
+
+    /// How the mass is put to the nodes, of a scheme that solves no equations.
+    pub fn lumping(&self) -> Option<Lumping> {
+        if let Course::Explicit(lumping) = self.course { Some(lumping) } else { None }
     }
 
     /// Whether the forces of some step act longer than in the one that follows.
@@ -282,7 +313,7 @@ impl Scheme {
 
 impl PartialEq for Scheme {
     fn eq(&self, other: &Self) -> bool {
-        self.name == other.name && self.parameters == other.parameters
+        self.name == other.name && self.parameters == other.parameters && self.lumping() == other.lumping()
     }
 }
 

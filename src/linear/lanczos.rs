@@ -23,8 +23,13 @@ pub trait Operator {
     /// The linear solver's.
     fn solve(&mut self, image: Vec<f64>) -> Result<Vec<f64>, Self::Error>;
 
-    /// `M v`.
+    /// `M v`, whose product with another vector is the one in which the operator is symmetric.
     fn mass_times(&self, v: &[f64]) -> Vec<f64>;
+
+    /// What is solved with for a vector: of vibrations `M v`.
+    fn image(&self, v: &[f64]) -> Vec<f64> {
+        self.mass_times(v)
+    }
 }
 
 /// An eigenvalue of the projected operator.
@@ -69,10 +74,34 @@ impl Lanczos {
             (0..if is_first { self.block } else { 1 }).try_for_each(|_| self.begin(operator))?;
         }
         let Some(vector) = self.vectors.get(self.applied()) else { return Ok(false) };
-        let image = operator.solve(operator.mass_times(vector))?;
+        let image = operator.solve(operator.image(vector))?;
         let along = self.add(operator, image);
         self.projected.push(along);
         Ok(true)
+    }
+
+    /// Adds a vector of one's own, and gives what it has beyond the basis, in the operator's product.
+    pub fn begin_with<O: Operator>(&mut self, operator: &O, vector: Vec<f64>) -> f64 {
+        let before = self.vectors.len();
+        let along = self.add(operator, vector);
+        along.get(before).copied().unwrap_or(0.0)
+    }
+
+    /// Whether the operator was applied to all vectors: then it leads out of their space no more.
+    pub fn is_exhausted(&self) -> bool {
+        self.applied() == self.vectors.len()
+    }
+
+    /// Components of the images of the vectors so far along the one to which the operator is to be applied next; 0 where there is none.
+    pub fn coupling(&self) -> Vec<f64> {
+        let next = self.applied();
+        self.projected.iter().map(|along| along.get(next).copied().unwrap_or(0.0)).collect()
+    }
+
+    /// The first vectors of the basis.
+    pub fn into_vectors(mut self, count: usize) -> Vec<Vec<f64>> {
+        self.vectors.truncate(count);
+        self.vectors
     }
 
     /// Adds a vector of any direction to those that the operator is applied to.
@@ -81,7 +110,7 @@ impl Lanczos {
     /// The operator's.
     pub fn begin<O: Operator>(&mut self, operator: &mut O) -> Result<(), O::Error> {
         let any: Vec<f64> = (0..self.unknowns).map(|_| self.next_random()).collect();
-        let image = operator.solve(operator.mass_times(&any))?;
+        let image = operator.solve(operator.image(&any))?;
         self.add(operator, image);
         Ok(())
     }

@@ -447,3 +447,27 @@ pub const WIDEST_ANGLE: f64 = 6.0;
 
 /// Rate at which a joint would part over the largest velocity at the start, from which the velocities do not fit the joint.
 pub const LOOSE_JOINT: f64 = 1e-6;
+
+/// Change of a gap in a sweep of the contact rows of an explicit step, relative to the largest gap that was to be closed, below which the
+/// sweeps end: what is left is seen by the next step.
+pub const PUSHED: f64 = 1e-12;
+
+/// How far `omega^2` of the fastest vibration may be missed, relative to it: half of that is the error of the stable step.
+pub const FASTEST: f64 = 0.005;
+
+/// Displacement by which forces are differentiated for the fastest vibration, relative to the extent of the model: a strain of 1e-5 in
+/// cells of a hundredth of it.
+pub const SMALL_MOTION: f64 = 1e-7;
+
+/// Energy that nothing explains, over all the energy that there was and that came in, at which explicit steps are stopped: near the stable
+/// step what they do to the fastest vibrations swings by some ten times.
+pub const RAN_AWAY: f64 = 100.0;
+
+/// What a steady vibration may miss in the product of the masses, relative to its size: a hundredth of what closed forms are asked for.
+pub const RESPONSE: f64 = 1e-9;
+
+/// Difference of the strain energy of a state from that of the linear model, relative, above which linear buckling says so.
+pub const LINEAR_STATE: f64 = 0.05;
+
+/// The same times the load factor: how far the way to the buckling load is from straight.
+pub const LINEAR_PATH: f64 = 0.2;

@@ -82,6 +82,22 @@ pub enum ModelError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// Cells whose mass, at their nodes, is not positive.
+    #[error("the row sums of the mass of the cells of body \"{body}\" are not positive at all nodes")]
+    NoLumpedMass {
+        /// Its name.
+        body: String,
+    },
+    /// What a time integrator without equations does not do.
+    #[error("explicit steps do not take {what}: {reason}")]
+    NotExplicit {
+        /// What the model has.
+        what: String,
+        /// Why.
+        reason: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
     /// A boundary without facets.
     #[error("boundary \"{boundary}\" has no facets")]
     EmptyBoundary {
@@ -235,6 +251,8 @@ impl ModelError {
             ModelError::MixedDimensions { .. } => "use meshes of one dimension in a model".into(),
             ModelError::UnknownBoundary { .. } => "use one of its boundaries, or select one with `Mesh::boundary_where`".into(),
             ModelError::UnsoundIntegrator { .. } => "mend its row: `integrators::Scheme` has what each coefficient stands for".into(),
+            ModelError::NoLumpedMass { .. } => "lump the mass by its diagonal: `hrz`".into(),
+            ModelError::NotExplicit { instead, .. } => (*instead).into(),
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets".into(),
             ModelError::PointBoundary { .. } => {
                 "points can be held, moved and loaded with a force; other loads and contacts need facets".into()
@@ -337,6 +355,41 @@ pub enum StepError {
         /// How to mend it.
         remedy: Remedy,
     },
+    /// Explicit steps are longer than the fastest vibration admits.
+    #[error(
+        "explicit steps of {} are longer than the stable step at t = {time}, {}: the fastest vibration has the angular frequency {}",
+        three_digits(*dt),
+        three_digits(*stable),
+        three_digits(*frequency)
+    )]
+    TooLong {
+        /// Time of the state.
+        time: f64,
+        /// Size of the steps.
+        dt: f64,
+        /// The largest that is stable.
+        stable: f64,
+        /// Angular frequency of the fastest vibration.
+        frequency: f64,
+        /// The body with the fastest cell.
+        body: String,
+        /// That cell in its mesh.
+        cell: usize,
+        /// Share of penalties of contacts in the square of the frequency.
+        penalty_share: f64,
+    },
+    /// Explicit steps have made energy from nothing, or have turned a cell inside out.
+    #[error("explicit steps of {} came to an end at t = {time}: {cause}", three_digits(*dt))]
+    RanAway {
+        /// Time of the last accepted step.
+        time: f64,
+        /// Size of the steps.
+        dt: f64,
+        /// What was seen.
+        cause: String,
+        /// The stable step of the last accepted state, where it could be found.
+        stable: Option<f64>,
+    },
     /// Sides of a contact are inside each other, and nothing holds them apart.
     #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
     StillOverlaps {
@@ -392,6 +445,22 @@ impl StepError {
             }
             StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),
             StepError::NotConverged { remedy, .. } => remedy.to_string(),
+            StepError::TooLong { stable, penalty_share, .. } if *penalty_share > 0.5 => format!(
+                "take `dt` of {} or less, or a smaller `penalty` of contacts, which is most of the stiffness; multipliers shorten no steps",
+                three_digits(0.9 * stable)
+            ),
+            StepError::TooLong { stable, body, cell, .. } => format!(
+                "take `dt` of {} or less; the fastest cell by itself is cell {cell} of body \"{body}\": larger, softer or heavier cells \
+                 there admit longer steps",
+                three_digits(0.9 * stable)
+            ),
+            StepError::RanAway { dt, stable, .. } => match stable {
+                Some(stable) if *stable < *dt => format!(
+                    "the stable step has shrunk to {} since the start, as cells were compressed: take a shorter step",
+                    three_digits(*stable)
+                ),
+                _ => "take a shorter step; look at the motion before: what moves by a good part of a cell in a step is not resolved".into(),
+            },
             StepError::StillOverlaps { .. } => {
                 "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it \
                  grow over several equilibria; in motion, try a smaller step"

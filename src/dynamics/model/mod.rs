@@ -6,6 +6,7 @@ pub mod builder;
 pub mod definitions;
 pub mod depths;
 pub mod error;
+pub mod explicit;
 pub mod findings;
 pub mod hulls;
 pub mod interactions;

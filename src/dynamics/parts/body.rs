@@ -16,6 +16,8 @@ pub struct Body<const D: usize> {
     pub number: usize,
     /// Range of its nodes.
     pub nodes: Range<usize>,
+    /// Whether its mass is at its nodes alone, and no concern of its cells.
+    pub is_lumped: bool,
     /// The loop over its cells.
     pub elements: Box<dyn ElementLoop<D>>,
     /// How values of its cells become such of its nodes, once it is known.
@@ -35,7 +37,8 @@ impl<const D: usize> Part for Body<D> {
 
     fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
         let Iterate { derivative, weight, u_0, u_1, .. } = *at;
-        let step = Step { derivative, weight, inertia: at.inertia[self.number], u_0, u_1 };
+        let inertia = if self.is_lumped { 0.0 } else { at.inertia[self.number] };
+        let step = Step { derivative, weight, inertia, u_0, u_1 };
         let outcome = self.elements.assemble(&step, sums.internal, sums.tangent.as_deref_mut(), sums.workers);
         outcome.map_err(|inverted| Refusal::Inverted { body: self.name.clone(), inverted })
     }

@@ -6,14 +6,14 @@ use std::f64::consts::TAU;
 use super::body::Body;
 use super::nodal::{half_product, moment, resultant};
 use crate::dynamics::model::definitions::Model;
-use crate::linear::{NodeMatrix, Pattern};
+use crate::linear::NodeMatrix;
 use crate::math::norms::largest_size;
 
 /// The nodes of a model, body after body.
 pub struct Nodes<const D: usize> {
     /// Positions at rest.
     pub reference: Vec<f64>,
-    /// The consistent mass.
+    /// The mass: consistent, or at the nodes alone.
     pub mass: NodeMatrix,
     /// Mass of every node (row sums); of a cell of second order nothing or less at its corners.
     pub nodal_mass: Vec<f64>,
@@ -39,14 +39,13 @@ pub struct Nodes<const D: usize> {
 
 impl<const D: usize> Nodes<D> {
     /// The nodes of a model's bodies, at rest at `reference`, of which some components are fixed, those of followers of rigid bodies among
-    /// them; `masses` are those of other parts at nodes.
+    /// them, with their mass.
     pub fn new(
         model: &Model,
         bodies: &[Body<D>],
         reference: Vec<f64>,
         (fixed, followers): (&[bool], &BTreeSet<u32>),
-        pattern: &Pattern,
-        masses: &[(u32, f64)],
+        mass: NodeMatrix,
     ) -> Self {
         let count = reference.len() / D;
         let rigid = bodies.iter().filter_map(|body| body.rigid.as_ref()).map(|rigid| &rigid.nodes);
@@ -60,11 +59,6 @@ impl<const D: usize> Nodes<D> {
             let coordinates = || reference.iter().skip(i).step_by(D).copied();
             coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min)
         };
-        let mut mass = NodeMatrix::new(pattern, count);
-        for body in bodies {
-            body.elements.add_mass(&mut mass);
-        }
-        masses.iter().for_each(|&(node, value)| mass.add(node, node, value));
         let nodal_mass = mass.row_sums();
         let mut lumped_mass = nodal_mass.clone();
         for (row, _, diagonal) in mass.entries().filter(|(row, column, _)| row == column) {

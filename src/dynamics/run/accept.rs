@@ -146,13 +146,20 @@ where
     }
 
     /// Potential energy at the end of a step, without what closed contacts keep.
-    fn potential(&self, at: &Linearization, penalty_gap: &[f64], memory: &[Vec<f64>]) -> f64 {
+    pub(super) fn potential(&self, at: &Linearization, penalty_gap: &[f64], memory: &[Vec<f64>]) -> f64 {
         let system = &self.system;
         system.nodes.potential_energy(&at.q_1) + system.penalty_energy(penalty_gap) + system.stored_energy(at.pose(), memory)
     }
 
     /// Sums over the contacts, with the work of friction in each.
-    fn book_contacts(&self, row: &mut LedgerRow, q: &[f64], touching: &Touching, jump: Option<&VelocityCorrection>, frictional: &[f64]) {
+    pub(super) fn book_contacts(
+        &self,
+        row: &mut LedgerRow,
+        q: &[f64],
+        touching: &Touching,
+        jump: Option<&VelocityCorrection>,
+        frictional: &[f64],
+    ) {
         let pressed = |jump: &VelocityCorrection| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
         let pressing: Option<Vec<f64>> = jump.map(pressed);
         let touching = Touching { lambda: pressing.as_deref().unwrap_or(touching.lambda), ..*touching };

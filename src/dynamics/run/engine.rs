@@ -14,6 +14,7 @@ use super::state::{Clock, State};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
+use crate::dynamics::model::explicit::check_explicit;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::laws::RowState;
@@ -69,7 +70,11 @@ where
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
-        let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator))?;
+        let lumping = options.integrator.lumping();
+        if lumping.is_some() {
+            check_explicit(model)?;
+        }
+        let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator), lumping)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);

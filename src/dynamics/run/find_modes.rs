@@ -104,7 +104,7 @@ where
         }
     }
 
-    fn modes_error(&mut self, error: SearchError) -> ModesError {
+    pub(super) fn modes_error(&mut self, error: SearchError) -> ModesError {
         match error {
             SearchError::Failed(Failure::Linear(LinearError::Singular { .. } | LinearError::Inaccurate { .. })) => ModesError::Dependent,
             SearchError::Failed(failure) => ModesError::Step(self.error_of(failure)),
@@ -114,7 +114,7 @@ where
 }
 
 /// Why a search ended without modes.
-enum SearchError {
+pub(super) enum SearchError {
     Failed(Failure),
     Refused(ModesError),
 }
@@ -126,7 +126,7 @@ impl From<Failure> for SearchError {
 }
 
 /// Factors the matrix with a shift below all eigenvalues, as far as that can be counted: the shift, from one to begin with.
-fn below_all<const D: usize>(vibrations: &mut Vibrations<D>, mut shift: f64) -> Result<f64, SearchError>
+pub(super) fn below_all<const D: usize>(vibrations: &mut Vibrations<D>, mut shift: f64) -> Result<f64, SearchError>
 where
     Space<D>: Elements<D>,
 {

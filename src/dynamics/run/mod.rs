@@ -2,16 +2,20 @@
 
 pub mod accept;
 pub mod balance;
+pub mod buckling;
 pub mod closing;
 pub mod contact_quantities;
 pub mod diagnosis;
 pub mod energy_account;
 pub mod engine;
+pub mod explicit;
+pub mod explicit_ledger;
 pub mod failed;
 pub mod fields;
 pub mod find_modes;
 pub mod follow_path;
 pub mod halvings;
+pub mod harmonic;
 pub mod impact;
 pub mod increments;
 pub mod joint_loads;
@@ -27,6 +31,7 @@ pub mod run_findings;
 pub mod settle;
 pub mod simulation;
 pub mod slip_memory;
+pub mod stable_step;
 pub mod state;
 pub mod steps;
 pub mod substep;

@@ -26,6 +26,9 @@ where
             Arc::make_mut(&mut self.state).remembered = Arc::default();
             return Ok(());
         }
+        if self.options.integrator.lumping().is_some() {
+            return self.remember_explicit();
+        }
         let undamped = vec![0.0; self.system.bodies.len()];
         let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
         let kind = StepKind::Rest { damping: &undamped, velocities: Some(&state.velocities) };

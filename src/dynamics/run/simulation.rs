@@ -2,17 +2,20 @@
 
 use std::sync::Arc;
 
+use super::buckling::{Buckling, BucklingError};
 use super::engine::Engine;
 use super::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
 };
 use super::halvings::Halving;
+use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
 use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
+use super::stable_step::StableStep;
 use super::state::State;
 use super::steps::Steps;
 use super::tally::Tally;
@@ -119,6 +122,33 @@ impl Simulation {
     /// [`ModesError`].
     pub fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
         self.steps.modes(count)
+    }
+
+    /// Steady vibrations about the present state under what swings, as [`Self::modes`] sees the state, which stays as it is.
+    ///
+    /// # Errors
+    /// [`HarmonicError`].
+    pub fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
+        self.steps.harmonic_response(options)
+    }
+
+    /// The smallest factors of the load of the present state at which the model buckles, which stays as it is.
+    ///
+    /// # Errors
+    /// [`BucklingError`].
+    pub fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
+        self.steps.buckling(count)
+    }
+
+    /// The longest explicit step that is stable about the present state, which stays as it is.
+    ///
+    /// # Errors
+    /// The forces cannot be computed.
+    ///
+    /// # Panics
+    /// With an integrator that solves equations.
+    pub fn stable_step(&mut self) -> Result<StableStep, StepError> {
+        self.steps.stable_step()
     }
 
     /// Equilibria along the load, which is the time of all time functions, from the present state on; the simulation stays as it is.

@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
+use super::buckling::{Buckling, BucklingError};
 use super::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
 };
 use super::halvings::Halving;
+use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
 use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding};
+use super::stable_step::StableStep;
 use super::state::State;
 use super::tally::Tally;
 use super::validity::Excess;
@@ -32,6 +35,9 @@ pub trait Steps: Send {
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError>;
     fn settle(&mut self, time: f64, friction: bool) -> Result<SettleReport, StepError>;
     fn modes(&mut self, count: usize) -> Result<Modes, ModesError>;
+    fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError>;
+    fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError>;
+    fn stable_step(&mut self) -> Result<StableStep, StepError>;
     fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError>;
     fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError>;
     fn check_apart(&self) -> Result<(), StepError>;

@@ -29,6 +29,9 @@ where
     /// A step that `may_be_halved` is not tried when its predicted motion is too large.
     pub fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
         let integrator = self.options.integrator;
+        if integrator.lumping().is_some() {
+            return self.explicit_piece(dt);
+        }
         let stages = integrator.stages();
         if stages.is_empty() {
             return self.stage(&integrator.after(self.state.remembered.dt, dt), dt, may_be_halved);
@@ -58,7 +61,7 @@ where
     }
 
     /// Whether boundaries turn by less than a quarter of a turn in a step: its end does not tell how often, or which way round.
-    fn check_turns(&self, dt: f64) -> Result<(), StepError> {
+    pub(super) fn check_turns(&self, dt: f64) -> Result<(), StepError> {
         let time = self.state.row.time;
         let (angle, boundary) = self.system.supports.turned(time, time + dt)?;
         if angle <= 2.0 * tolerances::EIGHTH_TURN {

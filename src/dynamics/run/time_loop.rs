@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::buckling::{Buckling, BucklingError};
 use super::closing::Closing;
 use super::engine::Engine;
 use super::failed::tried;
@@ -11,12 +12,14 @@ use super::fields::{
     BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
 };
 use super::halvings::Halving;
+use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
 use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
+use super::stable_step::StableStep;
 use super::state::{Clock, State};
 use super::steps::Steps;
 use super::substeps::Substeps;
@@ -114,6 +117,18 @@ where
 
     fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
         self.find_modes(count)
+    }
+
+    fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
+        self.find_response(options)
+    }
+
+    fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
+        self.find_buckling(count)
+    }
+
+    fn stable_step(&mut self) -> Result<StableStep, StepError> {
+        Engine::stable_step(self)
     }
 
     fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError> {
@@ -271,7 +286,11 @@ where
     /// A nominal step: from kink to kink of what acts, in pieces where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let state = &self.state;
-        if state.row.step == 0 || !state.remembered.is_of(&self.options.integrator) {
+        let is_new = state.row.step == 0 || !state.remembered.is_of(&self.options.integrator);
+        if is_new || state.clock.dt != self.options.dt {
+            self.check_stable()?;
+        }
+        if is_new {
             self.remember()?;
         }
         let from = self.state.row.time;

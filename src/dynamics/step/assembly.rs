@@ -134,7 +134,7 @@ where
     }
 
     /// What the parts of the model are told of an iterate.
-    fn visit(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
+    pub(super) fn visit(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
         told.inertia.clear();
         told.inertia.extend((0..self.bodies.len()).map(|body| start.inertia(body)));
         let others = !self.others.is_empty();

@@ -11,6 +11,8 @@ use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::carried::Carried;
 use crate::dynamics::parts::loads::NodalLoad;
 use crate::dynamics::parts::rigid_bodies::used_nodes;
+use crate::integrators::Lumping;
+use crate::linear::{NodeMatrix, Pattern};
 
 /// Parts what rigid bodies carry into nodes on which something acts and followers, and returns these.
 pub(super) fn part_followers<const D: usize>(
@@ -37,7 +39,7 @@ pub(super) fn part_followers<const D: usize>(
 }
 
 /// The bodies of a model, and the positions of their nodes at rest.
-pub(super) fn bodies_of<const D: usize>(model: &Model) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
+pub(super) fn bodies_of<const D: usize>(model: &Model, is_lumped: bool) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
 where
     Space<D>: Elements<D>,
 {
@@ -55,9 +57,38 @@ where
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
         let nodes = first..reference.len() / D;
         let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));
-        bodies.push(Body { name: body.name.clone(), number, nodes, elements, recovery: OnceLock::new(), rigid });
+        bodies.push(Body { name: body.name.clone(), number, nodes, is_lumped, elements, recovery: OnceLock::new(), rigid });
     }
     Ok((bodies, reference))
+}
+
+/// The mass of so many nodes, with masses of other parts there: consistent in a pattern, or at the nodes alone. Then all of it joins the
+/// masses at nodes, for cells have none.
+///
+/// # Errors
+/// A node that gets none of a cell.
+pub(super) fn mass_of<const D: usize>(
+    bodies: &[Body<D>],
+    lumping: Option<Lumping>,
+    pattern: &Pattern,
+    nodes: usize,
+    others: &mut Vec<(u32, f64)>,
+) -> Result<NodeMatrix, ModelError> {
+    let Some(lumping) = lumping else {
+        let mut mass = NodeMatrix::new(pattern, nodes);
+        bodies.iter().for_each(|body| body.elements.add_mass(&mut mass));
+        others.iter().for_each(|&(node, value)| mass.add(node, node, value));
+        return Ok(mass);
+    };
+    let mut mass = vec![0.0; nodes];
+    for body in bodies {
+        if !body.elements.add_lumped_mass(lumping, &mut mass) {
+            return Err(ModelError::NoLumpedMass { body: body.name.clone() });
+        }
+    }
+    others.iter().for_each(|&(node, value)| mass[node as usize] += value);
+    *others = (0..).zip(mass.iter().copied()).collect();
+    Ok(NodeMatrix::diagonal(mass))
 }
 
 /// Gravity that follows a time function, a load on all nodes.

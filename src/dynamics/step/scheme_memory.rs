@@ -17,6 +17,8 @@ pub struct SchemeMemory {
     pub outside: [Lagging; 2],
     /// Accelerations at the end of the step.
     pub acceleration: Vec<f64>,
+    /// Of explicit steps: the energy that there was at the start and that has come in since, by which they are judged `[energy]`.
+    pub exchanged: f64,
 }
 
 /// What is left of forces `[force]`.

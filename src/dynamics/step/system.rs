@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use super::counters::Counters;
 use super::iterate::{Linearization, Spare};
-use super::making::{bodies_of, loads_of, part_followers, varying_gravity};
+use super::making::{bodies_of, loads_of, mass_of, part_followers, varying_gravity};
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Space};
@@ -35,7 +35,8 @@ use crate::dynamics::parts::pairing::contact_pairs;
 use crate::dynamics::parts::rigid_bodies::point_pairs;
 use crate::dynamics::parts::supports::Supports;
 use crate::dynamics::parts::viscosity::ViscousBody;
-use crate::linear::{Block, LinearError, Watch, Work};
+use crate::integrators::Lumping;
+use crate::linear::{Block, LinearError, NodeMatrix, Pattern, Watch, Work};
 use crate::machine::memory::{self, Shortage};
 use crate::math::workers::Workers;
 
@@ -94,13 +95,14 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The equations of a model in its initial configuration; `default_rule` is that of contacts that name none.
+    /// The equations of a model in its initial configuration; `default_rule` is that of contacts that name none. With a mass at the nodes
+    /// alone there is no matrix until one is asked for, if bodies and loads are all that there is.
     ///
     /// # Errors
     /// A model that cannot be simulated.
-    pub fn new(model: &Model, threads: usize, default_rule: &'static UpdateRule) -> Result<Self, ModelError> {
+    pub fn new(model: &Model, threads: usize, default_rule: &'static UpdateRule, lumping: Option<Lumping>) -> Result<Self, ModelError> {
         model.check()?;
-        let (mut bodies, reference) = bodies_of(model)?;
+        let (mut bodies, reference) = bodies_of(model, lumping.is_some())?;
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
         let first = |body: usize| firsts[body];
         let mut supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
@@ -118,9 +120,16 @@ where
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);
-        let pattern = pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs);
-        let masses: Vec<(u32, f64)> = others.iter().flat_map(|part| part.point_masses()).collect();
-        let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), &pattern, &masses);
+        let (mut masses, count): (Vec<(u32, f64)>, _) = (others.iter().flat_map(|part| part.point_masses()).collect(), reference.len() / D);
+        // Bodies and loads have forces without places in a matrix, other parts may not.
+        let has_matrix = lumping.is_none() || !others.is_empty();
+        let pattern = if has_matrix {
+            pattern_of::<D>(&supports.fixed, multipliers, parts(&bodies, &loads, &others), &pairs)
+        } else {
+            Pattern::new(&[], std::iter::empty::<&[u32]>())
+        };
+        let mass = mass_of(&bodies, lumping, &pattern, count, &mut masses)?;
+        let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), mass);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
         let matrix = Matrix::new(pattern, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
@@ -144,7 +153,10 @@ where
             given: Vec::new(),
             workers,
         };
-        system.place();
+        system.matrix.is_stale = !has_matrix;
+        if has_matrix {
+            system.place();
+        }
         Ok(system)
     }
 
@@ -427,13 +439,7 @@ impl<const D: usize> System<D> {
     /// # Errors
     /// The equations do not fit into memory.
     pub fn begin_deep_step(&mut self, outlook: &Outlook, depths: &[f64]) -> Result<(), LinearError> {
-        self.spare.begin_step();
-        let clock = Instant::now();
-        let mut changed = false;
-        for (pair, depth) in self.pairs.iter_mut().zip(depths.iter().copied().chain(std::iter::repeat(0.0))) {
-            changed |= pair.kernel.update_candidates(&Outlook { depth, ..*outlook });
-        }
-        self.counters.times.search += clock.elapsed();
+        let changed = self.find_candidates(outlook, depths);
         if changed || self.matrix.is_stale {
             let clock = Instant::now();
             let out_of_memory =
@@ -448,12 +454,29 @@ impl<const D: usize> System<D> {
             self.place();
             self.counters.times.factorization += clock.elapsed();
         }
+        self.begin_pairs(outlook);
+        Ok(())
+    }
+
+    /// Finds the candidate pairs of each contact; whether they are others than before.
+    pub(super) fn find_candidates(&mut self, outlook: &Outlook, depths: &[f64]) -> bool {
+        self.spare.begin_step();
+        let clock = Instant::now();
+        let mut changed = false;
+        for (pair, depth) in self.pairs.iter_mut().zip(depths.iter().copied().chain(std::iter::repeat(0.0))) {
+            changed |= pair.kernel.update_candidates(&Outlook { depth, ..*outlook });
+        }
+        self.counters.times.search += clock.elapsed();
+        changed
+    }
+
+    /// Lets contacts keep what depends on the start of a step.
+    pub(super) fn begin_pairs(&mut self, outlook: &Outlook) {
         let clock = Instant::now();
         for pair in &mut self.pairs {
             pair.kernel.begin_step(outlook.q);
         }
         self.counters.times.contact += clock.elapsed();
-        Ok(())
     }
 
     /// What contacts see at `q` before there is a step: gaps are known from the start.
@@ -471,7 +494,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Whether there is memory for what contacts couple: a patch of a coarse side and many fine facets grows with the square of these.
-    fn ensure_patches(&self) -> Result<(), Shortage> {
+    pub(super) fn ensure_patches(&self) -> Result<(), Shortage> {
         memory::ensure(self.pairs.iter().map(|pair| pair.kernel.patches().bytes()).fold(0, u64::saturating_add))
     }
 }

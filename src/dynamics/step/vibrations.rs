@@ -8,19 +8,23 @@
 use std::time::Instant;
 
 use super::constraint_rows::ConstraintRows;
+use super::explicit::at_rest;
 use super::failure::Failure;
 use super::iterate::Linearization;
+use super::making::loads_of;
 use super::start::{StepKind, StepStart};
 use super::system::System;
 use crate::bodies::{Elements, Space};
+use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::laws::{Equation, Row, RowState};
+use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::linear::Operator;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// A state about which a model vibrates.
+#[derive(Clone, Copy)]
 pub struct Rest<'a> {
     /// Its time `[time]`.
     pub time: f64,
@@ -74,7 +78,17 @@ where
     /// # Errors
     /// The stiffness cannot be computed, or does not fit into memory.
     pub fn factorize(&mut self, shift: f64) -> Result<(), Failure> {
-        let Rest { time, at: Pose { q, u }, memory, lambda, .. } = self.rest;
+        let (at, lambda) = (self.rest.at, self.rest.lambda);
+        let at = self.stiffness_at(at, lambda, shift)?;
+        let rows = self.rows(&at);
+        self.constrain(&at, &rows, shift);
+        self.system.recycle(at);
+        self.factorize_values()
+    }
+
+    /// The stiffness at a pose with these multipliers, symmetric and shifted, without rows, into the values.
+    fn stiffness_at(&mut self, pose: Pose, lambda: &[f64], shift: f64) -> Result<Linearization, Failure> {
+        let (Pose { q, u }, Rest { time, memory, .. }) = (pose, self.rest);
         let damping = vec![-shift; self.system.bodies.len()];
         let start = StepStart { time, q_0: q, u_0: u, memory, kind: StepKind::Rest { damping: &damping, velocities: None } };
         let mut at = self.system.linearize(&start, q, &vec![0.0; q.len()], lambda)?;
@@ -82,18 +96,55 @@ where
         self.values.clone_from(&at.tangent);
         self.values.iter_mut().for_each(|value| *value /= start.weight());
         self.asymmetry = self.symmetrize();
-        let rows = self.rows(&at);
+        Ok(at)
+    }
+
+    /// Writes rows with their gradients at an iterate to the values.
+    fn constrain(&mut self, at: &Linearization, rows: &ConstraintRows, shift: f64) {
         self.held = rows.0.iter().filter(|row| row.acts).count();
-        self.system.write_constraints([&at.pairs, &at.slips], &rows, -1.0, |pair| &pair.gradient_end, &mut self.values);
+        self.system.write_constraints([&at.pairs, &at.slips], rows, -1.0, |pair| &pair.gradient_end, &mut self.values);
         self.stiffest = self.stiffness_over_mass(shift);
-        self.system.matrix.finish(&rows, self.system.nodes.modulus, &mut self.values);
-        self.system.recycle(at);
+        self.system.matrix.finish(rows, self.system.nodes.modulus, &mut self.values);
+    }
+
+    fn factorize_values(&mut self) -> Result<(), Failure> {
         let clock = Instant::now();
         self.factorizations += 1;
         self.system.counters.factorizations += 1;
         self.system.matrix.solver.factorize(&self.values).map_err(Failure::Linear)?;
         self.system.counters.times.factorization += clock.elapsed();
         Ok(())
+    }
+
+    /// Factors the stiffness of the unloaded model with the rows of the state; gives that stiffness and what the state changes of it, both
+    /// without rows.
+    ///
+    /// # Errors
+    /// A stiffness cannot be computed, or does not fit into memory.
+    pub fn factorize_unloaded(&mut self) -> Result<[Vec<f64>; 2], Failure> {
+        let (loaded, none) = (self.rest.at, vec![0.0; self.rest.lambda.len()]);
+        let at = self.stiffness_at(loaded, self.rest.lambda, 0.0)?;
+        let mut change = self.values.clone();
+        let (q, u) = (self.system.nodes.reference.clone(), vec![0.0; loaded.u.len()]);
+        let unloaded = self.stiffness_at(Pose { q: &q, u: &u }, &none, 0.0)?;
+        change.iter_mut().zip(&self.values).for_each(|(change, value)| *change -= value);
+        let stiffness = self.values.clone();
+        self.system.recycle(unloaded);
+        let rows = self.rows(&at);
+        self.constrain(&at, &rows, 0.0);
+        self.system.recycle(at);
+        self.factorize_values()?;
+        Ok([stiffness, change])
+    }
+
+    /// A matrix of the pattern times a vector of the nodes, in the rows of these.
+    pub fn times(&self, values: &[f64], v: &[f64]) -> Vec<f64> {
+        let mut x = v.to_vec();
+        x.resize(v.len() + self.system.multipliers, 0.0);
+        let mut y = vec![0.0; x.len()];
+        self.system.matrix.pattern.multiply_into(values, &x, &mut y);
+        y.truncate(v.len());
+        y
     }
 
     /// Eigenvalues below the shift; `None` where the factors do not tell.
@@ -135,7 +186,7 @@ where
                         rows.0[row] = Equation::held(0.0, 0.0);
                     }
                 } else {
-                    let Equation { acts, diagonal, .. } = pair.law.equation(&penalized(pair, row, evaluation.gap[local]));
+                    let Equation { acts, diagonal, .. } = pair.law.equation(&at_rest(pair, row, evaluation.gap[local]));
                     if acts {
                         rows.0[row] = Equation::held(-diagonal, 0.0);
                     }
@@ -162,19 +213,14 @@ where
     }
 }
 
-/// A row with a potential at a gap, as equilibria see it.
-fn penalized(pair: &ContactPair, row: usize, gap: f64) -> Row {
-    Row {
-        gap,
-        lambda: 0.0,
-        gap_n: gap,
-        target: 0.0,
-        shift: 0.0,
-        end_point: true,
-        compliance: 0.0,
-        c: pair.c,
-        stiffness: pair.penalty(row).unwrap_or(0.0),
-        tolerance: pair.gap_tolerance,
+impl<const D: usize> System<D> {
+    /// Forces of the loads of a model with the same bodies, at time 0 `[force]`; those whose time function fails are left out.
+    pub fn forces_of_loads(&self, model: &Model, q: &[f64]) -> Vec<f64> {
+        let mut force = vec![0.0; q.len()];
+        for load in loads_of(model, &self.bodies) {
+            load.force_into(load.amplitude(0.0).unwrap_or_default(), q, &mut force);
+        }
+        force
     }
 }
 

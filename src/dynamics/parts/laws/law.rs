@@ -186,6 +186,11 @@ pub trait RowLaw: fmt::Debug + Send + Sync {
     /// Whether the row is to change its state, and how strongly it asks for that; `row` is what the frozen linearization makes of it.
     fn change(&self, state: RowState, row: &Row) -> Option<f64>;
 
+    /// The multiplier that belongs to `Phi` where a potential gives it.
+    fn pressure(&self, _row: &Row) -> f64 {
+        0.0
+    }
+
     /// Energy that the row's potential stores where it has this `Phi`.
     fn energy(&self, _stiffness: f64, _gap: f64) -> f64 {
         0.0

@@ -39,6 +39,10 @@ impl RowLaw for Penalty {
         None
     }
 
+    fn pressure(&self, row: &Row) -> f64 {
+        pressure_at(row).0
+    }
+
     fn energy(&self, stiffness: f64, gap: f64) -> f64 {
         0.5 * stiffness * gap.min(0.0).powi(2)
     }

@@ -16,7 +16,7 @@ pub struct IntegratorHandle(pub Scheme);
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
     const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()`, `newmark()`, \
-         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()` or `tr_bdf2()`";
+         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()` or `central_differences()`";
 
     fn describe(&self) -> String {
         let title = title(&self.0);
@@ -26,8 +26,11 @@ impl Handle for IntegratorHandle {
 
 /// An integrator as tables show it: its name, or the call that makes it where its numbers are not the defaults.
 pub fn title(integrator: &Scheme) -> String {
-    if integrators::CATALOGUE.contains(&integrator) {
+    if integrators::CATALOGUE.iter().chain(integrators::EXPLICIT).any(|row| *row == integrator) {
         return integrator.name.into();
+    }
+    if let Some(lumping) = integrator.lumping() {
+        return format!("{}(#{{ mass: \"{}\" }})", integrator.name, lumping.name());
     }
     let given: Vec<String> = integrator.given().map(|(name, value)| format!("{name}: {}", number_text(value))).collect();
     format!("{}(#{{ {} }})", integrator.name, given.join(", "))

@@ -3,14 +3,17 @@
 use crate::script::language::function::Function;
 
 pub mod artifacts;
+pub mod buckling;
 pub mod columns;
 pub mod contact_state;
 pub mod ending;
 pub mod events;
+pub mod explicit;
 pub mod fields;
 pub mod following;
 pub mod forensics;
 pub mod handle;
+pub mod harmonic;
 pub mod history;
 pub mod integrators;
 pub mod joints;
@@ -40,6 +43,7 @@ pub mod writing;
 /// The functions of this topic, in the order of the reference; those of probes and results stand beside them.
 pub fn functions() -> Vec<Function> {
     let mut all = integrators::functions();
+    all.extend(explicit::functions());
     all.extend(simulate::functions());
     all.extend([stepping::step(), stepping::run_to(), settling::settle(), stepping::on_step()]);
     all.extend(states::functions());
@@ -51,6 +55,8 @@ pub fn functions() -> Vec<Function> {
     all.extend(joints::functions());
     all.extend(fields::functions());
     all.extend(modes::functions());
+    all.extend(harmonic::functions());
+    all.extend(buckling::functions());
     all.extend(paths::functions());
     all
 }

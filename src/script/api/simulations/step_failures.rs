@@ -20,7 +20,9 @@ impl SimulationHandle {
         match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
             StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, &at)).hint(hint),
-            StepError::OutOfMemory { .. } | StepError::TurnsFar { .. } => Failure::new(Class::Numerics, title).hint(hint),
+            StepError::OutOfMemory { .. } | StepError::TurnsFar { .. } | StepError::TooLong { .. } | StepError::RanAway { .. } => {
+                Failure::new(Class::Numerics, title).hint(hint)
+            }
             StepError::Amplitude { source, .. } | StepError::Friction { source, .. } => {
                 match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
                     Some(inner) => call.fail(title).caused_by(inner),

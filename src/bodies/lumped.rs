@@ -1,0 +1,124 @@
+//! Mass at the nodes alone, and how fast a cell by itself can vibrate with it.
+//!
+//! No vibration of a body is faster than the fastest one of its cells by themselves (Hughes, The Finite Element Method, 1987, section 9.2).
+//! That of a cell is bounded by the norms of `m^-1/2 K_e m^-1/2`.
+
+use super::batch::{Batch, many};
+use super::cells::Cells;
+use super::element_loop::{FastestCell, Step};
+use super::workspace::Workspace;
+use crate::integrators::{Derivative, Lumping};
+use crate::math::lanes::{Lanes, WIDTH};
+use crate::math::simd::{Kernel, dispatch};
+
+/// Masses of the nodes of eight cells.
+type NodalMasses<const A: usize> = [[f64; WIDTH]; A];
+
+impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
+    /// Whether the row sums of the mass of every cell are positive.
+    fn has_positive_row_sums(&self) -> bool {
+        self.batches.iter().all(|batch| {
+            let masses = self.nodal_masses(batch, true);
+            (0..batch.count).all(|lane| masses.iter().all(|mass| mass[lane] > 0.0))
+        })
+    }
+
+    /// Whether masses are row sums.
+    fn takes_row_sums(&self, lumping: Lumping) -> bool {
+        match lumping {
+            Lumping::Suitable => self.has_positive_row_sums(),
+            Lumping::RowSum => true,
+            Lumping::Diagonal => false,
+        }
+    }
+
+    fn nodal_masses(&self, batch: &Batch<D, A>, by_row_sums: bool) -> NodalMasses<A> {
+        let volumes = self.deform(batch, None).volumes;
+        let products = &self.table.products;
+        let mut masses = [[0.0; WIDTH]; A];
+        for lane in 0..WIDTH {
+            let entry = |a: usize, b: usize| -> f64 { (0..Q).map(|q| volumes[q].0[lane] * products[q][a][b]).sum() };
+            let whole: f64 = (0..A).flat_map(|a| (0..A).map(move |b| (a, b))).map(|(a, b)| entry(a, b)).sum();
+            let trace: f64 = (0..A).map(|a| entry(a, a)).sum();
+            for (a, mass) in masses.iter_mut().enumerate() {
+                let share = if by_row_sums { (0..A).map(|b| entry(a, b)).sum() } else { entry(a, a) * whole / trace };
+                mass[lane] = self.physics.density * share;
+            }
+        }
+        masses
+    }
+
+    /// [`ElementLoop::add_lumped_mass`](super::ElementLoop::add_lumped_mass).
+    pub(super) fn lump_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool {
+        let (by_row_sums, mut are_positive) = (self.takes_row_sums(lumping), true);
+        for (index, batch) in self.batches.iter().enumerate() {
+            let masses = self.nodal_masses(batch, by_row_sums);
+            for lane in 0..batch.count {
+                for (&node, own) in self.nodes(index, lane).iter().zip(&masses) {
+                    mass[node as usize] += own[lane];
+                    are_positive &= own[lane] > 0.0;
+                }
+            }
+        }
+        are_positive
+    }
+
+    /// [`ElementLoop::fastest_cell`](super::ElementLoop::fastest_cell).
+    pub(super) fn find_fastest(&self, lumping: Lumping, u: &[f64]) -> FastestCell {
+        let by_row_sums = self.takes_row_sums(lumping);
+        let mut fastest = FastestCell { cell: 0, frequency_squared: 0.0 };
+        for (index, batch) in self.batches.iter().enumerate() {
+            let (stiffness, masses) = (dispatch(Stiffness { cells: self, batch, u }), self.nodal_masses(batch, by_row_sums));
+            for lane in 0..batch.count {
+                let (mut squares, mut largest) = (0.0, 0.0f64);
+                for (a, i) in (0..A).flat_map(|a| (0..D).map(move |i| (a, i))) {
+                    let mut sum = 0.0;
+                    for (b, k) in (0..A).flat_map(|b| (0..D).map(move |k| (b, k))) {
+                        let entry = stiffness[b][k][a][i].0[lane] / (masses[a][lane] * masses[b][lane]).sqrt();
+                        squares += entry * entry;
+                        sum += entry.abs();
+                    }
+                    largest = largest.max(sum);
+                }
+                let bound = largest.min(squares.sqrt());
+                if bound > fastest.frequency_squared {
+                    fastest = FastestCell { cell: index * WIDTH + lane, frequency_squared: bound };
+                }
+            }
+        }
+        fastest
+    }
+}
+
+/// Derivatives of forces on nodes, as [`Workspace::tangent`].
+type Tangent<const D: usize, const A: usize> = [[[[Lanes<false>; D]; A]; D]; A];
+
+/// The stiffness of eight cells at displacements.
+struct Stiffness<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
+    cells: &'a Cells<D, S, L, A, Q>,
+    batch: &'a Batch<D, A>,
+    u: &'a [f64],
+}
+
+impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Stiffness<'_, D, S, L, A, Q> {
+    type Output = Box<Tangent<D, A>>;
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) -> Box<Tangent<D, A>> {
+        let Stiffness { cells, batch, u } = self;
+        let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
+        let step = Step { derivative: Derivative::AT_END, weight: 1.0, inertia: 0.0, u_0: u, u_1: u };
+        cells.respond(batch, &step, &mut work, &mut None, Some(1.0));
+        let mut tangent = Box::new([[[[Lanes::ZERO; D]; A]; D]; A]);
+        for b in 0..many::<A>() {
+            for k in 0..D {
+                for a in 0..many::<A>() {
+                    for i in 0..D {
+                        tangent[b][k][a][i] = Lanes(work.tangent[b][k][a][i].0);
+                    }
+                }
+            }
+        }
+        tangent
+    }
+}

@@ -1,0 +1,206 @@
+//! A step without equations: positions by the forces at its start, contact by multipliers at its start that hold gaps at its end, forces at
+//! its end, velocities by both.
+//!
+//! ```text
+//! v_h = v_0 - dt/2 m^-1 f_0 + dt m^-1 G_0^T (lambda - lambda_0),    q_1 = q_0 + dt v_h,    v_1 = v_h - dt/2 m^-1 f_1
+//! ```
+//!
+//! Static forces `f` contain those of contact, `f_1` with the multipliers of this step: so velocities and forces belong to the positions,
+//! and the next step corrects what its own multipliers differ.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::state::State;
+use crate::bodies::{Elements, Inverted, Space};
+use crate::contact::{Evaluation, Outlook, Travel};
+use crate::dynamics::model::error::StepError;
+use crate::dynamics::step::contact_impulses::push;
+use crate::dynamics::step::explicit::PartForces;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::iterate::Linearization;
+use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};
+use crate::dynamics::step::start::{Motion, StepKind, StepStart};
+use crate::linear::LinearError;
+use crate::machine::memory::Shortage;
+use crate::math::digits::three_digits;
+use crate::math::tolerances;
+
+/// Corrections of a motion until gaps are what they should be: they are all but linear within a step.
+const PASSES: usize = 4;
+
+/// A step on its way.
+pub(super) struct Leap {
+    /// Size of the step.
+    pub dt: f64,
+    /// Static forces at the start, weights and contact among them.
+    pub f_0: Vec<f64>,
+    /// Multipliers at the end of the step before, and of this step.
+    pub lambda: [Vec<f64>; 2],
+    /// Motion without the change of multipliers.
+    pub unpushed: Vec<f64>,
+    /// Force at the start by which multipliers change, and that of the multipliers before; empty where there are none.
+    pub kick: Vec<f64>,
+    pub pressed_0: Vec<f64>,
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// One step from the current state.
+    pub(super) fn explicit_piece(&mut self, dt: f64) -> Result<State, Failure> {
+        let outcome = self.leap(dt);
+        outcome.map_err(|failure| match failure.or_end(self.state.row.time) {
+            Failure::Fatal(error) => Failure::Fatal(error),
+            Failure::Inverted { body, inverted: Inverted { cell, .. } } => {
+                self.ran_away(dt, format!("cell {cell} of body \"{body}\" is inside out"))
+            }
+            failure => self.ran_away(dt, failure.name().into()),
+        })
+    }
+
+    fn leap(&mut self, dt: f64) -> Result<State, Failure> {
+        let (state, scheme) = (self.state.clone(), self.options.integrator);
+        let time = state.row.time;
+        self.check_turns(dt).map_err(Failure::Fatal)?;
+        let (displacement, rates) = self.system.supports.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
+        let motion = Motion { scheme: &scheme, dt, v_0: &state.velocities, remembered: &state.remembered, prescribed_v_1: &rates };
+        let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
+        let start = StepStart { time, q_0, u_0, memory: &state.memory, kind: StepKind::Motion(motion) };
+        let (mut at, _) = self.system.spare.next();
+        let f_0: Vec<f64> = state.remembered.force.left.iter().map(|half| half / (1.0 - scheme.weight)).collect();
+        at.moved.clear();
+        at.moved.extend((0..q_0.len()).map(|k| {
+            let mobility = self.system.mobility(k);
+            if mobility == 0.0 { 0.0 } else { dt * (state.velocities[k] - 0.5 * dt * mobility * f_0[k]) }
+        }));
+        for (one, displacement) in self.system.supports.prescribed.iter().zip(&displacement) {
+            at.moved[one.unknown] = displacement - u_0[one.unknown];
+        }
+        self.system.place_after(&start, &mut at);
+        let lambda = [state.lambda.clone(), state.lambda.clone()];
+        let mut leap = Leap { dt, f_0, lambda, unpushed: Vec::new(), kick: Vec::new(), pressed_0: Vec::new() };
+        if !self.system.pairs.is_empty() {
+            self.push_by_multipliers(&start, &mut leap, &mut at)?;
+        }
+        let forces = self.system.part_forces(&start, &at)?;
+        let landed = self.land(&start, &motion, leap, at, forces)?;
+        self.check_energy(dt, &landed)?;
+        Ok(landed)
+    }
+
+    /// Finds the multipliers of a step, and what they do to its motion.
+    fn push_by_multipliers(&mut self, start: &StepStart, leap: &mut Leap, at: &mut Linearization) -> Result<(), Failure> {
+        let (system, dt) = (&mut self.system, leap.dt);
+        system.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
+        let travel = Travel::Guessed { displacements: [&at.moved, &at.moved], factor: 1.0 };
+        let outlook = Outlook { q: start.q_0, travel, reach: self.options.reach, depth: 0.0 };
+        let shortage = |shortage: Shortage| LinearError::OutOfMemory { unknowns: start.q_0.len(), needed: shortage.needed };
+        system.begin_explicit_step(&outlook).map_err(|error| Failure::Linear(shortage(error)))?;
+        system.evaluate_pairs(&at.q_1, &mut at.pairs);
+        let mobility: Vec<f64> = (0..start.q_0.len()).map(|k| system.mobility(k)).collect();
+        let (targets, mut begun) = (system.explicit_targets(), None);
+        for _ in 0..PASSES {
+            let gaps: Vec<f64> = at.pairs.iter().flat_map(|pair| pair.gap.iter()).zip(&targets).map(|(gap, target)| gap - target).collect();
+            let (wanted, is_met) = system.wanted(&at.pairs, &gaps, &leap.lambda[1], begun.is_some());
+            if is_met {
+                break;
+            }
+            if begun.is_none() {
+                let mut there = Vec::new();
+                system.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
+                system.evaluate_pairs(start.q_0, &mut there);
+                system.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
+                leap.unpushed.clone_from(&at.moved);
+                begun = Some(there);
+            }
+            let rows = system.pushed_rows(begun.as_deref().unwrap_or_default(), &wanted, &mobility);
+            let of_rows = |all: &[f64]| -> Vec<f64> { rows.iter().map(|row| all[row.row]).collect() };
+            let least: Vec<f64> = of_rows(&leap.lambda[1]).iter().map(|lambda| -lambda * dt * dt).collect();
+            let changes = push(&rows, &of_rows(&gaps), &least, &mobility, &mut at.moved);
+            rows.iter().zip(changes).for_each(|(row, p)| leap.lambda[1][row.row] = (leap.lambda[1][row.row] + p / (dt * dt)).max(0.0));
+            system.let_go_of(&wanted, &rows, &mut leap.lambda[1]);
+            system.place_after(start, at);
+            system.evaluate_pairs(&at.q_1, &mut at.pairs);
+        }
+        if let Some(there) = begun {
+            let [before, now] = &leap.lambda;
+            let change: Vec<f64> = now.iter().zip(before).map(|(now, before)| now - before).collect();
+            leap.kick = system.pressed(&there, &change, |pair| pair.has_multipliers());
+            leap.pressed_0 = system.pressed(&there, before, |pair| pair.has_multipliers());
+        }
+        system.press_by_penalties(&at.pairs, &mut leap.lambda[1]);
+        at.lambda.clone_from(&leap.lambda[1]);
+        Ok(())
+    }
+
+    /// What the scheme remembers at a state that no step of its own led to: the forces there.
+    pub(super) fn remember_explicit(&mut self) -> Result<(), StepError> {
+        let (state, scheme) = (self.state.clone(), self.options.integrator);
+        let undamped = vec![0.0; self.system.bodies.len()];
+        let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
+        let kind = StepKind::Rest { damping: &undamped, velocities: Some(&state.velocities) };
+        let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, kind };
+        let mut at = Linearization::default();
+        (at.moved, at.q_1, at.u_1) = (vec![0.0; q_0.len()], q_0.to_vec(), u_0.to_vec());
+        let mut lambda = state.lambda.clone();
+        let forces = self.forces_at_rest(&start, &mut at, &mut lambda).map_err(|failure| self.error_of(failure))?;
+        let static_forces = self.static_forces(&forces, &at.pairs, &lambda);
+        let row = &state.row;
+        let mut remembered = SchemeMemory { of: scheme.describe(), exchanged: row.kinetic + row.strain.abs(), ..SchemeMemory::default() };
+        remembered.keep(&scheme, &static_forces, forces);
+        let state = Arc::make_mut(&mut self.state);
+        (state.remembered, state.lambda) = (Arc::new(remembered), lambda);
+        state.search = self.system.search();
+        Ok(())
+    }
+
+    fn forces_at_rest(&mut self, start: &StepStart, at: &mut Linearization, lambda: &mut [f64]) -> Result<PartForces, Failure> {
+        if !self.system.pairs.is_empty() {
+            self.system.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
+            let shortage = |shortage: Shortage| LinearError::OutOfMemory { unknowns: start.q_0.len(), needed: shortage.needed };
+            let begun = self.system.begin_explicit_step(&Outlook::within(start.q_0, 0.0));
+            begun.map_err(|error| Failure::Linear(shortage(error)))?;
+            self.system.evaluate_pairs(start.q_0, &mut at.pairs);
+            self.system.press_by_penalties(&at.pairs, lambda);
+        }
+        self.system.part_forces(start, at)
+    }
+
+    /// Static forces at evaluations: internal ones, less loads, weights and contact `[force]`.
+    pub(super) fn static_forces(&self, forces: &PartForces, pairs: &[Evaluation], lambda: &[f64]) -> Vec<f64> {
+        let weight = &self.system.nodes.weight;
+        let mut sum: Vec<f64> = (0..weight.len()).map(|k| forces.internal[k] - forces.load[k] - weight[k]).collect();
+        if !pairs.is_empty() {
+            sum.iter_mut().zip(self.system.pressed(pairs, lambda, |_| true)).for_each(|(sum, pressed)| *sum -= pressed);
+        }
+        sum
+    }
+
+    /// Stops a run whose energy comes from nowhere.
+    fn check_energy(&mut self, dt: f64, landed: &State) -> Result<(), Failure> {
+        let nodes = &self.system.nodes;
+        let floor = tolerances::FORCE_FLOOR * nodes.stiffness() * nodes.extent.powi(2);
+        let known = landed.remembered.exchanged.max(floor);
+        if landed.drift.abs() <= tolerances::RAN_AWAY * known && landed.drift.is_finite() {
+            return Ok(());
+        }
+        let size = three_digits(landed.drift.abs() / known);
+        Err(self.ran_away(dt, format!("the energy that nothing explains has grown to {size} times all that there was and that came in")))
+    }
+
+    fn ran_away(&mut self, dt: f64, cause: String) -> Failure {
+        let stable = self.stable_step().ok().map(|found| found.dt);
+        Failure::Fatal(StepError::RanAway { time: self.state.row.time, dt, cause, stable })
+    }
+}
+
+impl SchemeMemory {
+    /// Takes forces for those that the next step finds.
+    pub(super) fn keep(&mut self, scheme: &crate::integrators::Scheme, static_forces: &[f64], forces: PartForces) {
+        let left = |force: &[f64]| Lagging { left: force.iter().map(|force| scheme.lag.force * force).collect(), answered: Vec::new() };
+        self.force = left(static_forces);
+        self.outside = [left(&forces.load), left(&forces.ground)];
+    }
+}

@@ -1,0 +1,35 @@
+//! Central differences (leapfrog, velocity Verlet) with a lumped mass: the one scheme whose steps solve no equations.
+//!
+//! ```text
+//! v_h = v_0 - dt/2 m^-1 f_0,    q_1 = q_0 + dt v_h,    f_1 = f(q_1),    v_1 = v_h - dt/2 m^-1 f_1
+//! ```
+//!
+//! It is Newmark's method with `beta` = 0, `gamma` = 1/2 (Hughes, The Finite Element Method, 1987, section 9.1): of second order, stable
+//! for `omega dt <= 2` of the fastest vibration (Courant, Friedrichs and Lewy, Math. Ann. 100, 1928), and symplectic: what it does to the
+//! energy stays bounded by the square of the step. Forces act where the positions are, so that both momenta are kept. Velocities at which
+//! dampers act are those in the middle of the step that has led to the positions: with them the method is of first order.
+
+use super::derivative::Derivative;
+use super::scheme::{Affine, Course, History, Lag, Lumping, Parameters, Promises, Scheme};
+
+/// The method with a way to lump the mass.
+pub const fn central_differences(lumping: Lumping) -> Scheme {
+    Scheme {
+        name: "central_differences",
+        summary: "central differences (leapfrog), explicit, of second order: no equations are solved, so steps cost little and must be \
+                  short: `stable_step` tells how short; mass at the nodes; keeps both momenta, and the energy within a bound",
+        derivative: Derivative::AT_END,
+        remembers: &[History::Force],
+        // That at which forces that depend on it act.
+        velocity: Affine { moved: 1.0, velocity: 0.0, acceleration: 0.0 },
+        acceleration: Affine::NONE,
+        weight: 0.5,
+        lag: Lag::once(0.5),
+        course: Course::Explicit(lumping),
+        parameters: Parameters::NONE,
+        promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
+    }
+}
+
+/// That which chooses by the cells.
+pub static CENTRAL_DIFFERENCES: Scheme = central_differences(Lumping::Suitable);

@@ -1,0 +1,159 @@
+//! `sim.buckling`: load factors of linear buckling as an object, with the shapes.
+
+use std::rc::Rc;
+
+use rhai::{Array, Dynamic};
+
+use super::handle::{SimulationHandle, busy};
+use crate::dynamics::{Buckling, BucklingError, ModesError};
+use crate::math::catalogue::Interval;
+use crate::math::tolerances::{LINEAR_PATH, LINEAR_STATE};
+use crate::script::api::examples::plate_example;
+use crate::script::api::models::handle::BodyHandle;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
+
+/// Factors at most.
+const MOST: f64 = 200.0;
+
+/// Linear buckling of a simulation under the load of one of its states.
+#[derive(Clone)]
+pub struct BucklingHandle {
+    buckling: Rc<Buckling>,
+    simulation: SimulationHandle,
+}
+
+impl Handle for BucklingHandle {
+    const NAME: &'static str = "Buckling";
+    const MAKER: &'static str = "make one with `sim.buckling(#{ count: 1 })`";
+
+    fn describe(&self) -> String {
+        let factors: Vec<String> = self.buckling.factors.iter().map(|factor| brief(*factor)).collect();
+        let time = brief(self.simulation.0.script_time(self.buckling.time));
+        format!("\"{}\" at t = {time} buckles under its load times {}", self.simulation.0.name, factors.join(", "))
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![buckling(), factors(), shape()]
+}
+
+fn buckling_example(line: &str) -> std::borrow::Cow<'static, str> {
+    plate_example(&format!(
+        "press.fix(plate.boundary(\"bottom\"));\npress.force(plate.boundary(\"top\"), [0.0, -1.0]);\n\
+         let sim = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\nsim.settle();\n\
+         let buckling = sim.buckling(#{{ count: 1 }});\n{line}"
+    ))
+}
+
+fn buckling() -> Function {
+    let count = Parameter::new("count", Kind::Integer, "how many, the smallest first").within(Interval::Closed(1.0, MOST));
+    Function {
+        name: "buckling",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "linear buckling of a settled state: the factors of its load at which a small motion meets no resistance, as if stresses \
+                  and displacements grew with the load; settle under a small part of the load, for the way beyond is taken for straight; \
+                  loads that turn with their boundary are refused; the state stays as it is",
+        parameters: vec![
+            Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(1))]), "how many").or(Absent::Means("#{ count: 1 }")),
+        ],
+        returns: BucklingHandle::NAME,
+        example: buckling_example("print(buckling);\nprint(buckling.factors[0]);"),
+        see_also: &["settle", "follow_load", "modes"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+            let count = options.argument("count").integer()?;
+            handle.refuse_in_check(call)?;
+            handle.looked()?;
+            call.host.go_on()?;
+            call.host.observer.began(&format!("buckling of \"{}\"", handle.0.name));
+            let found = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut one| one.buckling(count as usize));
+            call.host.observer.ended();
+            let buckling = found?.map_err(|error| refused(call, &handle, error))?;
+            warn(call, &buckling);
+            Ok(Dynamic::from(BucklingHandle { buckling: Rc::new(buckling), simulation: handle }))
+        }),
+    }
+}
+
+/// Tells where the way to the state, or on to the first factor, is not straight.
+fn warn(call: &Call, buckling: &Buckling) {
+    let warning = |title: String| Diagnostic::warning(title, call.place(&Target::Call));
+    let off = buckling.nonlinearity;
+    if off > LINEAR_STATE {
+        let title = format!("the state is not that of a linear model: its strain energy is off by {}", brief(off));
+        call.host.warn(warning(title).hint("settle under a smaller part of the load"));
+    } else if off * buckling.factors[0] > LINEAR_PATH {
+        let title = "the way to the buckling load is not straight: the load factor is an estimate".to_string();
+        call.host.warn(warning(title).hint("`sim.follow_load` follows equilibria up to where stability is lost"));
+    }
+}
+
+/// The failure of `buckling`.
+fn refused(call: &Call, handle: &SimulationHandle, error: BucklingError) -> Failure {
+    let title = error.to_string();
+    match error {
+        BucklingError::Matrix(ModesError::Step(error)) => handle.step_failure(call, error),
+        BucklingError::Matrix(_) => {
+            call.fail(title).hint("leave out supports, ties or contacts that hold nodes more than once, or give the contact a `penalty`")
+        }
+        BucklingError::Follows { .. } => call.fail(title).hint("`sim.follow_load` finds where stability is lost under such loads"),
+        BucklingError::Unloaded => call.fail(title).hint("load the model and call `sim.settle()` before"),
+        BucklingError::Loose => call.fail(title).hint("hold every body with `fix`, or let contacts hold it that press"),
+        BucklingError::NotFound { .. } => call.fail(title).hint("turn the load around, or ask for fewer with `count`"),
+    }
+}
+
+fn factors() -> Function {
+    Function {
+        name: "factors",
+        form: Form::Property(BucklingHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the factors of the load, the smallest first",
+        parameters: Vec::new(),
+        returns: "Array",
+        example: buckling_example("print(buckling.factors);"),
+        see_also: &["buckling", "shape"],
+        body: body(|call| {
+            let handle = call.receiver::<BucklingHandle>();
+            Ok(handle.buckling.factors.iter().map(|&factor| Dynamic::from(factor)).collect::<Array>().into())
+        }),
+    }
+}
+
+fn shape() -> Function {
+    Function {
+        name: "shape",
+        form: Form::Method(BucklingHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the motion of the nodes of a body in which the model buckles, the largest displacement of all bodies of length 1",
+        parameters: vec![
+            Parameter::new("mode", Kind::Integer, "its number, from 0 on").within(Interval::Closed(0.0, MOST)),
+            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+        ],
+        returns: "Array",
+        example: buckling_example("print(buckling.shape(0, plate)[2]);"),
+        see_also: &["buckling", "factors"],
+        body: body(|call| {
+            let handle = call.receiver::<BucklingHandle>();
+            let (argument, index) = (call.argument("mode"), handle.simulation.body_index(call)?);
+            let number = argument.integer()?;
+            let shapes = &handle.buckling.shapes;
+            let Some(shape) = usize::try_from(number).ok().and_then(|number| shapes.get(number)) else {
+                let failure = argument.fail(format!("there is no shape {number}: they are numbered from 0 to {}", shapes.len() - 1));
+                return Err(failure.hint("ask for more with `count` of `sim.buckling`").into());
+            };
+            let dimension = handle.simulation.0.model.model.dimension();
+            let vector = |x: &[f64; 3]| Dynamic::from(x[..dimension].iter().map(|&x| x.into()).collect::<Array>());
+            Ok(shape[index].iter().map(vector).collect::<Array>().into())
+        }),
+    }
+}

@@ -1,0 +1,122 @@
+//! Explicit steps in scripts: `central_differences`, and `stable_step`, which tells how long its steps may be.
+
+use rhai::{Dynamic, Map};
+
+use super::handle::{SimulationHandle, busy};
+use super::integrators::IntegratorHandle;
+use super::simulate::kernels;
+use crate::dynamics::{Options, StableStep};
+use crate::integrators::{CENTRAL_DIFFERENCES, Lumping, central_differences};
+use crate::script::api::examples::FLIGHT;
+use crate::script::api::models::handle::ModelHandle;
+use crate::script::language::arguments::{Arguments, Options as Given};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// Names of the ways to put the mass to the nodes.
+const MASSES: &[&str] = &[Lumping::ALL[0].0, Lumping::ALL[1].0, Lumping::ALL[2].0];
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![integrator(), stable_step(), stable_step_now()]
+}
+
+fn mass_parameter() -> Parameter {
+    let summary = "how the mass of a cell is shared among its nodes: by `row_sum`, by its diagonal (`hrz`, which is always positive), or by \
+                   row sums where all of these are positive, else by the diagonal";
+    Parameter::new("mass", Kind::Choice(MASSES), summary).or(Absent::Text(MASSES[0]))
+}
+
+fn options_parameter() -> Parameter {
+    Parameter::new("options", Kind::Options(vec![mass_parameter()]), "its mass").or(Absent::Means("its defaults"))
+}
+
+fn lumping_of(options: &Given) -> Result<Lumping, Failure> {
+    let name = options.text("mass")?;
+    Ok(Lumping::ALL.iter().find(|(known, _)| *known == name).map_or(Lumping::Suitable, |(_, lumping)| *lumping))
+}
+
+fn integrator() -> Function {
+    Function {
+        name: CENTRAL_DIFFERENCES.name,
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: CENTRAL_DIFFERENCES.summary,
+        parameters: vec![options_parameter()],
+        returns: IntegratorHandle::NAME,
+        example: format!(
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.9 * stable_step(flight) }});\n\
+             sim.run_to(0.01);\nprint(sim.steps);"
+        )
+        .into(),
+        see_also: &["simulate", "stable_step"],
+        body: body(|call| Ok(Dynamic::from(IntegratorHandle(central_differences(lumping_of(&call.options("options")?)?))))),
+    }
+}
+
+fn stable_step() -> Function {
+    Function {
+        name: "stable_step",
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: "the longest step of `central_differences` that is stable for a model as it begins, 2 over the largest angular frequency; \
+                  take a tenth less: cells that are compressed on the way need shorter ones",
+        parameters: vec![Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"), options_parameter()],
+        returns: "number",
+        example: format!("{FLIGHT}print(stable_step(flight));\nprint(stable_step(flight, #{{ mass: \"hrz\" }}));").into(),
+        see_also: &["central_differences", "simulate"],
+        body: body(|call| {
+            let (model, lumping) = (call.handle::<ModelHandle>("model")?, lumping_of(&call.options("options")?)?);
+            let mut options = Options::new(&central_differences(lumping), 1.0);
+            options.threads = call.host.settings.threads;
+            options.interrupt = Some(call.host.settings.interrupt.clone());
+            let model = model.0.borrow().clone();
+            let mut simulation = kernels(call, &model.model, None, options)?;
+            let found = simulation.stable_step().map_err(|error| call.fail(error.to_string()).hint(error.hint()))?;
+            Ok(found.dt.into())
+        }),
+    }
+}
+
+fn stable_step_now() -> Function {
+    Function {
+        name: "stable_step",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Simulation,
+        summary: "the longest stable step of `central_differences` about the present state, as a map: `dt`, `frequency` (the largest \
+                  angular one), `bound` (the step by the fastest cell alone, which costs next to nothing), `body` and `cell` (that cell)",
+        parameters: Vec::new(),
+        returns: "Map",
+        example: format!(
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.001 }});\nprint(sim.stable_step());"
+        )
+        .into(),
+        see_also: &["central_differences", "modes"],
+        body: body(|call| Ok(Dynamic::from(now(call)?))),
+    }
+}
+
+fn now(call: &Call) -> Result<Map, Failure> {
+    let handle = call.receiver::<SimulationHandle>();
+    handle.looked()?;
+    let mut simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?;
+    if simulation.options().integrator.lumping().is_none() {
+        let name = simulation.options().integrator.name;
+        let failure = call.fail(format!("`{name}` has no longest stable step: its steps solve equations"));
+        return Err(failure.hint("`stable_step(model)` tells that of `central_differences` for a model"));
+    }
+    let found = simulation.stable_step();
+    drop(simulation);
+    let StableStep { dt, frequency, bound, body, cell, .. } = found.map_err(|error| handle.step_failure(call, error))?;
+    let unit = handle.0.kernel_time(1.0);
+    let entries: [(&str, Dynamic); 5] = [
+        ("dt", (dt / unit).into()),
+        ("frequency", (frequency * unit).into()),
+        ("bound", (bound / unit).into()),
+        ("body", body.into()),
+        ("cell", (cell as i64).into()),
+    ];
+    Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect())
+}

@@ -1,0 +1,235 @@
+//! `sim.harmonic_response`: steady vibrations under a force or on a base that swings, as an object with columns over the frequency.
+
+use std::f64::consts::TAU;
+use std::rc::Rc;
+
+use rhai::{Array, Dynamic, Map};
+
+use super::handle::{SimulationHandle, busy};
+use crate::dynamics::{BodyBoundary, Excitation, HarmonicError, HarmonicOptions, HarmonicResponse, ModesError};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::plate_example;
+use crate::script::api::models::arguments::node_at;
+use crate::script::api::models::handle::{BodyHandle, BoundaryHandle};
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::diagnostics::Diagnostic;
+use crate::script::language::digits::brief;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
+use crate::script::language::values::as_number;
+
+/// Steady vibrations of a simulation about one of its states.
+#[derive(Clone)]
+pub struct ResponseHandle {
+    response: Rc<HarmonicResponse>,
+    simulation: SimulationHandle,
+    /// Units of time of the kernels in one of the script.
+    unit: f64,
+}
+
+impl Handle for ResponseHandle {
+    const NAME: &'static str = "HarmonicResponse";
+    const MAKER: &'static str = "make one with `sim.harmonic_response(#{ frequencies: […], … })`";
+
+    fn describe(&self) -> String {
+        let frequencies = self.frequencies();
+        let range = [frequencies.first(), frequencies.last()].map(|frequency| brief(frequency.copied().unwrap_or_default()));
+        format!(
+            "harmonic response of \"{}\" at t = {}, {} frequencies from {} to {}",
+            self.simulation.0.name,
+            brief(self.response.time / self.unit),
+            frequencies.len(),
+            range[0],
+            range[1]
+        )
+    }
+}
+
+impl ResponseHandle {
+    /// Oscillations per time of the script.
+    fn frequencies(&self) -> Vec<f64> {
+        self.response.frequencies.iter().map(|frequency| frequency * self.unit / TAU).collect()
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![harmonic_response(), frequencies(), at()]
+}
+
+fn response_example(line: &str) -> std::borrow::Cow<'static, str> {
+    plate_example(&format!(
+        "press.fix(plate.boundary(\"left\"));\nlet sim = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\n\
+         let response = sim.harmonic_response(#{{\n    frequencies: [100.0, 200.0, 300.0], boundary: plate.boundary(\"right\"), \
+         force: [0.0, 1.0], loss_factor: 0.02,\n}});\n{line}"
+    ))
+}
+
+fn option_parameters() -> Vec<Parameter> {
+    let damping = |name: &'static str, dimension: &'static str, summary: &'static str| {
+        Parameter::number(name, dimension, Interval::NonNegative, summary).or(Absent::Number(0.0))
+    };
+    vec![
+        Parameter::new("frequencies", Kind::Array, "oscillations per time, positive").of("1/time"),
+        Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "where the force acts")
+            .or(Absent::Means("nowhere; then give `base`")),
+        Parameter::new("force", Kind::Vector, "amplitude of the whole force, spread evenly").of("force").or(Absent::Means("none")),
+        Parameter::new("base", Kind::Vector, "amplitude of the motion of all supports and of the ground, in place of a force")
+            .of("length")
+            .or(Absent::Means("none")),
+        damping("mass_damping", "1/time", "alpha of the damping alpha M of velocities; on a base, of those against the world at rest"),
+        damping("stiffness_damping", "time", "beta of the damping beta K"),
+        damping("loss_factor", "1", "eta of the stiffness K (1 + i eta); near a resonance twice the damping ratio"),
+    ]
+}
+
+fn harmonic_response() -> Function {
+    Function {
+        name: "harmonic_response",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "steady vibrations about the present state, undeformed or settled under load, under a force or on a base that swings: for \
+                  each frequency one complex amplitude for every node; ties and closed contacts hold as in `modes`, and what dampers and \
+                  viscous materials do is left out: damping is what the options give; the state stays as it is",
+        parameters: vec![Parameter::new("options", Kind::Options(option_parameters()), "what swings, and what damps it")],
+        returns: ResponseHandle::NAME,
+        example: response_example("print(response);\nprint(response.at(plate, [2.0, 1.0]).amplitude);"),
+        see_also: &["modes", "settle", "plot_curves"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+            handle.refuse_in_check(call)?;
+            handle.looked()?;
+            let unit = handle.0.kernel_time(1.0);
+            let options = asked_for(&handle, call, &options, unit)?;
+            call.host.go_on()?;
+            call.host.observer.began(&format!("harmonic response of \"{}\"", handle.0.name));
+            let found = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut one| one.harmonic_response(&options));
+            call.host.observer.ended();
+            let response = found?.map_err(|error| refused(call, &handle, error, unit))?;
+            if response.asymmetry > 0.0 {
+                let title = "loads that turn with the surface make the stiffness unsymmetric: the response is that of its symmetric part";
+                call.host.warn(Diagnostic::warning(title.to_string(), call.place(&Target::Call)));
+            }
+            Ok(Dynamic::from(ResponseHandle { response: Rc::new(response), simulation: handle, unit }))
+        }),
+    }
+}
+
+/// The options of a call in the units of the kernels.
+fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f64) -> Result<HarmonicOptions, Failure> {
+    let dimension = handle.0.model.model.dimension();
+    let argument = options.argument("frequencies");
+    let given = argument.array()?;
+    let frequencies: Vec<f64> = given.iter().filter_map(as_number).filter(|one| *one > 0.0 && one.is_finite()).collect();
+    if frequencies.is_empty() || frequencies.len() != given.len() {
+        let failure = argument.fail("`frequencies` of `harmonic_response` must be an array of positive numbers");
+        return Err(failure.hint("write `[10.0, 20.0, 30.0]`, or fill an array in a loop"));
+    }
+    let [boundary, force, base] = ["boundary", "force", "base"].map(|name| options.argument(name));
+    let excitation = match (boundary.is_given() && force.is_given(), base.is_given()) {
+        (true, false) => Excitation::Force { on: boundary_of(handle, &boundary)?, vector: force.vector(dimension)? },
+        (false, true) if !boundary.is_given() && !force.is_given() => Excitation::Base(base.vector(dimension)?),
+        _ => {
+            let failure = call.fail("`harmonic_response` needs one thing that swings");
+            return Err(failure.hint("give `boundary` and `force`, or `base`"));
+        }
+    };
+    Ok(HarmonicOptions {
+        frequencies: frequencies.iter().map(|frequency| frequency * TAU / unit).collect(),
+        excitation,
+        mass_damping: options.number("mass_damping")? / unit,
+        stiffness_damping: options.number("stiffness_damping")? * unit,
+        loss_factor: options.number("loss_factor")?,
+    })
+}
+
+/// A boundary of a body of the simulation.
+fn boundary_of(handle: &SimulationHandle, argument: &Argument) -> Result<BodyBoundary, Failure> {
+    let BoundaryHandle { body, boundary, .. } = argument.handle()?;
+    let bodies = &handle.0.model.model.bodies;
+    let index = body.and_then(|body| bodies.iter().position(|known| known.name == body.definition().name));
+    match index {
+        Some(body) => Ok(BodyBoundary { body, boundary }),
+        None => Err(argument.fail("`boundary` must be one of a body of the simulation").hint("take it from the body that `add_body` gave")),
+    }
+}
+
+/// The failure of `harmonic_response`.
+fn refused(call: &Call, handle: &SimulationHandle, error: HarmonicError, unit: f64) -> Failure {
+    let in_script = |frequency: f64| brief(frequency * unit / TAU);
+    match error {
+        HarmonicError::Matrix(ModesError::Step(error)) => handle.step_failure(call, error),
+        HarmonicError::Matrix(error) => {
+            let failure = call.fail(error.to_string());
+            failure.hint("leave out supports, ties or contacts that hold nodes more than once, or give the contact a `penalty`")
+        }
+        HarmonicError::Resonance { frequency } => call
+            .fail(format!("the response at the frequency {} grows without bound: nothing damps it", in_script(frequency)))
+            .hint("give a damping, such as `loss_factor: 0.02`, or another frequency"),
+        HarmonicError::NotFound { frequency, vectors } => call
+            .fail(format!("the response at the frequency {} was not found with {vectors} vectors", in_script(frequency)))
+            .hint("ask for lower frequencies: so high ones the mesh does not resolve"),
+        HarmonicError::Nothing => call.fail(error.to_string()).hint("give a force on a boundary that may move"),
+    }
+}
+
+fn frequencies() -> Function {
+    Function {
+        name: "frequencies",
+        form: Form::Property(ResponseHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the frequencies of the response, oscillations per time",
+        parameters: Vec::new(),
+        returns: "Array",
+        example: response_example("print(response.frequencies);"),
+        see_also: &["harmonic_response", "at"],
+        body: body(|call| Ok(array(call.receiver::<ResponseHandle>().frequencies()))),
+    }
+}
+
+fn array(values: impl IntoIterator<Item = f64>) -> Dynamic {
+    values.into_iter().map(Dynamic::from).collect::<Array>().into()
+}
+
+fn at() -> Function {
+    Function {
+        name: "at",
+        form: Form::Method(ResponseHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the motion of the node of a body nearest to a point at rest, over the frequencies, as a map of arrays: `frequency`, \
+                  `amplitude` (the length of the vector of amplitudes), and for each axis `x`, `y`, `z` the amplitude `amplitude_x`, the \
+                  phase ahead of the excitation `phase_x` in radians, and the parts `real_x`, `imaginary_x`",
+        parameters: vec![
+            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+            Parameter::new("point", Kind::Vector, "a point of the undeformed body").of("length"),
+        ],
+        returns: "Map",
+        example: response_example(
+            "let tip = response.at(plate, [2.0, 1.0]);\n\
+             plot_curves(\"tip.svg\", [#{ x: tip.frequency, y: tip.amplitude_y }], #{ x_label: \"frequency\" });",
+        ),
+        see_also: &["harmonic_response", "plot_curves"],
+        body: body(|call| {
+            let handle = call.receiver::<ResponseHandle>();
+            let (index, given) = (handle.simulation.body_index(call)?, call.handle::<BodyHandle>("body")?);
+            let node = node_at(&call.argument("point"), &given)? as usize;
+            let bodies = &handle.simulation.0.model.model.bodies;
+            let before: usize = bodies[..index].iter().map(|body| body.mesh.points.len()).sum();
+            let values = handle.response.at(before + node);
+            let size = |vector: &[[f64; 2]; 3]| vector.iter().flatten().fold(0.0, |size: f64, part| size.hypot(*part));
+            let mut map = Map::new();
+            map.insert("frequency".into(), array(handle.frequencies()));
+            map.insert("amplitude".into(), array(values.iter().map(size)));
+            for (i, axis) in ["x", "y", "z"].into_iter().enumerate().take(handle.simulation.0.model.model.dimension()) {
+                map.insert(format!("amplitude_{axis}").into(), array(values.iter().map(|vector| vector[i][0].hypot(vector[i][1]))));
+                map.insert(format!("phase_{axis}").into(), array(values.iter().map(|vector| vector[i][1].atan2(vector[i][0]))));
+                map.insert(format!("real_{axis}").into(), array(values.iter().map(|vector| vector[i][0])));
+                map.insert(format!("imaginary_{axis}").into(), array(values.iter().map(|vector| vector[i][1])));
+            }
+            Ok(Dynamic::from(map))
+        }),
+    }
+}
