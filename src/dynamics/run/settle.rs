@@ -13,7 +13,7 @@
 
 use std::sync::Arc;
 
-use super::balance::{Balance, Imbalance, least_energy};
+use super::balance::{Balance, Imbalance};
 use super::closing::Closing;
 use super::engine::Engine;
 use super::options::SettleReport;
@@ -407,6 +407,9 @@ where
         conditions: &Conditions,
         care: Care,
     ) -> Result<Solution, Failure> {
+        // The energy of a strain that is round-off of what is seen: of displacements next to nothing.
+        let round_off = if self.system.sees_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
+        let floor = round_off * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
         let options = &self.options;
         let task = Task {
             start,
@@ -414,7 +417,7 @@ where
             moved,
             lambda: &self.state.lambda,
             conditions,
-            energy: self.system.strain_energy(start.u_0).max(least_energy(&self.system)),
+            energy: self.system.strain_energy(start.u_0).max(floor),
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             is_exact: false,
             at_least: 1,
