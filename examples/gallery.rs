@@ -27,6 +27,8 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/crushed_hose", "hose-gap.svg"),
     ("scenarios/bouncing_ring", "ring.svg"),
     ("scenarios/slider_crank", "slider_crank.svg"),
+    ("scenarios/roller_bearing", "roller_bearing.png"),
+    ("scenarios/newtons_cradle", "newtons_cradle.svg"),
     ("scenarios/balloon", "balloon.svg"),
     ("scenarios/colliding_rings", "rings.svg"),
     ("scenarios/ring_on_ring", "rings.svg"),
