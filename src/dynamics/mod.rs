@@ -34,6 +34,7 @@ pub use run::halvings::Halving;
 pub use run::ledger::{ContactTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 pub use run::modes::{Mode, Modes, ModesError};
 pub use run::options::{Options, SettleReport, Statistics};
+pub use run::pace::StepControl;
 pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use run::run_findings::{RunFinding, RunFindingKind};

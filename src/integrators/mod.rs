@@ -29,7 +29,7 @@ pub use midpoint::MIDPOINT;
 pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
-pub use scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
+pub use scheme::{Affine, Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
 pub use trapezoidal::TRAPEZOIDAL;
 
 /// All time integrators, in the order of the reference.

@@ -6,8 +6,10 @@
 use std::sync::Arc;
 
 use super::halvings::Halvings;
+use super::judging::time_of_sound;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
+use super::pace::Pace;
 use super::report::{FailureReport, TryReport};
 use super::slip_memory::SlipMemory;
 use super::state::{Clock, State};
@@ -66,6 +68,8 @@ where
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let unsound = |reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason };
         options.integrator.check().map_err(unsound)?;
+        let first = if options.control.is_none() || options.dt > 0.0 { Some(options.dt) } else { time_of_sound(model) };
+        let options = Options { dt: first.ok_or(ModelError::NoFirstStep)?, ..options };
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
@@ -104,6 +108,7 @@ where
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
             search: system.search(),
             level: 0,
+            pace: Pace::default(),
             drift: 0.0,
             preferred: Preferred::default(),
             carried: 0.0,

@@ -27,6 +27,7 @@ use crate::script::api::simulations::forensics::FailedStepHandle;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::simulations::history::HistoryHandle;
 use crate::script::api::simulations::integrators::IntegratorHandle;
+use crate::script::api::simulations::step_control::StepControlHandle;
 use crate::script::api::simulations::joints::JointHandle;
 use crate::script::api::simulations::modes::ModesHandle;
 use crate::script::api::simulations::paths::PathHandle;
@@ -163,6 +164,7 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<PathHandle>(engine);
     types.add::<TimeFunctionHandle>(engine);
     types.add::<IntegratorHandle>(engine);
+    types.add::<StepControlHandle>(engine);
     types.add::<SimulationHandle>(engine);
     types.add::<StateHandle>(engine);
     types.add::<HistoryHandle>(engine);

@@ -30,6 +30,7 @@ pub mod results;
 pub mod settling;
 pub mod simulate;
 pub mod states;
+pub mod step_control;
 pub mod step_failures;
 pub mod stepping;
 pub mod stop_after;
@@ -40,6 +41,7 @@ pub mod writing;
 /// The functions of this topic, in the order of the reference; those of probes and results stand beside them.
 pub fn functions() -> Vec<Function> {
     let mut all = integrators::functions();
+    all.push(step_control::auto());
     all.extend(simulate::functions());
     all.extend([stepping::step(), stepping::run_to(), settling::settle(), stepping::on_step()]);
     all.extend(states::functions());
