@@ -1,7 +1,8 @@
 //! Whether a step that has converged is accurate enough, where steps choose their size.
 
 use super::engine::Engine;
-use super::pace::{Measure, Stepped};
+use super::ledger::ContactTotals;
+use super::pace::{Measure, Stepped, Touch};
 use super::state::State;
 use super::substeps::Substeps;
 use crate::bodies::{Elements, Space};
@@ -25,7 +26,8 @@ where
         let scheme = options.integrator.after(old.remembered.dt, dt);
         let chosen = old.pace.size(&control, options.dt);
         let is_cut = substeps.is_whole() && dt < chosen * (1.0 - tolerances::SAME_MOMENT);
-        let step = Stepped { scheme: &scheme, dt, u: [&old.displacements, &state.displacements], v_0: &old.velocities, is_cut };
+        let touch = first_touch(&old.row.contacts, &state.row.contacts);
+        let step = Stepped { scheme: &scheme, dt, u: [&old.displacements, &state.displacements], v_0: &old.velocities, is_cut, touch };
         match old.pace.after(&step, &control, options.dt, &self.system) {
             Ok(pace) => Ok(State { pace: if substeps.level() > 0 { pace.held(dt) } else { pace }, ..state }),
             Err(size) => {
@@ -52,6 +54,21 @@ where
         };
         self.bodies.iter().map(|body| of_body(body.nodes.clone())).fold(0.0, f64::max)
     }
+}
+
+/// The first touch of a contact within a step, of those that had none at its start the deepest.
+fn first_touch(before: &[ContactTotals], after: &[ContactTotals]) -> Option<Touch> {
+    let none = ContactTotals::default();
+    let (mut depth, mut is_kept) = (0.0f64, false);
+    for (index, now) in after.iter().enumerate() {
+        let before = before.get(index).unwrap_or(&none);
+        if before.active == 0 {
+            depth = depth.max(now.penetration - before.penetration);
+            is_kept |= now.active > 0 && before.penetration == 0.0;
+        }
+    }
+    let passed = (depth > 0.0).then_some(Touch::Passed(depth));
+    passed.or(is_kept.then_some(Touch::Kept))
 }
 
 /// The time that sound takes across a cell, where it is shortest `[time]`; `None` where all bodies are rigid.

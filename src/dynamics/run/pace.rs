@@ -6,7 +6,8 @@
 //!
 //! *How wrong it may be.* The error grows by no more than the tolerance times the way that the motion goes: `tolerance` times the largest
 //! mean speed of a body so far. Both are root mean squares over the mass of a body, of the body where it is largest. Where velocities jump,
-//! as in impacts, no step is short enough for a rate: such a step may be as wrong as one of the size that steps had before.
+//! as in impacts, no step is short enough for a rate: such a step may be as wrong as one of the size that steps usually have. The first touch
+//! of a contact is a matter of time: by how far it is missed, or, where a rule closes the gap within the step, by half of the step's way.
 //!
 //! *How long.* A proportional-integral controller (Gustafsson, ACM TOMS 17, 1991; in the form of Soederlind, ACM TOMS 29, 2003),
 //! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of both and the order `p`.
@@ -18,15 +19,16 @@ use serde::{Deserialize, Serialize};
 use crate::integrators::{LeadingError, Scheme};
 use crate::math::tolerances;
 
-/// Part of the tolerance that is aimed at.
-const AIM: f64 = 0.8;
-/// Times the tolerance beyond which a step is refused.
-const MOST: f64 = 1.6;
+/// Part of the tolerance that is aimed at: errors of velocities turn into errors of positions, and double them.
+const AIM: f64 = 0.5;
 /// How much longer or shorter a step may be than the one before: `bdf2` grows unstable beyond 2.4.
 const LONGER: f64 = 2.0;
 const SHORTER: f64 = 0.2;
-/// Weight of a shorter step in the size that steps have.
-const FORGETTING: f64 = 0.1;
+/// Weight of a shorter step in the size that steps usually have, for a step of that size.
+const FORGETTING: f64 = 0.3;
+/// Growth of the largest speed in a step, over the root of the tolerance, from which on a motion has only begun: it is slow so far, and
+/// accuracy relative to the way that it has gone is not what counts.
+const BEGUN: f64 = 5.0;
 
 /// How accurate steps are, and how long they may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +59,8 @@ pub struct Pace {
     ratio: f64,
     /// Largest mean speed of a body so far `[length/time]`.
     speed: f64,
+    /// Time since the last first touch `[time]`.
+    since_touch: f64,
     /// The last two steps, the later one first.
     steps: Vec<PastStep>,
 }
@@ -82,6 +86,17 @@ pub struct Stepped<'a> {
     pub v_0: &'a [f64],
     /// Whether it is shorter than was chosen, because something comes first.
     pub is_cut: bool,
+    /// The first touch of a contact that it has missed.
+    pub touch: Option<Touch>,
+}
+
+/// A first touch that does not fall on the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Touch {
+    /// Sides are that deep inside each other now `[length]`.
+    Passed(f64),
+    /// Sides were kept from that within the step.
+    Kept,
 }
 
 /// Root mean squares over the mass of bodies, the largest of all.
@@ -113,30 +128,40 @@ impl Pace {
     /// # Errors
     /// It is not: the size to try instead.
     pub fn after(&self, step: &Stepped, control: &StepControl, first: f64, measure: &impl Measure) -> Result<Pace, f64> {
-        let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, .. } = step;
+        let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, touch, .. } = step;
         let velocity: Vec<f64> = u_1.iter().zip(u_0).map(|(u_1, u_0)| (u_1 - u_0) / dt).collect();
         let speed = self.speed.max(measure.size(&velocity, false));
-        let order = scheme.promises.order as f64;
-        let allowed = |dt: f64| control.tolerance * speed * (self.usual / dt).max(1.0) + tolerances::STILL * measure.size(u_1, false) / dt;
-        let growth = self.growth(step, &velocity);
-        let ratio = growth.as_ref().map_or(0.0, |growth| measure.size(growth, true) / allowed(dt).max(f64::MIN_POSITIVE));
-        let smallest = control.smallest(first);
-        if ratio > MOST && dt > smallest {
-            let shorter = (AIM / ratio).powf(1.0 / order).max(SHORTER);
-            return Err((shorter * dt).max(smallest));
+        let (order, smallest) = (scheme.promises.order as f64, control.smallest(first));
+        // What the error may grow by in the step `[length]`.
+        let allowed = control.tolerance * speed * self.usual.max(dt) + tolerances::STILL * measure.size(u_1, false) + f64::MIN_POSITIVE;
+        let growth = self.growth(step, &velocity).map(|growth| measure.size(&growth, true));
+        let ratio = growth.map_or(0.0, |growth| growth * dt / allowed);
+        let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());
+        if ratio > 1.0 && dt > smallest && has_begun {
+            return Err((dt * (AIM / ratio).powf(1.0 / order).max(SHORTER)).max(smallest));
         }
-        let mut next = Pace { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
+        let missed = match touch {
+            Some(_) if self.since_touch < self.usual => 0.0,
+            Some(Touch::Passed(depth)) => depth,
+            Some(Touch::Kept) => 0.5 * dt * speed,
+            None => 0.0,
+        };
+        if missed > allowed && dt > smallest {
+            return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, 0.9 * dt).max(smallest));
+        }
+        let since_touch = if touch.is_some() { 0.0 } else { self.since_touch + dt };
+        let mut next = Pace { speed, since_touch, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
         next.steps.extend(self.steps.first().cloned());
         if growth.is_none() {
             // The first one, of which nothing is known.
             (next.dt, next.usual) = (self.dt.max(dt), self.usual.max(dt));
         } else if !is_cut || ratio > AIM {
-            let relative = (ratio / AIM).max(tolerances::EXACT);
+            let relative = (ratio / AIM).clamp(tolerances::EXACT, 1.0 / AIM);
             let before = if self.ratio > 0.0 { (self.ratio / AIM).max(tolerances::EXACT) } else { relative };
             let factor = (relative.powf(-2.0 / 3.0) * before.powf(1.0 / 3.0)).powf(1.0 / order);
             next.dt = dt * factor.clamp(SHORTER, LONGER);
-            next.usual = if dt >= self.usual { dt } else { self.usual * (dt / self.usual).powf(FORGETTING) };
-            next.ratio = ratio;
+            next.usual = if dt >= self.usual { dt } else { self.usual * (dt / self.usual).powf(FORGETTING * dt / self.usual) };
+            next.ratio = ratio.min(1.0);
         }
         Ok(next)
     }
