@@ -12,7 +12,7 @@ use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::integrators::{IntegratorHandle, title};
 use super::journal::Journal;
-use super::step_control::{STEP_SIZE, StepSize};
+use super::step_control::{STEP_SIZE, StepSize, step_size};
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
 use crate::materials::Weakness;
@@ -323,7 +323,7 @@ fn described_for_check(handle: &SimulationHandle) -> String {
         "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
         handle.0.name,
         title(&options.integrator),
-        number_text(options.dt),
+        step_size(options),
         simulation.unknowns(),
         model.describe()
     )

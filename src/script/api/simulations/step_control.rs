@@ -6,7 +6,7 @@ use crate::dynamics::{Options, StepControl};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::FLIGHT;
 use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::digits::number_text;
+use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -74,6 +74,21 @@ impl StepSize {
             StepSize::Chosen(StepControlHandle { control, first: given }) => (given.unwrap_or(first), Some(*control)),
         };
     }
+}
+
+impl std::fmt::Display for StepSize {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            StepSize::Fixed(dt) => write!(out, "{}", brief(*dt)),
+            StepSize::Chosen(handle) => write!(out, "{}", handle.describe()),
+        }
+    }
+}
+
+/// The step size of a simulation, as its descriptions show it.
+pub fn step_size(options: &Options) -> String {
+    let chosen = |control: StepControl| StepControlHandle { control, first: None }.describe();
+    options.control.map_or_else(|| number_text(options.dt), chosen)
 }
 
 /// `auto`.
