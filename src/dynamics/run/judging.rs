@@ -12,6 +12,10 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::system::System;
 use crate::math::tolerances;
 
+/// Times that sound takes across a cell for which a contact must have been open for a touch to be a first one: nodes of a surface that presses
+/// bounce with the mesh.
+const BOUNCE: f64 = 10.0;
+
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
@@ -26,10 +30,13 @@ where
         let scheme = options.integrator.after(old.remembered.dt, dt);
         let chosen = old.pace.size(&control, options.dt);
         let is_cut = substeps.is_whole() && dt < chosen * (1.0 - tolerances::SAME_MOMENT);
-        let touch = first_touch(&old.row.contacts, &state.row.contacts);
+        let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| old.pace.is_open(contact, BOUNCE * self.sound));
         let step = Stepped { scheme: &scheme, dt, u: [&old.displacements, &state.displacements], v_0: &old.velocities, is_cut, touch };
         match old.pace.after(&step, &control, options.dt, &self.system) {
-            Ok(pace) => Ok(State { pace: if substeps.level() > 0 { pace.held(dt) } else { pace }, ..state }),
+            Ok(pace) => {
+                let pace = pace.with_contacts(dt, state.row.contacts.iter().map(|contact| contact.active > 0));
+                Ok(State { pace: if substeps.level() > 0 { pace.held(dt) } else { pace }, ..state })
+            }
             Err(size) => {
                 let counters = &mut self.system.counters;
                 counters.discarded = before.discarded + (counters.factorizations - before.factorizations);
@@ -56,13 +63,13 @@ where
     }
 }
 
-/// The first touch of a contact within a step, of those that had none at its start the deepest.
-fn first_touch(before: &[ContactTotals], after: &[ContactTotals]) -> Option<Touch> {
+/// The first touch of a contact within a step, the deepest of those that have been open.
+fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl Fn(usize) -> bool) -> Option<Touch> {
     let none = ContactTotals::default();
     let (mut depth, mut is_kept) = (0.0f64, false);
     for (index, now) in after.iter().enumerate() {
         let before = before.get(index).unwrap_or(&none);
-        if before.active == 0 {
+        if before.active == 0 && is_open(index) {
             depth = depth.max(now.penetration - before.penetration);
             is_kept |= now.active > 0 && before.penetration == 0.0;
         }

@@ -16,7 +16,7 @@ use crate::linear::Work;
 pub struct Options {
     /// Time integrator.
     pub integrator: Scheme,
-    /// Nominal step size, that of the first step where steps choose theirs, 0 for the time that sound takes across a cell `[time]`.
+    /// Nominal step size, that of the first step where steps choose theirs, 0 for one that follows from the cells `[time]`.
     pub dt: f64,
     /// How steps choose their size; `None`: all have the nominal one.
     pub control: Option<StepControl>,

@@ -59,8 +59,8 @@ pub struct Pace {
     ratio: f64,
     /// Largest mean speed of a body so far `[length/time]`.
     speed: f64,
-    /// Time since the last first touch `[time]`.
-    since_touch: f64,
+    /// How long each contact has been open, in the order of the model; none before the first step `[time]`.
+    open: Vec<f64>,
     /// The last two steps, the later one first.
     steps: Vec<PastStep>,
 }
@@ -112,6 +112,18 @@ impl Pace {
         size.max(control.smallest(first)).min(control.largest.unwrap_or(f64::INFINITY))
     }
 
+    /// Whether a contact has been open for some time, or has never been closed.
+    pub fn is_open(&self, contact: usize, time: f64) -> bool {
+        self.open.get(contact).is_none_or(|open| *open >= time)
+    }
+
+    /// The same with what contacts do at the end of a step: whether each is closed.
+    pub fn with_contacts(self, dt: f64, closed: impl Iterator<Item = bool>) -> Pace {
+        let so_far = |contact: usize| self.open.get(contact).copied().unwrap_or(f64::MAX);
+        let open = closed.enumerate().map(|(contact, is_closed)| if is_closed { 0.0 } else { so_far(contact) + dt }).collect();
+        Pace { open, ..self }
+    }
+
     /// Forgets how the motion went, where it goes on in another way.
     pub fn restart(&mut self) {
         self.steps.clear();
@@ -141,7 +153,6 @@ impl Pace {
             return Err((dt * (AIM / ratio).powf(1.0 / order).max(SHORTER)).max(smallest));
         }
         let missed = match touch {
-            Some(_) if self.since_touch < self.usual => 0.0,
             Some(Touch::Passed(depth)) => depth,
             Some(Touch::Kept) => 0.5 * dt * speed,
             None => 0.0,
@@ -149,8 +160,7 @@ impl Pace {
         if missed > allowed && dt > smallest {
             return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, 0.9 * dt).max(smallest));
         }
-        let since_touch = if touch.is_some() { 0.0 } else { self.since_touch + dt };
-        let mut next = Pace { speed, since_touch, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
+        let mut next = Pace { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
         next.steps.extend(self.steps.first().cloned());
         if growth.is_none() {
             // The first one, of which nothing is known.

@@ -323,11 +323,7 @@ where
             _ => from + size,
         };
         self.tries.clear();
-        self.stretch(target, Substeps::one(from, target - from), (target, 0), accepted)?;
-        if corner == Some(self.state.row.time) {
-            Arc::make_mut(&mut self.state).pace.restart();
-        }
-        Ok(())
+        self.stretch(target, Substeps::one(from, target - from), (target, 0), accepted)
     }
 
     /// Goes on to a time, in pieces where the step there must be halved; `clock`: from where steps are counted afterwards, and how many.

@@ -112,7 +112,7 @@ pub fn auto() -> Function {
                     )
                     .or(Absent::Number(1e-3)),
                     Parameter::number("first", "time", Interval::Positive, "the size of the first step")
-                        .or(Absent::Means("the time that sound takes across the smallest cells")),
+                        .or(Absent::Means("the root of `tolerance` times the time that sound takes across the smallest cells")),
                     Parameter::number("smallest", "time", Interval::Positive, "the smallest size; what is too wrong then is accepted")
                         .or(Absent::Means("a millionth of the first step")),
                     Parameter::number("largest", "time", Interval::Positive, "the largest size, such as a part of a pulse that must be seen")
