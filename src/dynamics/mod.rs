@@ -38,6 +38,7 @@ pub use run::harmonic::{Excitation, HarmonicError, HarmonicOptions, HarmonicResp
 pub use run::ledger::{ContactTotals, JointTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 pub use run::modes::{Mode, Modes, ModesError};
 pub use run::options::{Options, SettleReport, Statistics};
+pub use run::pace::StepControl;
 pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use run::run_findings::{RunFinding, RunFindingKind};

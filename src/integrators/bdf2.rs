@@ -10,10 +10,10 @@
 //! acceleration would have, `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`, its mean acceleration as the force that it answers. After a step of
 //! no size, as at the start, it is the trapezoidal rule.
 
-use std::f64::consts::SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
 
 const PROMISES: Promises = Promises { energy: false, momentum: true, angular_momentum: false, order: 2 };
 
@@ -42,6 +42,7 @@ const fn after(ratio: f64) -> Scheme {
         course: Course::Whole,
         parameters: Parameters::NONE,
         promises: PROMISES,
+        error: LeadingError { first: 0.0, second: (1.0 + ratio) / 6.0 },
     }
 }
 
@@ -62,6 +63,8 @@ const LAST: Scheme = {
         summary: "trapezoidal rule and backward differentiation in one step (Bank et al. 1985), of second order: twice the work of a step, \
                   and removes what vibrates faster than the steps at once; keeps the linear momentum alone",
         lag: Lag { used: row.lag.used, force: 0.5, inertia: 0.0, gamma: 1.0 },
+        // Of both stages together.
+        error: LeadingError { first: 0.0, second: FRAC_1_SQRT_2 - 2.0 / 3.0 },
         ..row
     }
 };

@@ -2,7 +2,7 @@
 //! ZAMP 43, 1992; Gonzalez, CMAME 190, 2000).
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Lag, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// Energy and both momenta exact.
 pub static ENERGY_MOMENTUM: Scheme = Scheme {
@@ -17,4 +17,5 @@ pub static ENERGY_MOMENTUM: Scheme = Scheme {
     course: Course::Whole,
     parameters: Parameters::NONE,
     promises: Promises { energy: true, momentum: true, angular_momentum: true, order: 2 },
+    error: LeadingError::TRAPEZOIDAL,
 };

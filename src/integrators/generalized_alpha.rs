@@ -19,7 +19,7 @@
 use super::derivative::Derivative;
 use super::family::Family;
 use super::newmark::kinematics;
-use super::scheme::{Course, History, Lag, Parameters, Promises, Scheme};
+use super::scheme::{Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
 use crate::math::catalogue::{Interval, Parameter};
 
 const fn family(name: &'static str, summary: &'static str, parameters: Parameters, alpha_m: f64, alpha_f: f64) -> Scheme {
@@ -38,6 +38,10 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
         course: Course::Whole,
         parameters,
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
+        error: {
+            let (beta, lead) = (0.25 * root * root, alpha_m - alpha_f);
+            LeadingError { first: 0.0, second: 0.5 * (beta - lead * lead + lead * alpha_m - 1.0 / 12.0).abs() }
+        },
     }
 }
 

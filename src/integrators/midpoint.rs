@@ -1,7 +1,7 @@
 //! Implicit midpoint rule: the forces of the mean configuration. Its energy may grow without bound in stiff, large motions.
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, Course, Lag, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// Both momenta exact, the energy not.
 pub static MIDPOINT: Scheme = Scheme {
@@ -16,4 +16,5 @@ pub static MIDPOINT: Scheme = Scheme {
     course: Course::Whole,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
+    error: LeadingError::TRAPEZOIDAL,
 };

@@ -31,7 +31,7 @@ pub use midpoint::MIDPOINT;
 pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
-pub use scheme::{Affine, Course, History, Lag, Lumping, Parameters, Promises, Scheme};
+pub use scheme::{Affine, Course, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
 pub use trapezoidal::TRAPEZOIDAL;
 
 /// All time integrators that solve equations, in the order of the reference: their steps may have any size.

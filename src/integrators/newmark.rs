@@ -10,7 +10,7 @@
 
 use super::derivative::Derivative;
 use super::family::Family;
-use super::scheme::{Affine, Course, History, Lag, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
 use crate::math::catalogue::{Interval, Parameter};
 
 const GAMMA: f64 = 0.6;
@@ -40,6 +40,11 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
         course: Course::Whole,
         parameters: Parameters { names: &["beta", "gamma"], values: [beta, gamma] },
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
+        error: {
+            let beyond = gamma - 0.5;
+            let second = 0.5 * (beta - 0.5 * beyond - 1.0 / 12.0) + 0.125 * beyond * beyond;
+            LeadingError { first: 0.5 * beyond, second: second.abs() }
+        },
     }
 }
 

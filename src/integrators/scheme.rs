@@ -44,6 +44,24 @@ pub struct Scheme {
     pub parameters: Parameters,
     /// What it keeps.
     pub promises: Promises,
+    /// How far it is off where steps are short.
+    pub error: LeadingError,
+}
+
+/// Error of a slow vibration with the frequency `omega`: the factor `z` of a step is off by
+/// `|ln z - i omega dt| = first (omega dt)^2 + second (omega dt)^3`, so that the error of a motion `q` grows by
+/// `first dt |q''| + second dt^2 |q'''|` in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeadingError {
+    /// What makes a scheme one of first order, else 0.
+    pub first: f64,
+    /// What makes it one of second order.
+    pub second: f64,
+}
+
+impl LeadingError {
+    /// Of schemes that are the trapezoidal rule in small vibrations.
+    pub const TRAPEZOIDAL: LeadingError = LeadingError { first: 0.0, second: 1.0 / 12.0 };
 }
 
 /// How the forces of a step act in the steps that follow.

@@ -8,6 +8,13 @@ pub const NEWTON_ENERGY: f64 = 1e-13;
 /// below that.
 pub const EXACT: f64 = 1e-6;
 
+/// Growth of the error in a step, relative to the displacements, that is no error but round-off and what Newton's tolerance leaves.
+pub const STILL: f64 = 1e-12;
+
+/// Smallest step, relative to the first one, of those that choose their size, where no other is asked for: an impact that is timed to a
+/// millionth costs some twenty refused steps.
+pub const SMALLEST_STEP: f64 = 1e-6;
+
 /// What the momentum that a residual gives within a step counts against the energy that it moves: with the default tolerance a step is done
 /// with 5e-12 of the momentum that belongs to its energy.
 pub const NEWTON_MOMENTUM: f64 = 0.01;

@@ -243,3 +243,29 @@ fn newmark_has_the_closed_forms() {
         }
     }
 }
+
+/// What steps that choose their size take for the growth of an error: amplitude and phase of a slow vibration in a step.
+#[test]
+fn slow_vibrations_are_off_by_the_leading_error() {
+    let dt = 0.02f64;
+    let check = |scheme: &Scheme, matrix: &DMatrix<f64>| {
+        let exact = Complex::new(0.0, dt).exp();
+        let values = eigenvalues(&scaled(matrix, dt));
+        let nearest = values.iter().min_by(|a, b| (*a - exact).norm().total_cmp(&(*b - exact).norm())).expect("there are some");
+        let off = nearest.ln() - Complex::new(0.0, dt);
+        let (first, second) = (off.re.abs() / dt.powi(2), off.im.abs() / dt.powi(3));
+        println!("{}: {first:.4} {second:.4}, row {:?}", scheme.describe(), scheme.error);
+        assert!((first - scheme.error.first).abs() < 0.01, "{}: {first}", scheme.describe());
+        assert!((second - scheme.error.second).abs() < 0.01, "{}: {second}", scheme.describe());
+    };
+    for scheme in [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &TR_BDF2] {
+        check(scheme, &two(scheme, dt));
+    }
+    check(&BDF2, &four(&BDF2, dt));
+    for scheme in [newmark(0.25, 0.5), newmark(0.3025, 0.6), newmark(0.5, 1.0), newmark(1.0 / 6.0, 0.5)] {
+        check(&scheme, &two(&scheme, dt));
+    }
+    for scheme in [hht(-0.1), hht(-1.0 / 3.0), wbz(-0.5), generalized_alpha(0.0), generalized_alpha(0.8), generalized_alpha(1.0)] {
+        check(&scheme, &three(&scheme, dt));
+    }
+}

@@ -26,6 +26,9 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// Steps that choose their size have nothing to begin with.
+    #[error("the first step cannot be guessed where all bodies are rigid")]
+    NoFirstStep,
     /// A rigid body that cannot be one.
     #[error("body \"{body}\" cannot be rigid: {reason}")]
     NotRigid {
@@ -273,6 +276,7 @@ impl ModelError {
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }
+            ModelError::NoFirstStep => "give its size, such as `auto(#{ first: 0.001 })`".into(),
             ModelError::NotRigid { .. } => {
                 "give it the mass and the moments of inertia of a body, and a mesh with an area or a volume".into()
             }

@@ -4,12 +4,16 @@ use super::definitions::Model;
 use super::error::ModelError;
 use super::update_rules::GAP;
 
-/// Refuses what explicit steps cannot do.
+/// Refuses what explicit steps cannot do; `chooses_size`: whether steps are to choose their size.
 ///
 /// # Errors
 /// The first such thing of the model.
-pub fn check_explicit(model: &Model) -> Result<(), ModelError> {
+pub fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     let refused = |what: String, reason: &'static str, instead: &'static str| Err(ModelError::NotExplicit { what, reason, instead });
+    if chooses_size {
+        let reason = "what bounds their size is the fastest vibration, not the error";
+        return refused("steps that choose their size".into(), reason, "give steps a size, nine tenths of the stable one");
+    }
     let implicit = "take an integrator that solves equations, such as `energy_momentum`";
     if let Some(body) = model.bodies.iter().find(|body| body.rigid.is_some()) {
         let reason = "what holds its nodes together are equations";

@@ -137,6 +137,7 @@ where
             clock: self.state.clock,
             search,
             level: self.state.level,
+            pace: self.state.pace.clone(),
             preferred,
             carried: self.state.carried,
             loads_ended: if outside.pushes() { start.time + dt } else { self.state.loads_ended },

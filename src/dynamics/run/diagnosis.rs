@@ -43,7 +43,7 @@ where
     /// The report on a failure.
     pub fn report(&self, failure: &Failure) -> FailureReport {
         let cause = match failure {
-            Failure::Iterations => self.not_converged(),
+            Failure::Iterations | Failure::Inexact { .. } => self.not_converged(),
             Failure::Inverted { body, inverted } => self.blamed_on_a_load(self.inverted_cell(body, inverted)),
             Failure::Diverged => self.blamed_on_a_load(FailureCause::Divergence),
             Failure::Linear(error) => FailureCause::SingularSystem { reason: self.explain(error) },

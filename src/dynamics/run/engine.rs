@@ -6,8 +6,10 @@
 use std::sync::Arc;
 
 use super::halvings::Halvings;
+use super::judging::time_of_sound;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
+use super::pace::Pace;
 use super::report::{FailureReport, TryReport};
 use super::slip_memory::SlipMemory;
 use super::state::{Clock, State};
@@ -50,6 +52,8 @@ pub struct Engine<const D: usize> {
     pub corners: Vec<f64>,
     /// Whether friction acts in equilibria.
     pub rest_friction: bool,
+    /// Time that sound takes across a cell, 0 where all bodies are rigid `[time]`.
+    pub sound: f64,
 }
 
 /// Bytes that a simulation takes for an unknown, with its matrix and without the factors of it (measured: 700 to 900 before the first step,
@@ -67,12 +71,19 @@ where
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let unsound = |reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason };
         options.integrator.check().map_err(unsound)?;
+        let sound = time_of_sound(model);
+        let first = match options.control {
+            // Short against what vibrates fastest, by as much as the tolerance asks for.
+            Some(control) if options.dt == 0.0 => sound.map(|time| control.tolerance.sqrt() * time),
+            _ => Some(options.dt),
+        };
+        let options = Options { dt: first.ok_or(ModelError::NoFirstStep)?, ..options };
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
         let lumping = options.integrator.lumping();
         if lumping.is_some() {
-            check_explicit(model)?;
+            check_explicit(model, options.control.is_some())?;
         }
         let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator), lumping)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
@@ -109,6 +120,7 @@ where
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
             search: system.search(),
             level: 0,
+            pace: Pace::default(),
             drift: 0.0,
             preferred: Preferred::default(),
             carried: 0.0,
@@ -130,6 +142,7 @@ where
             halvings: Halvings::default(),
             corners: model.corners(),
             rest_friction: true,
+            sound: sound.unwrap_or_default(),
         })
     }
 

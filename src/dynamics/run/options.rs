@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use serde::{Deserialize, Serialize};
 
+use super::pace::StepControl;
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::counters::PhaseTimes;
 use crate::integrators::Scheme;
@@ -15,8 +16,10 @@ use crate::linear::Work;
 pub struct Options {
     /// Time integrator.
     pub integrator: Scheme,
-    /// Nominal step size `[time]`.
+    /// Nominal step size, that of the first step where steps choose theirs, 0 for one that follows from the cells `[time]`.
     pub dt: f64,
+    /// How steps choose their size; `None`: all have the nominal one.
+    pub control: Option<StepControl>,
     /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
     pub tolerance: f64,
     /// Whether bodies that overlap are meant to: then `settle` does not ask whether they are apart where no contact presses.
@@ -40,6 +43,7 @@ impl Options {
         Options {
             integrator: *integrator,
             dt,
+            control: None,
             tolerance,
             accepts_overlap: false,
             max_halvings: 7,

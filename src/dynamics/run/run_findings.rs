@@ -6,6 +6,7 @@
 
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, PASSING, SLIDING};
@@ -271,6 +272,8 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
     for Halving { cause, motion, count, step, time, dt } in measures.halvings {
         match motion {
             Some(motion) => found.push(RunFinding::of_motion(RunFindingKind::Motion, motion, *dt, *step, *time)),
+            // What steps that choose their size are for.
+            None if *cause == Failure::INEXACT => (),
             None => {
                 let value = *count as f64 / last.step.max(1) as f64;
                 let explanation = format!("{count} halvings in {} accepted steps, the first at dt = {}", last.step, rounded(*dt));

@@ -12,6 +12,7 @@ use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
 use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
+use super::pace::StepControl;
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
@@ -60,6 +61,17 @@ impl Simulation {
     pub fn set_steps(&mut self, dt: f64, tolerance: f64, max_halvings: usize) {
         let options = self.steps.options_mut();
         *options = Options { dt, tolerance, max_halvings, ..options.clone() };
+    }
+
+    /// Lets the next steps choose their size, or all have the nominal one. States keep the size of the next step.
+    pub fn set_control(&mut self, control: Option<StepControl>) {
+        self.steps.options_mut().control = control;
+    }
+
+    /// Size of the next step, should nothing come first `[time]`.
+    pub fn next_step(&self) -> f64 {
+        let Options { control, dt, .. } = self.options();
+        control.as_ref().map_or(*dt, |control| self.steps.state().pace.size(control, *dt))
     }
 
     /// Number of free displacement components.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::ledger::LedgerRow;
+use super::pace::Pace;
 use super::slip_memory::SlipMemory;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::laws::RowState;
@@ -43,6 +44,8 @@ pub struct State {
     pub(super) search: Arc<SearchHistory>,
     /// Halvings with which the next nominal step begins.
     pub(super) level: usize,
+    /// How long the next step is, where steps choose their size.
+    pub(super) pace: Pace,
     /// Sum of the ledger's energy defects since the run began or was last settled: Newton's tolerance has a sign, which may be the same in
     /// every step `[energy]`.
     pub(super) drift: f64,

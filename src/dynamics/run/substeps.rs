@@ -1,7 +1,5 @@
-//! Who decides how long the next substep is: halvings, which later substeps keep, and of which the next step begins with one less.
-//!
-//! A rule that looks at errors in time would be another value with the same questions: how long is the next one, may a refused one be
-//! shorter, and what follows an accepted one.
+//! Who decides how long the next substep is: halvings, which later substeps keep, and of which the next step begins with one less; or, where
+//! steps choose their size (`pace.rs`), what has been chosen, made shorter until it is accepted.
 
 /// Equal parts of a stretch of time, made half as long as often as one of them is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,12 +10,26 @@ pub struct Substeps {
     /// In units of `dt / 2^level`: done, and all.
     done: usize,
     all: usize,
+    /// Whether the first accepted one ends the step: what is left belongs to the next step.
+    is_alone: bool,
+    /// Whether it is shorter than it was.
+    is_short: bool,
 }
 
 impl Substeps {
     /// Of a stretch of size `dt` from a time, with so many halvings from the beginning.
     pub fn new(from: f64, dt: f64, level: usize) -> Self {
-        Substeps { from, dt, level, done: 0, all: 1 << level }
+        Substeps { from, dt, level, done: 0, all: 1 << level, is_alone: false, is_short: false }
+    }
+
+    /// A single one, of a stretch of size `dt` from a time or of less.
+    pub fn one(from: f64, dt: f64) -> Self {
+        Substeps { is_alone: true, ..Substeps::new(from, dt, 0) }
+    }
+
+    /// Whether a single one is as long as its stretch.
+    pub fn is_whole(&self) -> bool {
+        self.is_alone && !self.is_short
     }
 
     /// Size of the next one `[time]`.
@@ -32,23 +44,33 @@ impl Substeps {
 
     /// Whether nothing is left.
     pub fn are_done(&self) -> bool {
-        self.done == self.all
+        self.done == self.all || self.is_alone && self.done > 0
     }
 
     /// The next one is done: the time at its end, nothing where that is the end of the stretch.
     pub fn accepted(&mut self) -> Option<f64> {
         self.done += 1;
-        (!self.are_done()).then(|| self.from + self.dt * (self.done as f64 / self.all as f64))
+        (self.is_short || !self.are_done()).then(|| self.from + self.dt * (self.done as f64 / self.all as f64))
     }
 
     /// The next one is refused: what is left goes in substeps half as long.
     pub fn halve(&mut self) {
         (self.level, self.done, self.all) = (self.level + 1, 2 * self.done, 2 * self.all);
+        self.is_short = self.is_alone;
+    }
+
+    /// A single one is tried with another size `[time]`.
+    pub fn shorten(&mut self, size: f64) {
+        (self.dt, self.is_short) = (size * self.all as f64, true);
     }
 
     /// Halvings with which another stretch begins: after a whole one larger substeps are tried again.
     pub fn next_level(&self) -> usize {
-        if self.are_done() { self.level.saturating_sub(1) } else { self.level }
+        match self.is_alone {
+            true => 0,
+            false if self.are_done() => self.level.saturating_sub(1),
+            false => self.level,
+        }
     }
 }
 
@@ -64,5 +86,16 @@ mod tests {
         assert_eq!((substeps.size(), substeps.level(), substeps.next_level()), (0.125, 2, 2));
         assert_eq!((substeps.accepted(), substeps.are_done()), (Some(1.375), false));
         assert_eq!((substeps.accepted(), substeps.are_done(), substeps.next_level()), (None, true, 1));
+    }
+
+    #[test]
+    fn a_single_one_ends_where_it_was_made_shorter() {
+        let mut one = Substeps::one(1.0, 0.5);
+        assert!(one.is_whole());
+        one.halve();
+        one.shorten(0.125);
+        assert_eq!((one.size(), one.level(), one.is_whole()), (0.125, 1, false));
+        assert_eq!((one.accepted(), one.are_done(), one.next_level()), (Some(1.125), true, 0));
+        assert_eq!(Substeps::one(1.0, 0.5).accepted(), None);
     }
 }

@@ -16,6 +16,7 @@ use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
 use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
+use super::pace::StepControl;
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
@@ -143,6 +144,9 @@ where
         }
         let mut outcome = self.settle_at(time);
         self.rest_friction = true;
+        if self.options.control.is_some() {
+            Arc::make_mut(&mut self.state).pace.restart();
+        }
         if self.state.row.step > 0 {
             // What is carried from step to step is that of the new equilibrium.
             outcome = outcome.and_then(|report| self.remember().map(|()| report));
@@ -293,6 +297,9 @@ where
         if is_new {
             self.remember()?;
         }
+        if let Some(control) = self.options.control {
+            return self.paced_step(&control, end, accepted);
+        }
         let from = self.state.row.time;
         let Clock { origin, count, dt } = self.state.clock;
         // Steps of another size are counted from here.
@@ -314,23 +321,46 @@ where
         self.tries.clear();
         let mut at = from;
         for corner in if corners.len() > MOST_CORNERS { Vec::new() } else { corners } {
-            self.stretch(corner, corner - at, (corner, 0), accepted)?;
+            self.stretch(corner, Substeps::new(at, corner - at, self.state.level), (corner, 0), accepted)?;
             at = corner;
         }
         let dt = if whole && at == from { self.options.dt } else { target - at };
-        self.stretch(target, dt, clock, accepted)
+        self.stretch(target, Substeps::new(self.state.row.time, dt, self.state.level), clock, accepted)
+    }
+
+    /// A step of the size that has been chosen, or to what comes first: the end, or a kink of what acts.
+    fn paced_step(&mut self, control: &StepControl, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
+        let from = self.state.row.time;
+        let size = self.state.pace.size(control, self.options.dt);
+        let near = tolerances::SAME_MOMENT * size;
+        let corner = self.corners.iter().copied().find(|corner| *corner > from + near);
+        let landing = end.into_iter().chain(corner).fold(f64::INFINITY, f64::min);
+        let target = match landing - from {
+            rest if rest < size + near => landing,
+            // A rest that is shorter than half a step is shared with the step before it.
+            rest if rest < 1.5 * size => from + 0.5 * rest,
+            _ => from + size,
+        };
+        self.tries.clear();
+        self.stretch(target, Substeps::one(from, target - from), (target, 0), accepted)
     }
 
     /// Goes on to a time, in pieces where the step there must be halved; `clock`: from where steps are counted afterwards, and how many.
-    fn stretch(&mut self, target: f64, dt: f64, clock: (f64, usize), accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        let mut substeps = Substeps::new(self.state.row.time, dt, self.state.level);
+    fn stretch(
+        &mut self,
+        target: f64,
+        mut substeps: Substeps,
+        clock: (f64, usize),
+        accepted: &mut dyn FnMut(&LedgerRow),
+    ) -> Result<(), StepError> {
         let (mut halvings, mut booked) = (0, self.work());
         while !substeps.are_done() {
             if self.options.interrupted() {
                 return Err(StepError::Interrupted { time: self.state.row.time });
             }
             let (size, may_be_halved) = (substeps.size(), substeps.level() < self.options.max_halvings);
-            match self.piece(size, may_be_halved) {
+            let before = self.system.counters;
+            match self.piece(size, may_be_halved).and_then(|state| self.judged(state, size, &substeps, before)) {
                 Ok(mut state) => {
                     let between = substeps.accepted();
                     state.row.time = between.unwrap_or(target);
@@ -347,6 +377,10 @@ where
                     accepted(&self.state.row);
                 }
                 Err(Failure::Fatal(error)) => return Err(error),
+                Err(failure @ Failure::Inexact { size: shorter }) => {
+                    self.halvings.count(&failure, size, &self.state.row);
+                    substeps.shorten(shorter);
+                }
                 Err(failure) => {
                     // What is halved beforehand was no try.
                     if !matches!(failure, Failure::Foreseen(_)) {

@@ -33,6 +33,11 @@ pub enum Failure {
     },
     /// The predicted motion is too large: the step was not tried.
     Foreseen(LargeMotion),
+    /// The step has converged, and its error in time is too large.
+    Inexact {
+        /// The size to try instead `[time]`.
+        size: f64,
+    },
     /// Not a matter of the numerics: do not try again.
     Fatal(StepError),
 }
@@ -47,12 +52,16 @@ impl Failure {
             Failure::Diverged => 3,
             Failure::Foreseen(_) | Failure::BeyondSearch { .. } | Failure::Overlooked { .. } => 4,
             Failure::Fatal(_) => 5,
+            Failure::Inexact { .. } => 6,
         }]
     }
 
     /// All names.
     pub const NAMES: &'static [&'static str] =
-        &["iterations used up", "inverted cell", "singular system", "divergence", "motion too fast", "given up"];
+        &["iterations used up", "inverted cell", "singular system", "divergence", "motion too fast", "given up", Failure::INEXACT];
+
+    /// The name of a step that was refused because of its error.
+    pub const INEXACT: &'static str = "error too large";
 
     /// The same, or the end of the run where a factorisation was interrupted or found no memory.
     pub fn or_end(self, time: f64) -> Self {

@@ -36,6 +36,7 @@ use crate::script::api::simulations::probes::ProbeHandle;
 use crate::script::api::simulations::reactions::ReactionHandle;
 use crate::script::api::simulations::settling::register_settle_to_come;
 use crate::script::api::simulations::states::StateHandle;
+use crate::script::api::simulations::step_control::StepControlHandle;
 use crate::script::api::time_functions::TimeFunctionHandle;
 use crate::script::language::comparison;
 use crate::script::language::elementwise;
@@ -167,6 +168,7 @@ fn types(engine: &mut Engine) -> Types {
     types.add::<BucklingHandle>(engine);
     types.add::<TimeFunctionHandle>(engine);
     types.add::<IntegratorHandle>(engine);
+    types.add::<StepControlHandle>(engine);
     types.add::<SimulationHandle>(engine);
     types.add::<StateHandle>(engine);
     types.add::<HistoryHandle>(engine);

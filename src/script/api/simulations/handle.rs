@@ -12,6 +12,7 @@ use super::artifacts::{Artifacts, Keeping};
 use super::columns::Probe;
 use super::integrators::title;
 use super::journal::Journal;
+use super::step_control::step_size;
 use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::BodyHandle;
@@ -19,7 +20,7 @@ use crate::script::api::motion::Motion;
 use crate::script::api::remedies::explained;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
-use crate::script::language::digits::{brief, brief_vector, number_text};
+use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::Call;
 use crate::script::language::handle::Handle;
@@ -118,7 +119,7 @@ impl Handle for SimulationHandle {
         let (options, number) = (simulation.options(), brief);
         let mut lines = vec![
             format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step),
-            format!("  {}, dt = {}, {} unknowns", title(&options.integrator), number_text(options.dt), simulation.unknowns()),
+            format!("  {}, dt = {}, {} unknowns", title(&options.integrator), step_size(options), simulation.unknowns()),
             format!(
                 "  energy {}: kinetic {}, strain {}, potential {}",
                 number(row.total()),

@@ -33,6 +33,7 @@ pub mod results;
 pub mod settling;
 pub mod simulate;
 pub mod states;
+pub mod step_control;
 pub mod step_failures;
 pub mod stepping;
 pub mod stop_after;
@@ -44,6 +45,7 @@ pub mod writing;
 pub fn functions() -> Vec<Function> {
     let mut all = integrators::functions();
     all.extend(explicit::functions());
+    all.push(step_control::auto());
     all.extend(simulate::functions());
     all.extend([stepping::step(), stepping::run_to(), settling::settle(), stepping::on_step()]);
     all.extend(states::functions());

@@ -2,7 +2,8 @@
 
 use super::handle::{SimulationHandle, angular_text};
 use super::integrators::title as integrator_title;
-use crate::script::language::digits::{brief, brief_vector, number_text};
+use super::step_control::step_size;
+use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::handle::Handle;
 use crate::script::language::tables::table;
 
@@ -15,7 +16,7 @@ impl SimulationHandle {
         let (row, options) = (simulation.row(), simulation.options());
         let title = format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step);
         let method =
-            format!("  {}, dt = {}, {} unknowns", integrator_title(&options.integrator), number_text(options.dt), simulation.unknowns());
+            format!("  {}, dt = {}, {} unknowns", integrator_title(&options.integrator), step_size(options), simulation.unknowns());
         let history = data.history.borrow();
         let worst = history.iter().map(|row| row.energy_defect.abs()).fold(0.0, f64::max);
         let ledger = [

@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::columns::{further_values, model_columns, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, busy};
 use super::integrators::title;
+use super::step_control::step_size;
 use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation, default_rule};
@@ -254,7 +255,7 @@ fn integration(simulation: &Simulation) -> Vec<Vec<String>> {
     let row = |name: &str, value: String| vec![name.to_string(), value];
     vec![
         row("integrator", format!("{}: {}", title(&options.integrator).replace('_', " "), options.integrator.summary)),
-        row("step size", number_text(options.dt)),
+        row("step size", step_size(options)),
         row("tolerance", number_text(options.tolerance)),
         row("halvings at most", options.max_halvings.to_string()),
         row("unknowns", simulation.unknowns().to_string()),

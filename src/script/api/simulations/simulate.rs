@@ -12,6 +12,7 @@ use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::integrators::{IntegratorHandle, title};
 use super::journal::Journal;
+use super::step_control::{STEP_SIZE, StepSize, step_size};
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
 use crate::materials::Weakness;
@@ -55,7 +56,7 @@ fn simulate() -> Function {
                 "options",
                 Kind::Options(vec![
                     Parameter::new("integrator", Kind::Handle(IntegratorHandle::NAME), "the time integrator"),
-                    Parameter::number("dt", "time", Interval::Positive, "the step size"),
+                    Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive),
                     Parameter::number(
                         "tolerance",
                         "1",
@@ -111,7 +112,8 @@ fn simulate() -> Function {
 fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let (original, options) = (call.handle::<ModelHandle>("model")?, call.options("options")?);
     let IntegratorHandle(integrator) = options.handle("integrator")?;
-    let mut kernel = Options::new(&integrator, options.number("dt")?);
+    let size = StepSize::of(&options.argument("dt"))?;
+    let mut kernel = Options::new(&integrator, 0.0);
     kernel.tolerance = options.number("tolerance")?;
     kernel.max_halvings = options.integer("max_halvings")? as usize;
     kernel.threads = call.host.settings.threads;
@@ -127,9 +129,9 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let model = original.0.borrow().clone();
     let begun = Instant::now();
     let motion = current_motion(call.host);
-    kernel.dt *= motion.map_or(1.0, |motion| motion.units.time);
-    let kernel_dt = kernel.dt;
+    size.on_clock(motion.map_or(1.0, |motion| motion.units.time)).put_into(&mut kernel, 0.0);
     let simulation = kernels(call, &model.model, motion, kernel)?;
+    let kernel_dt = simulation.options().dt;
     for (contact, finding) in model.model.findings() {
         let what = if matches!(finding, Finding::Untied { .. }) { "tie" } else { "contact" };
         if finding.is_void() {
@@ -344,7 +346,7 @@ fn described_for_check(handle: &SimulationHandle) -> String {
         "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
         handle.0.name,
         title(&options.integrator),
-        number_text(options.dt),
+        step_size(options),
         simulation.unknowns(),
         model.describe()
     )

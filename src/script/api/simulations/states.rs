@@ -11,6 +11,7 @@ use rhai::Dynamic;
 use super::handle::{SimulationHandle, busy};
 use super::recalling::go_on;
 use super::simulate::{SoFar, create, kernels};
+use super::step_control::{STEP_SIZE, StepSize};
 use crate::dynamics::{LedgerRow, State};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::flight_example;
@@ -169,7 +170,7 @@ fn set() -> Function {
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
-                Parameter::number("dt", "time", Interval::Positive, "the step size").or(Absent::Means("as before")),
+                Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive).or(Absent::Means("as before")),
                 Parameter::number("tolerance", "1", Interval::Open(0.0, 1.0), "Newton's tolerance, see `simulate`")
                     .or(Absent::Means("as before")),
                 Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
@@ -184,12 +185,16 @@ fn set() -> Function {
         body: body(|call| {
             let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
             let (dt, tolerance, halvings) =
-                (options.optional_number("dt")?, options.optional_number("tolerance")?, options.argument("max_halvings"));
+                (options.argument("dt"), options.optional_number("tolerance")?, options.argument("max_halvings"));
+            let size = if dt.is_given() { Some(StepSize::of(&dt)?) } else { None };
             let halvings = if halvings.is_given() { Some(halvings.integer()? as usize) } else { None };
             let mut simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?;
-            let now = simulation.options().clone();
-            let dt = dt.map(|dt| handle.0.kernel_time(dt));
-            simulation.set_steps(dt.unwrap_or(now.dt), tolerance.unwrap_or(now.tolerance), halvings.unwrap_or(now.max_halvings));
+            let mut now = simulation.options().clone();
+            if let Some(size) = size {
+                size.on_clock(handle.0.kernel_time(1.0)).put_into(&mut now, simulation.next_step());
+                simulation.set_control(now.control);
+            }
+            simulation.set_steps(now.dt, tolerance.unwrap_or(now.tolerance), halvings.unwrap_or(now.max_halvings));
             call.host.count_effect();
             Ok(Dynamic::UNIT)
         }),
@@ -201,7 +206,7 @@ fn dt() -> Function {
         name: "dt",
         form: Form::Property(SimulationHandle::receiver()),
         topic: Topic::Simulation,
-        summary: "the step size of the next steps",
+        summary: "the size of the next step, should nothing come first",
         parameters: Vec::new(),
         returns: "number",
         example: flight_example("print(sim.dt);"),
@@ -209,7 +214,7 @@ fn dt() -> Function {
         body: body(|call| {
             let handle = call.receiver::<SimulationHandle>();
             match handle.0.simulation.try_borrow() {
-                Ok(simulation) => Ok(handle.0.script_time(simulation.options().dt).into()),
+                Ok(simulation) => Ok(handle.0.script_time(simulation.next_step()).into()),
                 Err(_) => Err(busy(call).into()),
             }
         }),

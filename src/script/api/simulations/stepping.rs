@@ -14,6 +14,7 @@ use super::recalling::go_on;
 use super::step_failures::overlap_text;
 use crate::dynamics::{LedgerRow, Overlap, OverlapKind, StepError};
 use crate::math::catalogue::Interval;
+use crate::math::tolerances::SAME_MOMENT;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::api::remedies::ScriptWords;
@@ -175,7 +176,7 @@ impl SimulationHandle {
         if call.host.settings.until.is_some_and(is_last) && !Journal::of(call.host).is_recalling() {
             return Err(stopped("stopped").into());
         }
-        let (rows, stepped) = self.computed(call, end)?;
+        let (rows, stepped) = self.computed(call, self.landing(end))?;
         for row in rows {
             self.accept(call, row, from, end)?;
         }
@@ -193,6 +194,17 @@ impl SimulationHandle {
             let _ = callback.call([Dynamic::from(self.clone())]).map_err(|error| passed_on(&callback, error))?;
         }
         if call.host.is_interrupted() { Err(stopped("interrupted").into()) } else { Ok(()) }
+    }
+
+    /// Where a step ends at the latest: where steps choose their size, at the next frame of the fields.
+    fn landing(&self, end: Option<f64>) -> Option<f64> {
+        let (data, simulation) = (&self.0, self.0.simulation.borrow());
+        let every = data.keeping.fields_every.filter(|_| simulation.options().control.is_some());
+        let frame = every.map(|every| {
+            let every = data.kernel_time(every);
+            ((simulation.time() / every + SAME_MOMENT).floor() + 1.0) * every
+        });
+        end.into_iter().chain(frame).reduce(f64::min)
     }
 
     /// Computes a step, or takes it from what an earlier program has computed: the rows of its pieces, and how it ended.

@@ -17,9 +17,10 @@ use crate::script::api::models::handle::ModelHandle;
 use crate::script::api::nested_runs::begin_study;
 use crate::script::api::simulations::integrators::{IntegratorHandle, title};
 use crate::script::api::simulations::simulate::kernels;
+use crate::script::api::simulations::step_control::{StepControlHandle, StepSize};
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::callback::Callback;
-use crate::script::language::digits::{brief, number_text};
+use crate::script::language::digits::brief;
 use crate::script::language::failure::{Failure, interrupted};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -39,7 +40,7 @@ pub fn compare_integrators() -> Function {
         form: Form::Function,
         topic: Topic::Studies,
         summary: "runs a model under several time integrators, and with several step sizes where `dt` is an array, and gives an array of \
-                  rows: `integrator`, `dt`, `time` (how far it came), `steps`, `energy_drift` (the largest sum of what the integrator \
+                  rows: `integrator`, `dt` (the mean of steps that choose their size), `time` (how far it came), `steps`, `energy_drift` (the largest sum of what the integrator \
                   added to the energy or took, over the largest energy), `energy` (at the end), `momentum_defect` and \
                   `angular_momentum_defect` (what neither loads nor supports explain), `iterations`, `factorizations`, `halvings`, \
                   `seconds`, with several step sizes `error` (largest distance of a node at the end from the run of the first integrator \
@@ -50,7 +51,7 @@ pub fn compare_integrators() -> Function {
             Kind::Options(vec![
                 Parameter::new("model", Kind::Closure("||"), "gives the model; it is called for each run"),
                 Parameter::new("integrators", Kind::Array, "the time integrators"),
-                Parameter::new("dt", Kind::Either("a number or an array of numbers"), "the step size, or several").of("time"),
+                Parameter::new("dt", Kind::Either("a number, `auto()`, or an array of them"), "the step size, or several").of("time"),
                 Parameter::number("end", "time", Interval::Positive, "the time at which runs end"),
                 Parameter::new("settle", Kind::Flag, "whether runs begin with a static equilibrium").or(Absent::Flag(false)),
                 Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
@@ -114,13 +115,13 @@ fn run(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let name = free_name(call, &options)?;
     let mut courses = Vec::new();
     for integrator in &integrators {
-        for &dt in &sizes {
-            courses.push(task.run(*integrator, dt)?);
+        for size in &sizes {
+            courses.push(task.run(*integrator, size)?);
         }
     }
     if sizes.len() > 1 {
-        let finest = sizes.iter().copied().fold(f64::INFINITY, f64::min) / FINER;
-        measure(&mut courses, &task.run(integrators[0], finest)?);
+        let finest = courses.iter().map(|course| course.dt).fold(f64::INFINITY, f64::min) / FINER;
+        measure(&mut courses, &task.run(integrators[0], &StepSize::Fixed(finest))?);
     }
     let names = integrators.iter().map(|integrator| title(integrator).replace('_', " ")).collect::<Vec<_>>();
     if let Some(files) = RunFolder::of(call.host).files(call.host).map_err(|error| output_failure(&error))? {
@@ -146,27 +147,32 @@ fn integrators_of(options: &Options) -> Result<Vec<Scheme>, Failure> {
     entries.iter().enumerate().map(one).collect()
 }
 
-/// The step sizes, the largest first.
-fn sizes_of(options: &Options) -> Result<Vec<f64>, Failure> {
+/// The step sizes, the largest first, then those that are chosen.
+fn sizes_of(options: &Options) -> Result<Vec<StepSize>, Failure> {
     let argument = options.argument("dt");
     let value = argument.value();
-    let numbers = match as_number(&value) {
-        Some(number) => Some(vec![number]),
-        None => value.read_lock::<Array>().and_then(|array| array.iter().map(as_number).collect::<Option<Vec<f64>>>()),
+    let one = |entry: &Dynamic| match entry.clone().try_cast::<StepControlHandle>() {
+        Some(handle) => Some(StepSize::Chosen(handle)),
+        None => as_number(entry).filter(|dt| *dt > 0.0 && dt.is_finite()).map(StepSize::Fixed),
     };
-    let Some(mut sizes) = numbers.filter(|sizes| !sizes.is_empty() && sizes.iter().all(|dt| *dt > 0.0 && dt.is_finite())) else {
-        let failure = argument.fail("`dt` of `compare_integrators` must be a positive number or an array of them");
+    let sizes = match value.read_lock::<Array>() {
+        Some(array) => array.iter().map(one).collect::<Option<Vec<StepSize>>>(),
+        None => one(&value).map(|size| vec![size]),
+    };
+    let Some(mut sizes) = sizes.filter(|sizes| !sizes.is_empty()) else {
+        let failure = argument.fail("`dt` of `compare_integrators` must be a positive number, `auto()`, or an array of them");
         let given = describe(argument.call().engine(), &value);
         return Err(failure.label(format!("this is {given}")).hint("write `0.01` or `[0.02, 0.01, 0.005]`"));
     };
-    sizes.sort_by(|a, b| b.total_cmp(a));
-    sizes.dedup();
+    let key = |size: &StepSize| if let StepSize::Fixed(dt) = size { -dt } else { f64::INFINITY };
+    sizes.sort_by(|a, b| key(a).total_cmp(&key(b)));
+    sizes.dedup_by(|a, b| key(a) == key(b) && key(a).is_finite());
     Ok(sizes)
 }
 
 impl Task<'_> {
     /// One run; that it fails is a result, that the model cannot be made is none.
-    fn run(&self, integrator: Scheme, dt: f64) -> Result<Course, Box<EvalAltResult>> {
+    fn run(&self, integrator: Scheme, size: &StepSize) -> Result<Course, Box<EvalAltResult>> {
         let call = self.call;
         let value = {
             let _aside = begin_study(call.host, None);
@@ -176,20 +182,25 @@ impl Task<'_> {
             let failure = call.fail(format!("`model` of `compare_integrators` gives {}", describe(call.engine(), &value)));
             return Err(failure.hint(format!("let its last expression, without a semicolon, be a {}", ModelHandle::NAME)).into());
         };
-        let mut kernel = KernelOptions::new(&integrator, dt);
+        let mut kernel = KernelOptions::new(&integrator, 0.0);
+        size.put_into(&mut kernel, 0.0);
         kernel.max_halvings = self.max_halvings;
         kernel.threads = call.host.settings.threads;
         kernel.interrupt = Some(call.host.settings.interrupt.clone());
         let model = model.0.borrow().clone();
         let mut simulation = kernels(call, &model.model, None, kernel)?;
         let (begun, mut rows) = (Instant::now(), vec![simulation.row().clone()]);
-        call.host.observer.began(&format!("{} with dt = {}", title(&integrator), number_text(dt)));
+        call.host.observer.began(&format!("{} with dt = {size}", title(&integrator)));
         let outcome = self.steps(&mut simulation, &mut rows);
         call.host.observer.ended();
         let failure = match outcome {
             Ok(()) => String::new(),
             Err(StepError::Interrupted { .. }) => return Err(interrupted("interrupted in `compare_integrators`").into()),
             Err(error) => error.to_string(),
+        };
+        let dt = match size {
+            StepSize::Fixed(dt) => *dt,
+            StepSize::Chosen(_) => simulation.time() / (rows.len() - 1).max(1) as f64,
         };
         let (positions, factorizations) = (simulation.state().positions, simulation.statistics().factorizations);
         Ok(Course { integrator, dt, rows, positions, factorizations, spent: begun.elapsed(), failure, error: None, order: None })
@@ -297,7 +308,13 @@ impl Course {
 }
 
 /// Writes the table, the plots and the page.
-fn write(files: &RunFiles, name: &str, courses: &[Course], labels: &[String], sizes: &[f64]) -> Result<(), crate::output::OutputError> {
+fn write(
+    files: &RunFiles,
+    name: &str,
+    courses: &[Course],
+    labels: &[String],
+    sizes: &[StepSize],
+) -> Result<(), crate::output::OutputError> {
     let mut header = vec!["integrator"];
     let widest = courses.iter().map(Course::columns).max_by_key(Vec::len).unwrap_or_default();
     header.extend(widest.iter().map(|(name, _)| *name));
@@ -325,7 +342,7 @@ fn told_apart(curves: impl Iterator<Item = Curve>) -> Vec<Curve> {
 }
 
 /// Plots over time of the runs with the largest step, and work against precision where there are several.
-fn plots(courses: &[Course], labels: &[String], sizes: &[f64]) -> Vec<(&'static str, Drawing)> {
+fn plots(courses: &[Course], labels: &[String], sizes: &[StepSize]) -> Vec<(&'static str, Drawing)> {
     let first: Vec<&Course> = courses.iter().step_by(sizes.len()).collect();
     let over_time = |title: &str, is_logarithmic: bool, of: &dyn Fn(&Course) -> Vec<f64>| {
         let curve = |(course, label): (&&Course, &String)| Curve {
@@ -336,7 +353,7 @@ fn plots(courses: &[Course], labels: &[String], sizes: &[f64]) -> Vec<(&'static 
         };
         let axis = |label: &str, is_logarithmic| PlotAxis { label: label.into(), is_logarithmic, ..PlotAxis::default() };
         let curves = told_apart(first.iter().zip(labels).map(curve));
-        let title = format!("{title}, dt = {}", brief(sizes[0]));
+        let title = format!("{title}, dt = {}", sizes[0]);
         Plot { title, x: axis("time", false), y: axis("", is_logarithmic), curves, size: [760.0, 420.0] }.draw()
     };
     let each = |of: fn(&LedgerRow) -> f64| move |course: &Course| course.rows.iter().map(of).collect::<Vec<f64>>();

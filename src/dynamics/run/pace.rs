@@ -1,0 +1,220 @@
+//! Steps that choose their size: how wrong a step is, how wrong it may be, and how long the next one is.
+//!
+//! *How wrong.* A scheme lets the error of a motion `q` grow by `first dt |q''| + second dt^2 |q'''|` in time, with the numbers of its row
+//! ([`LeadingError`]). The derivatives are divided differences of the positions of the last four states: of what vibrates faster than the
+//! steps they see the amplitude, not the accelerations.
+//!
+//! *How wrong it may be.* The error grows by no more than the tolerance times the way that the motion goes: `tolerance` times the largest
+//! mean speed of a body so far. Both are root mean squares over the mass of a body, of the body where it is largest. Where velocities jump,
+//! as in impacts, no step is short enough for a rate: such a step may be as wrong as one of the size that steps usually have. The first touch
+//! of a contact is a matter of time: by how far it is missed, or, where a rule closes the gap within the step, by half of the step's way.
+//!
+//! *How long.* A proportional-integral controller (Gustafsson, ACM TOMS 17, 1991; in the form of Soederlind, ACM TOMS 29, 2003),
+//! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of both and the order `p`.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::integrators::{LeadingError, Scheme};
+use crate::math::tolerances;
+
+/// Part of the tolerance that is aimed at: errors of velocities turn into errors of positions, and double them.
+const AIM: f64 = 0.5;
+/// How much longer or shorter a step may be than the one before: `bdf2` grows unstable beyond 2.4.
+const LONGER: f64 = 2.0;
+const SHORTER: f64 = 0.2;
+/// Weight of a shorter step in the size that steps usually have, for a step of that size.
+const FORGETTING: f64 = 0.3;
+/// Growth of the largest speed in a step, over the root of the tolerance, from which on a motion has only begun: it is slow so far, and
+/// accuracy relative to the way that it has gone is not what counts.
+const BEGUN: f64 = 5.0;
+
+/// How accurate steps are, and how long they may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepControl {
+    /// Growth of the error of the positions over the way that they go.
+    pub tolerance: f64,
+    /// Smallest size, by default a millionth of the first one; what is too wrong then is accepted `[time]`.
+    pub smallest: Option<f64>,
+    /// Largest size `[time]`.
+    pub largest: Option<f64>,
+}
+
+impl StepControl {
+    /// Smallest size after a first one `[time]`.
+    fn smallest(&self, first: f64) -> f64 {
+        self.smallest.unwrap_or(tolerances::SMALLEST_STEP * first)
+    }
+}
+
+/// What the choice of the next step size depends on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Pace {
+    /// Size of the next step, 0 where none has been chosen `[time]`.
+    dt: f64,
+    /// What steps have had on the whole: impacts do not count much `[time]`.
+    usual: f64,
+    /// Error over what it may be of the step before, 0 where it is not known.
+    ratio: f64,
+    /// Largest mean speed of a body so far `[length/time]`.
+    speed: f64,
+    /// How long each contact has been open, in the order of the model; none before the first step `[time]`.
+    open: Vec<f64>,
+    /// The last two steps, the later one first.
+    steps: Vec<PastStep>,
+}
+
+/// A step that was.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct PastStep {
+    /// Its size `[time]`.
+    dt: f64,
+    /// Mean velocities in it `[length/time]`.
+    velocity: Arc<Vec<f64>>,
+}
+
+/// A step that has converged.
+pub struct Stepped<'a> {
+    /// Its scheme.
+    pub scheme: &'a Scheme,
+    /// Its size `[time]`.
+    pub dt: f64,
+    /// Displacements at its start and its end `[length]`.
+    pub u: [&'a [f64]; 2],
+    /// Velocities at its start `[length/time]`.
+    pub v_0: &'a [f64],
+    /// Whether it is shorter than was chosen, because something comes first.
+    pub is_cut: bool,
+    /// The first touch of a contact that it has missed.
+    pub touch: Option<Touch>,
+}
+
+/// A first touch that does not fall on the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Touch {
+    /// Sides are that deep inside each other now `[length]`.
+    Passed(f64),
+    /// Sides were kept from that within the step.
+    Kept,
+}
+
+/// Root mean squares over the mass of bodies, the largest of all.
+pub trait Measure {
+    /// Of a vector with a component for each unknown, all or those that are free.
+    fn size(&self, vector: &[f64], free: bool) -> f64;
+}
+
+impl Pace {
+    /// Size of the next step, `first` where nothing is known `[time]`.
+    pub fn size(&self, control: &StepControl, first: f64) -> f64 {
+        let size = if self.dt > 0.0 { self.dt } else { first };
+        size.max(control.smallest(first)).min(control.largest.unwrap_or(f64::INFINITY))
+    }
+
+    /// Whether a contact has been open for some time, or has never been closed.
+    pub fn is_open(&self, contact: usize, time: f64) -> bool {
+        self.open.get(contact).is_none_or(|open| *open >= time)
+    }
+
+    /// The same with what contacts do at the end of a step: whether each is closed.
+    pub fn with_contacts(self, dt: f64, closed: impl Iterator<Item = bool>) -> Pace {
+        let so_far = |contact: usize| self.open.get(contact).copied().unwrap_or(f64::MAX);
+        let open = closed.enumerate().map(|(contact, is_closed)| if is_closed { 0.0 } else { so_far(contact) + dt }).collect();
+        Pace { open, ..self }
+    }
+
+    /// Forgets how the motion went, where it goes on in another way.
+    pub fn restart(&mut self) {
+        self.steps.clear();
+        self.ratio = 0.0;
+    }
+
+    /// The same where Newton's method has failed: the next step is no longer than this one.
+    pub fn held(&self, dt: f64) -> Pace {
+        Pace { dt: self.dt.min(dt), ..self.clone() }
+    }
+
+    /// What the next step depends on after one that is accurate enough.
+    ///
+    /// # Errors
+    /// It is not: the size to try instead.
+    pub fn after(&self, step: &Stepped, control: &StepControl, first: f64, measure: &impl Measure) -> Result<Pace, f64> {
+        let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, touch, .. } = step;
+        let velocity: Vec<f64> = u_1.iter().zip(u_0).map(|(u_1, u_0)| (u_1 - u_0) / dt).collect();
+        let speed = self.speed.max(measure.size(&velocity, false));
+        let (order, smallest) = (scheme.promises.order as f64, control.smallest(first));
+        // What the error may grow by in the step `[length]`.
+        let allowed = control.tolerance * speed * self.usual.max(dt) + tolerances::STILL * measure.size(u_1, false) + f64::MIN_POSITIVE;
+        let growth = self.growth(step, &velocity).map(|growth| measure.size(&growth, true));
+        let ratio = growth.map_or(0.0, |growth| growth * dt / allowed);
+        let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());
+        if ratio > 1.0 && dt > smallest && has_begun {
+            return Err((dt * (AIM / ratio).powf(1.0 / order).max(SHORTER)).max(smallest));
+        }
+        let missed = match touch {
+            Some(Touch::Passed(depth)) => depth,
+            Some(Touch::Kept) => 0.5 * dt * speed,
+            None => 0.0,
+        };
+        if missed > allowed && dt > smallest {
+            return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, 0.9 * dt).max(smallest));
+        }
+        let mut next = Pace { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
+        next.steps.extend(self.steps.first().cloned());
+        if growth.is_none() {
+            // The first one, of which nothing is known.
+            (next.dt, next.usual) = (self.dt.max(dt), self.usual.max(dt));
+        } else if !is_cut || ratio > AIM {
+            let relative = (ratio / AIM).clamp(tolerances::EXACT, 1.0 / AIM);
+            let before = if self.ratio > 0.0 { (self.ratio / AIM).max(tolerances::EXACT) } else { relative };
+            let factor = (relative.powf(-2.0 / 3.0) * before.powf(1.0 / 3.0)).powf(1.0 / order);
+            next.dt = dt * factor.clamp(SHORTER, LONGER);
+            next.usual = if dt >= self.usual { dt } else { self.usual * (dt / self.usual).powf(FORGETTING * dt / self.usual) };
+            next.ratio = ratio.min(1.0);
+        }
+        Ok(next)
+    }
+
+    /// Growth of the error in the step, component by component; nothing where not enough states are known.
+    fn growth(&self, step: &Stepped, velocity: &[f64]) -> Option<Vec<f64>> {
+        let &Stepped { scheme: Scheme { error, .. }, dt, v_0, .. } = step;
+        // Mean velocities of stretches of time up to now, the last one first; that of no length is the velocity itself.
+        let stretches: [(f64, &[f64]); 3] = match &self.steps[..] {
+            [] => return None,
+            [before] => [(dt, velocity), (0.0, v_0), (before.dt, &before.velocity)],
+            [before, first, ..] => [(dt, velocity), (before.dt, &before.velocity), (first.dt, &first.velocity)],
+        };
+        Some(differences(error, dt, stretches))
+    }
+}
+
+/// Growth of the error by second and third differences of the positions.
+fn differences(error: &LeadingError, dt: f64, [last, middle, first]: [(f64, &[f64]); 3]) -> Vec<f64> {
+    let slope = |(h_1, v_1): (f64, f64), (h_0, v_0): (f64, f64)| 2.0 * (v_1 - v_0) / (h_1 + h_0);
+    let all = last.0 + middle.0 + first.0;
+    let growth = |k: usize| {
+        let at = |(h, v): (f64, &[f64])| (h, v[k]);
+        let [later, earlier] = [slope(at(last), at(middle)), slope(at(middle), at(first))];
+        error.first * dt * later.abs() + error.second * dt * dt * (3.0 * (later - earlier) / all).abs()
+    };
+    (0..last.1.len()).map(growth).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a cubic motion the third derivative, whatever the steps, and at the start where a velocity stands for a step.
+    #[test]
+    fn differences_are_derivatives_of_a_cubic() {
+        let error = LeadingError { first: 0.0, second: 1.0 };
+        let position = |t: f64| 0.5 * t.powi(3) - t * t + 2.0 * t;
+        let mean = |from: f64, h: f64| [(position(from + h) - position(from)) / h];
+        for h in [0.3, 0.0] {
+            let middle = if h > 0.0 { mean(0.1, h) } else { [1.5 * 0.1 * 0.1 - 2.0 * 0.1 + 2.0] };
+            let found = differences(&error, 0.5, [(0.5, &mean(0.1 + h, 0.5)), (h, &middle), (0.1, &mean(0.0, 0.1))]);
+            assert!((found[0] - 0.25 * 3.0).abs() < 1e-12, "{found:?}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! `auto`: steps that choose their size.
+
+use rhai::Dynamic;
+
+use crate::dynamics::{Options, StepControl};
+use crate::math::catalogue::Interval;
+use crate::script::api::examples::FLIGHT;
+use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::digits::{brief, number_text};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// What `dt` may be.
+pub const STEP_SIZE: Kind = Kind::Either("a number greater than 0, or `auto()` for steps that choose their size");
+
+/// How steps choose their size, in a script, with the size of the first one if that is given.
+#[derive(Clone)]
+pub struct StepControlHandle {
+    control: StepControl,
+    first: Option<f64>,
+}
+
+impl Handle for StepControlHandle {
+    const NAME: &'static str = "StepControl";
+    const MAKER: &'static str = "make one with `auto(#{ tolerance: 1e-4 })`";
+
+    fn describe(&self) -> String {
+        let StepControl { tolerance, smallest, largest } = self.control;
+        let bounds = [("first", self.first), ("smallest", smallest), ("largest", largest)];
+        let given = bounds.iter().filter_map(|(name, bound)| bound.map(|bound| format!(", {name}: {}", number_text(bound))));
+        format!("auto(#{{ tolerance: {}{} }})", number_text(tolerance), given.collect::<String>())
+    }
+}
+
+/// A step size as a script gives it.
+#[derive(Clone)]
+pub enum StepSize {
+    /// The same for all steps.
+    Fixed(f64),
+    /// Chosen step by step.
+    Chosen(StepControlHandle),
+}
+
+impl StepSize {
+    /// What an argument of the kind [`STEP_SIZE`] means.
+    ///
+    /// # Errors
+    /// Something else, or a number out of range.
+    pub fn of(argument: &Argument) -> Result<StepSize, Failure> {
+        match argument.value().try_cast::<StepControlHandle>() {
+            Some(handle) => Ok(StepSize::Chosen(handle)),
+            None => argument.number().map(StepSize::Fixed),
+        }
+    }
+
+    /// The same on another clock, whose unit is so many times smaller.
+    pub fn on_clock(self, unit: f64) -> StepSize {
+        match self {
+            StepSize::Fixed(dt) => StepSize::Fixed(unit * dt),
+            StepSize::Chosen(StepControlHandle { control, first }) => {
+                let scaled = |bound: Option<f64>| bound.map(|bound| unit * bound);
+                let control = StepControl { smallest: scaled(control.smallest), largest: scaled(control.largest), ..control };
+                StepSize::Chosen(StepControlHandle { control, first: scaled(first) })
+            }
+        }
+    }
+
+    /// Puts it into the options of a simulation; of steps that choose their size, `first` is that of the first one where none is given.
+    pub fn put_into(&self, options: &mut Options, first: f64) {
+        (options.dt, options.control) = match self {
+            StepSize::Fixed(dt) => (*dt, None),
+            StepSize::Chosen(StepControlHandle { control, first: given }) => (given.unwrap_or(first), Some(*control)),
+        };
+    }
+}
+
+impl std::fmt::Display for StepSize {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            StepSize::Fixed(dt) => write!(out, "{}", brief(*dt)),
+            StepSize::Chosen(handle) => write!(out, "{}", handle.describe()),
+        }
+    }
+}
+
+/// The step size of a simulation, as its descriptions show it.
+pub fn step_size(options: &Options) -> String {
+    let chosen = |control: StepControl| StepControlHandle { control, first: None }.describe();
+    options.control.map_or_else(|| number_text(options.dt), chosen)
+}
+
+/// `auto`.
+pub fn auto() -> Function {
+    Function {
+        name: "auto",
+        form: Form::Function,
+        topic: Topic::Simulation,
+        summary: "steps that choose their size, for `dt` of `simulate`: the error of the positions grows by no more than `tolerance` times \
+                  the way that the bodies go, as far as it can be estimated (`docs/integrators.md`); steps end where a time function has a \
+                  kink, where frames of the fields are written and where `run_to` stops",
+        parameters: vec![
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number(
+                        "tolerance",
+                        "1",
+                        Interval::Open(0.0, 1.0),
+                        "growth of the error over the way that the fastest body goes, both as root mean squares over the mass of a body",
+                    )
+                    .or(Absent::Number(1e-3)),
+                    Parameter::number("first", "time", Interval::Positive, "the size of the first step")
+                        .or(Absent::Means("the root of `tolerance` times the time that sound takes across the smallest cells")),
+                    Parameter::number("smallest", "time", Interval::Positive, "the smallest size; what is too wrong then is accepted")
+                        .or(Absent::Means("a millionth of the first step")),
+                    Parameter::number("largest", "time", Interval::Positive, "the largest size, such as a part of a pulse that must be seen")
+                        .or(Absent::Means("no bound")),
+                ]),
+                "how accurate steps are, and how long they may be",
+            )
+            .or(Absent::Means("the defaults")),
+        ],
+        returns: StepControlHandle::NAME,
+        example: format!(
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: auto(#{{ tolerance: 1e-4 }}) }});\nsim.run_to(0.1);\n\
+             print(sim.history.dt);"
+        )
+        .into(),
+        see_also: &["simulate", "run_to"],
+        body: body(|call| Ok(Dynamic::from(make(call)?))),
+    }
+}
+
+fn make(call: &Call) -> Result<StepControlHandle, Failure> {
+    let options = call.options("options")?;
+    let control = StepControl {
+        tolerance: options.number("tolerance")?,
+        smallest: options.optional_number("smallest")?,
+        largest: options.optional_number("largest")?,
+    };
+    let first = options.optional_number("first")?;
+    let bounds = [("smallest", control.smallest), ("first", first), ("largest", control.largest)];
+    let given: Vec<(&str, f64)> = bounds.iter().filter_map(|(name, bound)| bound.map(|bound| (*name, bound))).collect();
+    for pair in given.windows(2) {
+        let [(less, a), (more, b)] = [pair[0], pair[1]];
+        if a > b {
+            let failure = options.argument(less).fail(format!("`{less}` of `auto` must not be greater than `{more}`"));
+            return Err(failure.label(format!("this is {}, and `{more}` is {}", number_text(a), number_text(b))));
+        }
+    }
+    Ok(StepControlHandle { control, first })
+}
