@@ -103,7 +103,7 @@ where
             clock: old.clock,
             search,
             level: 0,
-            pace: self.state.pace.clone(),
+            pace: old.pace.clone(),
             preferred: old.preferred,
             carried: old.carried,
             loads_ended: if pushes { start.time + dt } else { old.loads_ended },
