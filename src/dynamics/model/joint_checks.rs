@@ -4,6 +4,7 @@ use super::definitions::{BodyDefinition, Model};
 use super::error::ModelError;
 use super::joints::{Anchor, Coordinate, JointDefinition, JointKind};
 use crate::bodies::{Frame, Plane};
+use crate::integrators::Scheme;
 use crate::math::norms::largest_extent;
 use crate::math::tolerances;
 
@@ -108,7 +109,7 @@ impl Model {
 
     /// What is wrong with a drive or with limits.
     fn check_coordinate(&self, joint: &JointDefinition) -> Result<(), ModelError> {
-        let unsound = |reason: String| Err(ModelError::UnsoundJoint { joint: joint.name.clone(), reason });
+        let unsound = |reason: String| Err(ModelError::UnsoundDrive { joint: joint.name.clone(), reason });
         let what = match (&joint.drive, &joint.limits) {
             (None, None) => return Ok(()),
             (Some(_), Some(_)) => return unsound("it has a drive and limits, and a drive leaves nothing to limit".into()),
@@ -149,6 +150,16 @@ impl Model {
                 unsound(format!("its limits are {} rad apart, and stops of one turn leave 6 at most", largest - least))
             }
             Coordinate::Distance if least < 0.0 => unsound(format!("the least distance {least} is below zero")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether stops and cables go with a time integrator: pressures that act on after their step drive apart what has parted.
+    pub fn check_stops(&self, scheme: &Scheme) -> Result<(), ModelError> {
+        match self.joints.iter().find(|joint| joint.holds_one_way()) {
+            Some(joint) if !scheme.remembers.is_empty() => {
+                Err(ModelError::OneSidedJoint { joint: joint.name.clone(), integrator: scheme.name })
+            }
             _ => Ok(()),
         }
     }

@@ -66,6 +66,7 @@ where
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let unsound = |reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason };
         options.integrator.check().map_err(unsound)?;
+        model.check_stops(&options.integrator)?;
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
