@@ -5,6 +5,7 @@ use super::error::ModelError;
 use super::joints::{Anchor, Coordinate, JointDefinition, JointKind};
 use crate::bodies::{Frame, Plane};
 use crate::integrators::Scheme;
+use crate::math::digits::three_digits;
 use crate::math::norms::largest_extent;
 use crate::math::tolerances;
 
@@ -143,11 +144,15 @@ impl Model {
             return unsound(format!("its limits {least} and {largest} are no range"));
         }
         if !(least..=largest).contains(&rest) {
-            return unsound(format!("the {name} is {rest} in the bodies at rest, outside of its limits {least} and {largest}"));
+            return unsound(format!(
+                "the {name} is {rest} in the bodies at rest, outside of its limits {} and {}",
+                three_digits(least),
+                three_digits(largest)
+            ));
         }
         match coordinate {
             Coordinate::Angle if largest - least > tolerances::WIDEST_ANGLE => {
-                unsound(format!("its limits are {} rad apart, and stops of one turn leave 6 at most", largest - least))
+                unsound(format!("its limits are {} rad apart, and stops leave 6 at most", three_digits(largest - least)))
             }
             Coordinate::Distance if least < 0.0 => unsound(format!("the least distance {least} is below zero")),
             _ => Ok(()),
