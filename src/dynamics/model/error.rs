@@ -45,6 +45,22 @@ pub enum ModelError {
         /// What is wrong.
         reason: String,
     },
+    /// A drive or limits that do not go with a joint.
+    #[error("joint \"{joint}\" cannot be made: {reason}")]
+    UnsoundDrive {
+        /// Name of the joint.
+        joint: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A joint that holds one way, with a time integrator that remembers forces.
+    #[error("joint \"{joint}\" holds one way, and with the integrator \"{integrator}\" forces act on after their step")]
+    OneSidedJoint {
+        /// Name of the joint.
+        joint: String,
+        /// Name of the integrator.
+        integrator: &'static str,
+    },
     /// A joint whose points are not in the same place.
     #[error("joint \"{joint}\" at {place:?} is open: what it joins is {distance:.3e} apart")]
     JointApart {
@@ -282,6 +298,16 @@ impl ModelError {
             }
             ModelError::UnsoundJoint { .. } => {
                 "join a body to another one or to the ground, and give a direction where one is needed".into()
+            }
+            ModelError::UnsoundDrive { .. } => {
+                "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain that; hinges \
+                 have an angle, sliders and slots a travel, links and cables a distance"
+                    .into()
+            }
+            ModelError::OneSidedJoint { .. } => {
+                "stops and cables take an integrator without a memory of forces, such as the energy-momentum method, the midpoint rule or \
+                 backward Euler: with others they would make energy out of nothing"
+                    .into()
             }
             ModelError::JointApart { .. } => "give points that are in the same place in the bodies at rest".into(),
             ModelError::SpringOfNoLength { .. } => {

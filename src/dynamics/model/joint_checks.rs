@@ -4,6 +4,8 @@ use super::definitions::{BodyDefinition, Model};
 use super::error::ModelError;
 use super::joints::{Anchor, Coordinate, JointDefinition, JointKind};
 use crate::bodies::{Frame, Plane};
+use crate::integrators::Scheme;
+use crate::math::digits::three_digits;
 use crate::math::norms::largest_extent;
 use crate::math::tolerances;
 
@@ -108,7 +110,7 @@ impl Model {
 
     /// What is wrong with a drive or with limits.
     fn check_coordinate(&self, joint: &JointDefinition) -> Result<(), ModelError> {
-        let unsound = |reason: String| Err(ModelError::UnsoundJoint { joint: joint.name.clone(), reason });
+        let unsound = |reason: String| Err(ModelError::UnsoundDrive { joint: joint.name.clone(), reason });
         let what = match (&joint.drive, &joint.limits) {
             (None, None) => return Ok(()),
             (Some(_), Some(_)) => return unsound("it has a drive and limits, and a drive leaves nothing to limit".into()),
@@ -142,13 +144,27 @@ impl Model {
             return unsound(format!("its limits {least} and {largest} are no range"));
         }
         if !(least..=largest).contains(&rest) {
-            return unsound(format!("the {name} is {rest} in the bodies at rest, outside of its limits {least} and {largest}"));
+            return unsound(format!(
+                "the {name} is {rest} in the bodies at rest, outside of its limits {} and {}",
+                three_digits(least),
+                three_digits(largest)
+            ));
         }
         match coordinate {
             Coordinate::Angle if largest - least > tolerances::WIDEST_ANGLE => {
-                unsound(format!("its limits are {} rad apart, and stops of one turn leave 6 at most", largest - least))
+                unsound(format!("its limits are {} rad apart, and stops leave 6 at most", three_digits(largest - least)))
             }
             Coordinate::Distance if least < 0.0 => unsound(format!("the least distance {least} is below zero")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether stops and cables go with a time integrator: pressures that act on after their step drive apart what has parted.
+    pub fn check_stops(&self, scheme: &Scheme) -> Result<(), ModelError> {
+        match self.joints.iter().find(|joint| joint.holds_one_way()) {
+            Some(joint) if !scheme.remembers.is_empty() => {
+                Err(ModelError::OneSidedJoint { joint: joint.name.clone(), integrator: scheme.name })
+            }
             _ => Ok(()),
         }
     }

@@ -153,6 +153,11 @@ impl JointDefinition {
         }
     }
 
+    /// Whether it has rows that press and do not pull.
+    pub fn holds_one_way(&self) -> bool {
+        self.limits.is_some() || matches!(self.kind, JointKind::Cable(_))
+    }
+
     /// Whether the ground is one end.
     pub fn is_grounded(&self) -> bool {
         self.ends.iter().any(|end| end.body.is_none())

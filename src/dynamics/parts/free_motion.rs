@@ -9,8 +9,8 @@
 //! ```
 //!
 //! A travel is `r.t` with the vector `r` between the points and a direction `t` of the first end, a distance `|r|`, prescribed or limited
-//! as `(|r|^2 - s^2) / (2 l)`. All are quadratic in points and directions, so their gradients in the middle of a step are discrete gradients,
-//! and none changes with rigid motions of both ends: the energy is exact, and so are the momenta between two bodies.
+//! as `(|r|^2 - s^2) / (2 l)`. All are quadratic in points and directions, so their gradients in the middle of a step are discrete
+//! gradients, and none changes with rigid motions of both ends: the energy is exact, and so are the momenta between two bodies.
 
 use super::body::Body;
 use super::joint_ends::{End, across};

@@ -2,8 +2,9 @@
 //! on the other back.
 //!
 //! Of a body turn the edges `d_k` from its first master to the others. The forces `f_k = w x d_k` on them, and `-sum f_k` on the first,
-//! have no resultant and the moment `J w` with `J = sum |d_k|^2 I - d_k d_k^T`; the one with `J w = M n` has the torque exactly, wherever the
-//! step asks for it, so that the momenta between two bodies are kept. The axis `n` turns with the second body. The work is that of a load.
+//! have no resultant and the moment `J w` with `J = sum |d_k|^2 I - d_k d_k^T`; the one with `J w = M n` has the torque exactly, wherever
+//! the step asks for it, so that the momenta between two bodies are kept. The axis `n` turns with the second body. The work is that of a
+//! load.
 
 use std::sync::Arc;
 

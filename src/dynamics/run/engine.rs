@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::halvings::Halvings;
-use super::judging::time_of_sound;
+use super::judging::first_step;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
 use super::pace::Pace;
@@ -71,13 +71,8 @@ where
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
         let unsound = |reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason };
         options.integrator.check().map_err(unsound)?;
-        let sound = time_of_sound(model);
-        let first = match options.control {
-            // Short against what vibrates fastest, by as much as the tolerance asks for.
-            Some(control) if options.dt == 0.0 => sound.map(|time| control.tolerance.sqrt() * time),
-            _ => Some(options.dt),
-        };
-        let options = Options { dt: first.ok_or(ModelError::NoFirstStep)?, ..options };
+        model.check_stops(&options.integrator)?;
+        let options = Options { dt: first_step(model, &options)?, ..options };
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;

@@ -1,12 +1,14 @@
 //! Whether a step that has converged is accurate enough, where steps choose their size.
 
 use super::engine::Engine;
+use super::options::Options;
 use super::ledger::ContactTotals;
 use super::pace::{Measure, Stepped, Touch};
 use super::state::State;
 use super::substeps::Substeps;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::{BodyDefinition, Model};
+use crate::dynamics::model::error::ModelError;
 use crate::dynamics::step::counters::Counters;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::system::System;
@@ -78,8 +80,21 @@ fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl 
     passed.or(is_kept.then_some(Touch::Kept))
 }
 
+/// Size of the first step: the nominal one, or short against what vibrates fastest, by as much as the tolerance asks for `[time]`.
+///
+/// # Errors
+/// Nothing vibrates.
+pub fn first_step(model: &Model, options: &Options) -> Result<f64, ModelError> {
+    match options.control {
+        Some(control) if options.dt == 0.0 => {
+            time_of_sound(model).map(|time| control.tolerance.sqrt() * time).ok_or(ModelError::NoFirstStep)
+        }
+        _ => Ok(options.dt),
+    }
+}
+
 /// The time that sound takes across a cell, where it is shortest `[time]`; `None` where all bodies are rigid.
-pub fn time_of_sound(model: &Model) -> Option<f64> {
+fn time_of_sound(model: &Model) -> Option<f64> {
     let of_body = |body: &BodyDefinition| {
         let points = &body.mesh.points;
         let extent = |i: usize| {
