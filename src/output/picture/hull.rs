@@ -45,7 +45,7 @@ fn sides(skins: &[Skin], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
         let facets = skin.facets.iter().map(|nodes| (nodes, false));
         for (nodes, is_cut) in facets.chain(skin.faces.iter().map(|nodes| (nodes, true))) {
             let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| skin.points[node as usize]).collect();
-            let normal = normal(&corners);
+            let normal = if is_cut { skin.normal } else { normal(&corners) };
             let depth = corners.iter().map(|&corner| dot(corner, toward) / corners.len() as f64).sum();
             let side = Side { body: index, nodes: nodes.clone(), normal, depth, is_cut };
             for [a, b] in side.edges() {

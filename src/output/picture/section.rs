@@ -9,7 +9,7 @@ pub struct CutPlane {
     /// A point of the plane; the middle of what is shown where there is none `[length]`.
     point: Option<[f64; 3]>,
     /// Unit normal toward the viewer.
-    normal: [f64; 3],
+    pub(super) normal: [f64; 3],
 }
 
 impl CutPlane {

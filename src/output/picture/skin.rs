@@ -1,8 +1,8 @@
 //! What can be seen of a body in space: the facets of its hull, or what a section leaves of them with the cells that it cuts.
 //!
 //! A facet is a polygon of nodes, so is each face of a cell. What lies beyond the plane is cut off from the polygons (Sutherland and
-//! Hodgman 1974, with one plane); the new edges of the faces of a cell, chained, are the outline of the cut through it. New points belong to
-//! edges of cells, so that neighbors share them, and values are linear along these.
+//! Hodgman 1974, with one plane); the new edges of the faces of a cell, chained, are the outline of the cut through it. New points belong
+//! to edges of cells, so that neighbors share them, and values are linear along these.
 
 use std::collections::HashMap;
 
@@ -26,6 +26,8 @@ pub(super) struct Skin {
     pub facets: Vec<Vec<u32>>,
     /// The cut through cells, each counter-clockwise as seen from where material was taken away.
     pub faces: Vec<Vec<u32>>,
+    /// Their normal.
+    pub normal: [f64; 3],
 }
 
 impl Skin {
@@ -33,12 +35,13 @@ impl Skin {
     pub fn new(body: &BodyFields, position: impl Fn(usize) -> [f64; 3], section: Option<&CutPlane>) -> Self {
         let points: Vec<[f64; 3]> = (0..body.mesh.points.len()).map(position).collect();
         let hull: Vec<Vec<u32>> = body.mesh.hull().into_iter().map(|facet| body.mesh.around(facet)).collect();
-        let mut skin = Skin { nodes: points.len(), points, cuts: Vec::new(), facets: Vec::new(), faces: Vec::new() };
+        let mut skin = Skin { nodes: points.len(), points, cuts: Vec::new(), facets: Vec::new(), faces: Vec::new(), normal: [0.0; 3] };
         let Some(section) = section else {
             skin.facets = hull;
             return skin;
         };
         let mut knife = Knife::new(section, &skin.points);
+        skin.normal = section.normal;
         skin.facets = hull.iter().map(|facet| knife.cut(facet).0).filter(|facet| facet.len() > 2).collect();
         let faces = body.mesh.kind.facets().len() as u8;
         for (cell, nodes) in body.mesh.cells().enumerate() {
@@ -83,8 +86,11 @@ impl Knife {
         self.heights[point as usize] <= 0.0
     }
 
-    /// The point of the cut on an edge.
+    /// The point of the cut on an edge: its end where that lies in the plane.
     fn point_on(&mut self, a: u32, b: u32) -> u32 {
+        if let Some(end) = [a, b].into_iter().find(|&end| self.heights[end as usize] == 0.0) {
+            return end;
+        }
         let edge = [a.min(b), a.max(b)];
         let next = (self.heights.len() + self.cuts.len()) as u32;
         *self.at.entry(edge).or_insert_with(|| {
@@ -107,9 +113,13 @@ impl Knife {
                 ends.push((self.keeps(a), point));
             }
         }
+        left.dedup();
+        if left.len() > 1 && left.first() == left.last() {
+            left.pop();
+        }
         // From where the polygon leaves to where it comes back.
         let pairs = ends.iter().zip(ends.iter().cycle().skip(1)).filter(|((leaves, _), _)| *leaves);
-        let edges = pairs.map(|(&(_, from), &(_, to))| [from, to]).collect();
+        let edges = pairs.map(|(&(_, from), &(_, to))| [from, to]).filter(|[from, to]| from != to).collect();
         (left, edges)
     }
 
