@@ -6,10 +6,9 @@
 use std::sync::Arc;
 
 use super::halvings::Halvings;
-use super::judging::time_of_sound;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
-use super::pace::Pace;
+use super::pace::{Pace, time_of_sound};
 use super::report::{FailureReport, TryReport};
 use super::slip_memory::SlipMemory;
 use super::state::{Clock, State};
