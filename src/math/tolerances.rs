@@ -8,6 +8,9 @@ pub const NEWTON_ENERGY: f64 = 1e-13;
 /// below that.
 pub const EXACT: f64 = 1e-6;
 
+/// Growth of the error over the way of the bodies, of steps that choose their size, where no other is asked for: what a picture shows.
+pub const STEP_ERROR: f64 = 1e-3;
+
 /// Growth of the error in a step, relative to the displacements, that is no error but round-off and what Newton's tolerance leaves.
 pub const STILL: f64 = 1e-12;
 

@@ -95,7 +95,7 @@ pub const KEYS: &[(&str, &str)] = &[
     (
         "halvings_by_cause",
         "an object: all halvings by cause; `sliding`, `approach` and `passing` were foreseen, `came_through` was seen after convergence, \
-         the others followed a failure of Newton's method",
+         `error_too_large` counts steps that chose too large a size, the others followed a failure of Newton's method",
     ),
     (
         "findings",

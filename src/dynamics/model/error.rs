@@ -292,7 +292,7 @@ impl ModelError {
             ModelError::SelfContact { .. } => {
                 "name two boundaries without common facets, or define a contact of the surface with itself where it folds".into()
             }
-            ModelError::NoFirstStep => "give its size, such as `auto(#{ first: 0.001 })`".into(),
+            ModelError::NoFirstStep => "give the size of the first step".into(),
             ModelError::NotRigid { .. } => {
                 "give it the mass and the moments of inertia of a body, and a mesh with an area or a volume".into()
             }

@@ -87,9 +87,8 @@ where
             outside.obstacle_work += jump.work;
         }
         system.lead(&mut v_1);
-        let momenta = system.nodes.momenta_of(&v_1);
+        let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
-        let old = &self.state.row;
         let mut row = LedgerRow {
             step: old.step + 1,
             dt,

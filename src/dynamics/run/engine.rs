@@ -6,10 +6,9 @@
 use std::sync::Arc;
 
 use super::halvings::Halvings;
-use super::judging::first_step;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
-use super::pace::Pace;
+use super::pace::{Pace, time_of_sound};
 use super::report::{FailureReport, TryReport};
 use super::slip_memory::SlipMemory;
 use super::state::{Clock, State};
@@ -72,7 +71,13 @@ where
         let unsound = |reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason };
         options.integrator.check().map_err(unsound)?;
         model.check_stops(&options.integrator)?;
-        let options = Options { dt: first_step(model, &options)?, ..options };
+        let sound = time_of_sound(model);
+        let first = match options.control {
+            // Short against what vibrates fastest, by as much as the tolerance asks for.
+            Some(control) if options.dt == 0.0 => sound.map(|time| control.tolerance.sqrt() * time),
+            _ => Some(options.dt),
+        };
+        let options = Options { dt: first.ok_or(ModelError::NoFirstStep)?, ..options };
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;

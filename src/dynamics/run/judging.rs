@@ -1,21 +1,18 @@
 //! Whether a step that has converged is accurate enough, where steps choose their size.
 
 use super::engine::Engine;
-use super::options::Options;
 use super::ledger::ContactTotals;
 use super::pace::{Measure, Stepped, Touch};
 use super::state::State;
 use super::substeps::Substeps;
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::definitions::{BodyDefinition, Model};
-use crate::dynamics::model::error::ModelError;
 use crate::dynamics::step::counters::Counters;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::system::System;
 use crate::math::tolerances;
 
-/// Times that sound takes across a cell for which a contact must have been open for a touch to be a first one: nodes of a surface that presses
-/// bounce with the mesh.
+/// Times that sound takes across a cell for which a contact must have been open for a touch to be a first one: nodes of a surface that
+/// presses bounce with the mesh.
 const BOUNCE: f64 = 10.0;
 
 impl<const D: usize> Engine<D>
@@ -78,33 +75,4 @@ fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl 
     }
     let passed = (depth > 0.0).then_some(Touch::Passed(depth));
     passed.or(is_kept.then_some(Touch::Kept))
-}
-
-/// Size of the first step: the nominal one, or short against what vibrates fastest, by as much as the tolerance asks for `[time]`.
-///
-/// # Errors
-/// Nothing vibrates.
-pub fn first_step(model: &Model, options: &Options) -> Result<f64, ModelError> {
-    match options.control {
-        Some(control) if options.dt == 0.0 => {
-            time_of_sound(model).map(|time| control.tolerance.sqrt() * time).ok_or(ModelError::NoFirstStep)
-        }
-        _ => Ok(options.dt),
-    }
-}
-
-/// The time that sound takes across a cell, where it is shortest `[time]`; `None` where all bodies are rigid.
-fn time_of_sound(model: &Model) -> Option<f64> {
-    let of_body = |body: &BodyDefinition| {
-        let points = &body.mesh.points;
-        let extent = |i: usize| {
-            let ends = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], point| [a.min(point[i]), b.max(point[i])]);
-            ends[1] - ends[0]
-        };
-        let dimension = body.mesh.dimension();
-        let volume: f64 = (0..dimension).map(extent).product();
-        let cell = (volume / points.len() as f64).powf(1.0 / dimension as f64);
-        cell * (body.material.density() / body.material.stiffness()).sqrt()
-    };
-    model.bodies.iter().filter(|body| body.rigid.is_none()).map(of_body).reduce(f64::min)
 }

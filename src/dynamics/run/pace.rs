@@ -5,9 +5,10 @@
 //! steps they see the amplitude, not the accelerations.
 //!
 //! *How wrong it may be.* The error grows by no more than the tolerance times the way that the motion goes: `tolerance` times the largest
-//! mean speed of a body so far. Both are root mean squares over the mass of a body, of the body where it is largest. Where velocities jump,
-//! as in impacts, no step is short enough for a rate: such a step may be as wrong as one of the size that steps usually have. The first touch
-//! of a contact is a matter of time: by how far it is missed, or, where a rule closes the gap within the step, by half of the step's way.
+//! mean speed of a body so far. Both are root mean squares over the mass of a body, of the body where it is largest. Where velocities
+//! jump, as in impacts, no step is short enough for a rate: such a step may be as wrong as one of the size that steps usually have. The
+//! first touch of a contact is a matter of time: by how far it is missed, or, where a rule closes the gap within the step, by half of the
+//! step's way.
 //!
 //! *How long.* A proportional-integral controller (Gustafsson, ACM TOMS 17, 1991; in the form of Soederlind, ACM TOMS 29, 2003),
 //! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of both and the order `p`.
@@ -16,6 +17,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::dynamics::model::definitions::{BodyDefinition, Model};
 use crate::integrators::{LeadingError, Scheme};
 use crate::math::tolerances;
 
@@ -160,6 +162,8 @@ impl Pace {
         if missed > allowed && dt > smallest {
             return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, 0.9 * dt).max(smallest));
         }
+        // What has only begun asks for no shorter steps.
+        let ratio = if has_begun { ratio } else { ratio.min(AIM) };
         let mut next = Pace { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
         next.steps.extend(self.steps.first().cloned());
         if growth.is_none() {
@@ -199,6 +203,22 @@ fn differences(error: &LeadingError, dt: f64, [last, middle, first]: [(f64, &[f6
         error.first * dt * later.abs() + error.second * dt * dt * (3.0 * (later - earlier) / all).abs()
     };
     (0..last.1.len()).map(growth).collect()
+}
+
+/// The time that sound takes across a cell, where it is shortest `[time]`; `None` where all bodies are rigid.
+pub fn time_of_sound(model: &Model) -> Option<f64> {
+    let of_body = |body: &BodyDefinition| {
+        let points = &body.mesh.points;
+        let extent = |i: usize| {
+            let ends = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], point| [a.min(point[i]), b.max(point[i])]);
+            ends[1] - ends[0]
+        };
+        let dimension = body.mesh.dimension();
+        let volume: f64 = (0..dimension).map(extent).product();
+        let cell = (volume / points.len() as f64).powf(1.0 / dimension as f64);
+        cell * (body.material.density() / body.material.stiffness()).sqrt()
+    };
+    model.bodies.iter().filter(|body| body.rigid.is_none()).map(of_body).reduce(f64::min)
 }
 
 #[cfg(test)]

@@ -210,6 +210,8 @@ pub struct Measures<'a> {
     pub halvings: &'a [Halving],
     /// Why they would have to be, but could not.
     pub refused: &'a [Halving],
+    /// Whether steps choose their size.
+    pub chooses_steps: bool,
     /// Factorisations so far, and those among them of attempts that failed and of steps that were taken back.
     pub factorizations: usize,
     pub discarded: usize,
@@ -271,8 +273,8 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
     }
     for Halving { cause, motion, count, step, time, dt } in measures.halvings {
         match motion {
+            Some(_) if measures.chooses_steps => (),
             Some(motion) => found.push(RunFinding::of_motion(RunFindingKind::Motion, motion, *dt, *step, *time)),
-            // What steps that choose their size are for.
             None if *cause == Failure::INEXACT => (),
             None => {
                 let value = *count as f64 / last.step.max(1) as f64;
@@ -347,6 +349,7 @@ mod tests {
             defect: Some(1e-11),
             integrator: "midpoint",
             halvings: &[],
+            chooses_steps: false,
             refused: &[],
             factorizations: 1000,
             discarded: 10,

@@ -1,5 +1,5 @@
-//! Who decides how long the next substep is: halvings, which later substeps keep, and of which the next step begins with one less; or, where
-//! steps choose their size (`pace.rs`), what has been chosen, made shorter until it is accepted.
+//! Who decides how long the next substep is: halvings, which later substeps keep, and of which the next step begins with one less; or,
+//! where steps choose their size (`pace.rs`), what has been chosen, made shorter until it is accepted.
 
 /// Equal parts of a stretch of time, made half as long as often as one of them is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -252,6 +252,7 @@ where
             integrator: self.options.integrator.name,
             defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
             halvings: self.halvings.all(),
+            chooses_steps: self.options.control.is_some(),
             refused: self.halvings.refused(),
             factorizations: system.counters.factorizations,
             discarded: system.counters.discarded,

@@ -4,6 +4,7 @@ use rhai::Dynamic;
 
 use crate::dynamics::{Options, StepControl};
 use crate::math::catalogue::Interval;
+use crate::math::tolerances::STEP_ERROR;
 use crate::script::api::examples::FLIGHT;
 use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::digits::{brief, number_text};
@@ -110,12 +111,12 @@ pub fn auto() -> Function {
                         Interval::Open(0.0, 1.0),
                         "growth of the error over the way that the fastest body goes, both as root mean squares over the mass of a body",
                     )
-                    .or(Absent::Number(1e-3)),
+                    .or(Absent::Number(STEP_ERROR)),
                     Parameter::number("first", "time", Interval::Positive, "the size of the first step")
                         .or(Absent::Means("the root of `tolerance` times the time that sound takes across the smallest cells")),
                     Parameter::number("smallest", "time", Interval::Positive, "the smallest size; what is too wrong then is accepted")
                         .or(Absent::Means("a millionth of the first step")),
-                    Parameter::number("largest", "time", Interval::Positive, "the largest size, such as a part of a pulse that must be seen")
+                    Parameter::number("largest", "time", Interval::Positive, "the largest size: a part of what must be seen")
                         .or(Absent::Means("no bound")),
                 ]),
                 "how accurate steps are, and how long they may be",
@@ -124,8 +125,8 @@ pub fn auto() -> Function {
         ],
         returns: StepControlHandle::NAME,
         example: format!(
-            "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: auto(#{{ tolerance: 1e-4 }}) }});\nsim.run_to(0.1);\n\
-             print(sim.history.dt);"
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: auto(#{{ tolerance: 1e-4 }}) }});\n\
+             sim.run_to(0.1);\nprint(sim.history.dt);"
         )
         .into(),
         see_also: &["simulate", "run_to"],

@@ -40,12 +40,12 @@ pub fn compare_integrators() -> Function {
         form: Form::Function,
         topic: Topic::Studies,
         summary: "runs a model under several time integrators, and with several step sizes where `dt` is an array, and gives an array of \
-                  rows: `integrator`, `dt` (the mean of steps that choose their size), `time` (how far it came), `steps`, `energy_drift` (the largest sum of what the integrator \
-                  added to the energy or took, over the largest energy), `energy` (at the end), `momentum_defect` and \
-                  `angular_momentum_defect` (what neither loads nor supports explain), `iterations`, `factorizations`, `halvings`, \
-                  `seconds`, with several step sizes `error` (largest distance of a node at the end from the run of the first integrator \
-                  with an eighth of the smallest `dt`) and `order`, and `failure`, which is empty or says why it stopped. In the folder \
-                  `studies` of the run are the table, plots, and both as a page",
+                  rows: `integrator`, `dt` (the mean of steps that choose their size), `time` (how far it came), `steps`, `energy_drift` \
+                  (the largest sum of what the integrator added to the energy or took, over the largest energy), `energy` (at the end), \
+                  `momentum_defect` and `angular_momentum_defect` (what neither loads nor supports explain), `iterations`, \
+                  `factorizations`, `halvings`, `seconds`, with several step sizes `error` (largest distance of a node at the end from \
+                  the run of the first integrator with an eighth of the smallest `dt`) and `order`, and `failure`, which is empty or \
+                  says why it stopped. In the folder `studies` of the run are the table, plots, and both as a page",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
