@@ -36,7 +36,7 @@ use crate::dynamics::parts::rigid_bodies::point_pairs;
 use crate::dynamics::parts::supports::Supports;
 use crate::dynamics::parts::viscosity::ViscousBody;
 use crate::integrators::Lumping;
-use crate::linear::{Block, LinearError, NodeMatrix, Pattern, Watch, Work};
+use crate::linear::{Block, LinearError, Pattern, Watch, Work};
 use crate::machine::memory::{self, Shortage};
 use crate::math::workers::Workers;
 
