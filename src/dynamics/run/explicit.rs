@@ -5,9 +5,9 @@
 //! v_h = v_0 - dt/2 m^-1 f_0 + dt m^-1 G_0^T (lambda - lambda_0),    q_1 = q_0 + dt v_h,    v_1 = v_h - dt/2 m^-1 f_1
 //! ```
 //!
-//! Static forces `f` contain those of contact, `f_1` with the multipliers that are foreseen for the next step, its `lambda_0`: the lesser of
-//! the last two, so that an impact is none of them. So velocities and forces belong to the positions, and the next step corrects what its
-//! own multipliers differ.
+//! Static forces `f` contain those of contact, `f_1` with the multipliers that are foreseen for the next step, its `lambda_0`: the lesser
+//! of the last two, so that an impact is none of them. So velocities and forces belong to the positions, and the next step corrects what
+//! its own multipliers differ.
 
 use std::sync::Arc;
 
