@@ -206,6 +206,8 @@ pub struct Measures<'a> {
     pub defect: Option<f64>,
     /// Name of the time integrator.
     pub integrator: &'static str,
+    /// Whether its contact gives in one step what it takes in the next, as multipliers do that are foreseen: then sums count.
+    pub is_explicit: bool,
     /// Why steps were halved.
     pub halvings: &'a [Halving],
     /// Why they would have to be, but could not.
@@ -239,9 +241,8 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
         }
     };
 
-    let (given, row) = largest(&|row| row.contact_work / scale);
-    let explanation = format!("its work in a step was {given:.1e} of the energy");
-    add(RunFindingKind::PositiveContactWork, only.clone(), given, GIVEN.max(round_off), row, explanation);
+    let (gain, limit, row, explanation) = given(rows, last, scale, measures.is_explicit);
+    add(RunFindingKind::PositiveContactWork, only.clone(), gain, limit.max(round_off), row, explanation);
 
     if let Some(promised) = measures.defect {
         let (defect, row) = largest(&|row| row.energy_defect.abs() / scale);
@@ -258,7 +259,8 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
         add(RunFindingKind::Depth, Some(name.into()), depth, DEPTH, row, explanation);
     }
 
-    let taken = rows.iter().map(|row| (-row.contact_work).max(0.0)).sum::<f64>();
+    let least = if measures.is_explicit { f64::NEG_INFINITY } else { 0.0 };
+    let taken = rows.iter().map(|row| (-row.contact_work).max(least)).sum::<f64>();
     let (most, row) = largest(&|row| -row.contact_work / scale);
     let share = taken / scale;
     let explanation = format!("it took {}, {} of the energy; most in one step: {}", three_digits(taken), percent(share), percent(most));
@@ -297,6 +299,17 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
         found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
     }
     found
+}
+
+/// What contact gave over the energy, in the step that gave most or in all explicit ones together, with the limit, where, and in words.
+fn given<'a>(rows: &'a [LedgerRow], last: &'a LedgerRow, scale: f64, is_explicit: bool) -> (f64, f64, &'a LedgerRow, String) {
+    if is_explicit {
+        let net = rows.iter().map(|row| row.contact_work).sum::<f64>() / scale;
+        return (net, CONSERVED, last, format!("its work in all steps together was {net:.1e} of the energy"));
+    }
+    let values = rows.iter().map(|row| (row.contact_work / scale, row));
+    let (given, row) = values.fold((0.0, last), |largest, next| if next.0 > largest.0 * (1.0 + EQUAL) { next } else { largest });
+    (given, GIVEN, row, format!("its work in a step was {given:.1e} of the energy"))
 }
 
 /// The largest share of the energy that the integrator has added or taken up to a step, that step, and what it means in words.
@@ -348,6 +361,7 @@ mod tests {
             stiffness: 1.0,
             defect: Some(1e-11),
             integrator: "midpoint",
+            is_explicit: false,
             halvings: &[],
             chooses_steps: false,
             refused: &[],

@@ -250,6 +250,7 @@ where
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
             stiffness: system.nodes.stiffness() * system.nodes.extent.powi(2),
             integrator: self.options.integrator.name,
+            is_explicit: self.options.integrator.lumping().is_some(),
             defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
             halvings: self.halvings.all(),
             chooses_steps: self.options.control.is_some(),

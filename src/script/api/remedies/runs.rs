@@ -2,6 +2,7 @@
 
 use super::words::ScriptWords;
 use crate::dynamics::{Ease, Remedy, RunFinding, RunFindingKind, StepError};
+use crate::script::language::digits::brief;
 
 impl ScriptWords for StepError {
     fn remedy(&self) -> String {
@@ -12,6 +13,15 @@ impl ScriptWords for StepError {
                  grow over several calls of `settle` with times; in motion, try a smaller `dt`"
                     .into()
             }
+            StepError::TooLong { stable, penalty_share, .. } if *penalty_share > 0.5 => format!(
+                "take `dt` of {} or less, or a smaller `penalty` of contacts, which is most of the stiffness; multipliers shorten no steps",
+                brief(0.9 * stable)
+            ),
+            StepError::TooLong { stable, body, cell, .. } => format!(
+                "take `dt` of {} or less; the fastest cell by itself is cell {cell} of body \"{body}\": larger, softer or heavier cells \
+                 there admit longer steps",
+                brief(0.9 * stable)
+            ),
             _ => self.hint(),
         }
     }

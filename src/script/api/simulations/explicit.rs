@@ -24,8 +24,8 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn mass_parameter() -> Parameter {
-    let summary = "how the mass of a cell is shared among its nodes: by `row_sum`, by its diagonal (`hrz`, which is always positive), or by \
-                   row sums where all of these are positive, else by the diagonal";
+    let summary = "how the mass of a cell is shared among its nodes: by `row_sum`, by its diagonal (`hrz`, always positive), or by row \
+                   sums where all of these are positive, else by the diagonal";
     Parameter::new("mass", Kind::Choice(MASSES), summary).or(Absent::Text(MASSES[0]))
 }
 

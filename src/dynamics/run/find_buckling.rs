@@ -1,0 +1,149 @@
+//! Linear buckling of a settled state: the factors of its load at which a small motion meets no resistance,
+//!
+//! ```text
+//! (K_0 + lambda (K_1 - K_0)) x = 0
+//! ```
+//!
+//! with the stiffness `K_0` of the unloaded model and `K_1` of the state (Brendel and Ramm, Computers & Structures 12, 1980): what stresses
+//! and displacements change of it grows with the load as far as the way to the state is linear. Lanczos' method on `K_0^-1 (K_0 - K_1)`,
+//! symmetric in the product of `K_0`, finds the largest `1/lambda`.
+
+use super::buckling::{Buckling, BucklingError};
+use super::engine::Engine;
+use super::modes::ModesError;
+use super::steps::Steps;
+use crate::bodies::{Elements, Space};
+use crate::contact::{Outlook, Travel};
+use crate::dynamics::model::definitions::LoadKind;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
+use crate::math::tolerances;
+
+/// Vectors at most, so many for each factor and so many besides; vectors between two looks.
+const VECTORS: usize = 20;
+const BESIDES: usize = 300;
+const LOOK_AFTER: usize = 4;
+
+/// `K_0^-1 (K_0 - K_1)`.
+struct Softening<'a, 'b, const D: usize> {
+    vibrations: &'a mut Vibrations<'b, D>,
+    stiffness: Vec<f64>,
+    change: Vec<f64>,
+}
+
+impl<const D: usize> Operator for Softening<'_, '_, D>
+where
+    Space<D>: Elements<D>,
+{
+    type Error = Failure;
+
+    fn solve(&mut self, image: Vec<f64>) -> Result<Vec<f64>, Failure> {
+        self.vibrations.solve(image)
+    }
+
+    fn mass_times(&self, v: &[f64]) -> Vec<f64> {
+        self.vibrations.times(&self.stiffness, v)
+    }
+
+    fn image(&self, v: &[f64]) -> Vec<f64> {
+        let mut image = self.vibrations.times(&self.change, v);
+        image.iter_mut().for_each(|x| *x = -*x);
+        image
+    }
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The smallest factors of the load of the present state at which the model buckles; the state stays as it is.
+    ///
+    /// # Errors
+    /// [`BucklingError`].
+    pub fn find_buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
+        let turns = |kind: &LoadKind| matches!(kind, LoadKind::Pressure(_) | LoadKind::Torque);
+        if let Some(load) = self.model.loads.iter().find(|load| turns(&load.kind)) {
+            return Err(BucklingError::Follows { boundary: self.model.boundary_name(&load.on) });
+        }
+        let (state, tally) = (self.state.clone(), self.tally());
+        if state.displacements.iter().all(|u| *u == 0.0) {
+            return Err(BucklingError::Unloaded);
+        }
+        let still = vec![0.0; self.system.nodes.count()];
+        let travel = Travel::Each { sizes: &still, besides: 0.0 };
+        let outlook = Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 };
+        self.begin_at_rest(&outlook, &[]).map_err(ModesError::Step)?;
+        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
+        let mut vibrations = Vibrations::new(&mut self.system, rest);
+        let is_interrupted = || self.options.interrupted();
+        let outcome = search(&mut vibrations, &state.displacements, count, &is_interrupted);
+        self.count_from(&tally);
+        self.restore_search();
+        let (found, linear) = outcome.map_err(|failure| self.modes_error(failure.into()))?;
+        let found = found?;
+        if found.len() < count {
+            return Err(BucklingError::NotFound { count, found: found.len() });
+        }
+        let strain = self.system.strain_energy(&state.displacements);
+        Ok(Buckling {
+            time: state.row.time,
+            factors: found.iter().map(|(factor, _)| *factor).collect(),
+            shapes: found.into_iter().map(|(_, x)| self.shape_of(x)).collect(),
+            nonlinearity: (strain / linear - 1.0).abs(),
+        })
+    }
+
+    /// A motion of all nodes, body by body, the largest of length 1.
+    fn shape_of(&self, x: Vec<f64>) -> Vec<Vec<[f64; 3]>> {
+        let size = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let largest = x.chunks_exact(D).map(size).fold(0.0, f64::max);
+        let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
+        let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
+        let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
+        let vector = |node: usize| std::array::from_fn(|i| if i < D { x[node * D + i] * scale + 0.0 } else { 0.0 });
+        self.system.bodies.iter().map(|body| body.nodes.clone().map(vector).collect()).collect()
+    }
+}
+
+/// Load factors with their motions, and the strain energy of the linear model with the displacements of the state.
+type Found = (Result<Vec<(f64, Vec<f64>)>, BucklingError>, f64);
+
+fn search<const D: usize>(
+    vibrations: &mut Vibrations<D>,
+    displacements: &[f64],
+    count: usize,
+    is_interrupted: &dyn Fn() -> bool,
+) -> Result<Found, Failure>
+where
+    Space<D>: Elements<D>,
+{
+    let [stiffness, change] = vibrations.factorize_unloaded()?;
+    if vibrations.below().is_some_and(|below| below > 0) {
+        return Ok((Err(BucklingError::Loose), 1.0));
+    }
+    let linear = 0.5 * product(displacements, &vibrations.times(&stiffness, displacements));
+    let motions = vibrations.motions();
+    let mut operator = Softening { vibrations, stiffness, change };
+    let mut lanczos = Lanczos::new(displacements.len(), D.min(motions));
+    loop {
+        if is_interrupted() {
+            return Err(Failure::Linear(LinearError::Interrupted));
+        }
+        let goes_on = lanczos.expand(&mut operator)?;
+        let is_spent = !goes_on || lanczos.applied() >= motions.min(VECTORS * count + BESIDES);
+        if lanczos.applied() % LOOK_AFTER != 0 && !is_spent {
+            continue;
+        }
+        let ritz = lanczos.ritz();
+        let floor = tolerances::MODE_GAP * ritz.first().map_or(0.0, |first| first.theta.abs());
+        let softer = ritz.iter().take_while(|ritz| ritz.theta > floor);
+        let is_done = |residual: f64, theta: f64| residual <= tolerances::MODE_RESIDUAL * theta;
+        let found: Vec<_> = softer.take_while(|ritz| is_spent || is_done(ritz.residual, ritz.theta)).take(count).collect();
+        if found.len() == count || is_spent {
+            let of = |ritz: &&Ritz| (1.0 / ritz.theta, lanczos.vector(&ritz.coefficients));
+            let found = found.iter().filter(|ritz| is_done(ritz.residual, ritz.theta)).map(of).collect();
+            return Ok((Ok(found), linear));
+        }
+    }
+}

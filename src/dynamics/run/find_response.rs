@@ -1,0 +1,161 @@
+//! Steady vibrations about the present state under a force, or on a base, that swings with one frequency.
+//!
+//! ```text
+//! (K (1 + i eta + i omega beta) - omega^2 M + i omega alpha M) x = f
+//! ```
+//!
+//! with `G x = 0` for what is tied or closed. Stiffness and mass alone are on the left, so the matrix is `K - s M` for a complex `s` of
+//! each frequency, and `(K - sigma M)^-1` of one real shift serves all: `x` is looked for in the Krylov space of `(K - sigma M)^-1 M` that
+//! begins with the static answer (Lanczos' method; Freund, Acta Numerica 12, 2003), until what it misses is small at all frequencies. A
+//! motion of the base carries all nodes along: `x` is what they move beyond it, under the force `(omega^2 - i omega alpha) M r`.
+
+use std::sync::Arc;
+
+use nalgebra::Complex;
+
+use super::balance::Balance;
+use super::engine::Engine;
+use super::find_modes::below_all;
+use super::harmonic::{Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
+use super::steps::Steps;
+use crate::bodies::{Elements, Space};
+use crate::contact::{Outlook, Travel};
+use crate::dynamics::model::amplitude::Constant;
+use crate::dynamics::model::definitions::{Load, LoadKind, Model};
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
+use crate::math::tolerances;
+
+/// Vectors at most, and between two looks at what is missed.
+const VECTORS: usize = 600;
+const LOOK_AFTER: usize = 6;
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Steady vibrations about the present state, which stays as it is.
+    ///
+    /// # Errors
+    /// [`HarmonicError`].
+    pub fn find_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
+        let (state, tally) = (self.state.clone(), self.tally());
+        let slowest =
+            Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
+        let excited = match &options.excitation {
+            Excitation::Force { on, vector } => {
+                let load = Load { kind: LoadKind::Force(*vector), on: on.clone(), amplitude: Arc::new(Constant(1.0)) };
+                self.system.forces_of_loads(&Model { loads: vec![load], ..self.model.clone() }, &state.positions)
+            }
+            Excitation::Base(vector) => self.system.nodes.momenta_of(&self.carried_along(*vector)),
+        };
+        let still = vec![0.0; self.system.nodes.count()];
+        let travel = Travel::Each { sizes: &still, besides: 0.0 };
+        let outlook = Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 };
+        self.begin_at_rest(&outlook, &[]).map_err(|error| HarmonicError::Matrix(error.into()))?;
+        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
+        let mut vibrations = Vibrations::new(&mut self.system, rest);
+        let is_interrupted = || self.options.interrupted();
+        let outcome = below_all(&mut vibrations, -tolerances::MODE_SHIFT * slowest)
+            .and_then(|shift| Ok(search(&mut vibrations, shift, excited, options, &is_interrupted)?));
+        let asymmetry = vibrations.asymmetry;
+        self.count_from(&tally);
+        self.restore_search();
+        let (basis, combinations, residual) = outcome.map_err(|error| HarmonicError::Matrix(self.modes_error(error)))??;
+        let base = if let Excitation::Base(vector) = options.excitation { vector } else { [0.0; 3] };
+        let asymmetry = if asymmetry > tolerances::ASYMMETRY { asymmetry } else { 0.0 };
+        Ok(HarmonicResponse {
+            time: state.row.time,
+            frequencies: options.frequencies.clone(),
+            basis,
+            combinations,
+            base,
+            dimension: D,
+            residual,
+            asymmetry,
+        })
+    }
+
+    /// A translation of all nodes.
+    fn carried_along(&self, vector: [f64; 3]) -> Vec<f64> {
+        (0..self.system.nodes.reference.len()).map(|k| vector[k % D]).collect()
+    }
+}
+
+/// Vectors, their combination for each frequency, and what the worst one misses.
+type Found = (Vec<Vec<f64>>, Vec<Vec<Complex<f64>>>, f64);
+
+fn search<const D: usize>(
+    vibrations: &mut Vibrations<D>,
+    shift: f64,
+    excited: Vec<f64>,
+    options: &HarmonicOptions,
+    is_interrupted: &dyn Fn() -> bool,
+) -> Result<Result<Found, HarmonicError>, Failure>
+where
+    Space<D>: Elements<D>,
+{
+    let mut lanczos = Lanczos::new(excited.len(), 1);
+    let first = vibrations.solve(excited)?;
+    let size = lanczos.begin_with(vibrations, first);
+    if size == 0.0 {
+        return Ok(Err(HarmonicError::Nothing));
+    }
+    loop {
+        let is_exhausted = lanczos.is_exhausted();
+        if is_exhausted || (lanczos.applied() > 0 && lanczos.applied() % LOOK_AFTER == 0) {
+            let ritz = lanczos.ritz();
+            let (mut combinations, mut worst) = (Vec::with_capacity(options.frequencies.len()), (0.0f64, 0.0));
+            for &frequency in &options.frequencies {
+                let Some((combination, missed)) = combined(&ritz, &lanczos.coupling(), size, shift, frequency, options) else {
+                    return Ok(Err(HarmonicError::Resonance { frequency }));
+                };
+                if missed > worst.0 {
+                    worst = (missed, frequency);
+                }
+                combinations.push(combination);
+            }
+            if is_exhausted || worst.0 <= tolerances::RESPONSE {
+                let basis = lanczos.into_vectors(ritz.len());
+                return Ok(Ok((basis, combinations, worst.0)));
+            }
+            if lanczos.applied() >= VECTORS {
+                return Ok(Err(HarmonicError::NotFound { frequency: worst.1, vectors: lanczos.applied() }));
+            }
+        }
+        if is_interrupted() {
+            return Err(Failure::Linear(LinearError::Interrupted));
+        }
+        lanczos.expand(vibrations)?;
+    }
+}
+
+/// The vibration at a frequency in the basis, and what it misses relative to its size; nothing at an undamped resonance.
+fn combined(
+    ritz: &[Ritz],
+    coupling: &[f64],
+    size: f64,
+    sigma: f64,
+    frequency: f64,
+    options: &HarmonicOptions,
+) -> Option<(Vec<Complex<f64>>, f64)> {
+    let [shift, factor] = options.shift(frequency);
+    let is_base = matches!(options.excitation, Excitation::Base(_));
+    let factor = factor * size * if is_base { options.mass_factor(frequency) } else { Complex::from(1.0) };
+    let distance = shift - sigma;
+    let mut combination = vec![Complex::default(); ritz.len()];
+    for one in ritz {
+        let denominator = Complex::from(1.0) - distance * one.theta;
+        if denominator.norm() < tolerances::MODE_GAP * tolerances::MODE_GAP {
+            return None;
+        }
+        let share = factor * one.coefficients[0] / denominator;
+        combination.iter_mut().zip(&one.coefficients).for_each(|(sum, coefficient)| *sum += share * coefficient);
+    }
+    let norm = combination.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
+    let parts = [|x: &Complex<f64>| x.re, |x: &Complex<f64>| x.im];
+    let along = parts.map(|part| product(coupling, &combination.iter().map(part).collect::<Vec<f64>>()));
+    let missed = distance.norm() * along[0].hypot(along[1]);
+    Some((combination, if norm > 0.0 { missed / norm } else { 0.0 }))
+}
