@@ -433,7 +433,7 @@ mod tests {
     use super::*;
 
     fn skin(body: &BodyFields) -> Skin {
-        Skin::new(&body.mesh)
+        Skin::new(&body.mesh, false)
     }
 
     #[test]

@@ -14,6 +14,9 @@ use crate::output::obstacle_surfaces::ObstacleSurface;
 /// A cut may leave this many corners of a cell's polygon at most; more would be a fault.
 const CORNERS: usize = 64;
 
+/// A point of a cut: the ends of its edge, and how far it is from the first one to the second one.
+type Cut = ([u32; 2], f64);
+
 /// What can be seen of a body, in numbers of its points.
 pub(super) struct Skin {
     /// Number of nodes of the body.
@@ -21,7 +24,7 @@ pub(super) struct Skin {
     /// The nodes of the body, and behind them the points of a cut.
     pub points: Vec<[f64; 3]>,
     /// Of each point of a cut the ends of its edge, and how far it is from the first one to the second one.
-    cuts: Vec<([u32; 2], f64)>,
+    cuts: Vec<Cut>,
     /// What is left of the facets of the hull.
     pub facets: Vec<Vec<u32>>,
     /// The cut through cells, each counter-clockwise as seen from where material was taken away.
@@ -62,7 +65,7 @@ impl Skin {
 
     /// Values at all points from those at the nodes.
     pub fn values(&self, nodal: &[f64]) -> Vec<f64> {
-        let between = |&([a, b], share): &([u32; 2], f64)| nodal[a as usize] + share * (nodal[b as usize] - nodal[a as usize]);
+        let between = |&([a, b], share): &Cut| nodal[a as usize] + share * (nodal[b as usize] - nodal[a as usize]);
         nodal.iter().copied().chain(self.cuts.iter().map(between)).collect()
     }
 }
@@ -73,7 +76,7 @@ pub(super) struct Knife {
     heights: Vec<f64>,
     /// Points of the cut by their edges, whose ends ascend, in the order in which they came.
     at: HashMap<[u32; 2], u32>,
-    cuts: Vec<([u32; 2], f64)>,
+    cuts: Vec<Cut>,
 }
 
 impl Knife {
@@ -149,8 +152,8 @@ impl Knife {
     }
 
     /// The points with those of the cut behind them.
-    pub fn finish(self, mut points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<([u32; 2], f64)>) {
-        let between = |&([a, b], share): &([u32; 2], f64)| {
+    pub fn finish(self, mut points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<Cut>) {
+        let between = |&([a, b], share): &Cut| {
             let (a, b) = (points[a as usize], points[b as usize]);
             [0, 1, 2].map(|d| a[d] + share * (b[d] - a[d]))
         };
