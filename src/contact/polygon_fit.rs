@@ -174,6 +174,6 @@ mod tests {
     fn straight_sides_do_not_interlock() {
         let q = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 3.0, 0.0, 4.0, 0.0, 4.0, -0.01, 3.0, -0.01, 2.0, -0.01, 1.0, -0.01, 0.0, -0.01];
         let [own, other] = [0, 5].map(|first| Surface::new(&[0, 1, 2, 3].map(|i| [first + i, first + i + 1])));
-        assert_eq!(interlocking(&own, &other, &q), None);
+        assert_eq!(polygon_fit(&own, &other, &q), None);
     }
 }
