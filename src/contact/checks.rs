@@ -6,6 +6,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::polygon_fit::PolygonFit;
+use super::space::PressFit;
 use super::surface::Surface;
 use crate::math::digits::three_digits;
 
@@ -87,6 +88,15 @@ pub enum Finding {
         /// The press fit, and what is lost of it.
         of: PolygonFit,
     },
+    /// Facets in space stand for curves that are pressed into each other by less than the curves are off the facets.
+    CoarseFit {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+        /// The press fit, and how far the curves are off.
+        of: PressFit,
+    },
     /// Secondary nodes of a tie that nothing lies opposite to.
     Untied {
         /// Name of the tie.
@@ -149,6 +159,13 @@ impl std::fmt::Display for Finding {
                 100.0 * lost.abs() / interference,
                 if *lost > 0.0 { "loose" } else { "tight" }
             ),
+            Finding::CoarseFit { secondary, primary, of: PressFit { interference, height } } => write!(
+                out,
+                "facets of \"{secondary}\" and \"{primary}\" are too coarse for their press fit: curves through their nodes overlap by \
+                 {}, and rise {} above the facets; forces and pressures may be some times too large",
+                three_digits(*interference),
+                three_digits(*height)
+            ),
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {
                     format!("none of the {of} nodes has anything")
@@ -190,6 +207,7 @@ impl Finding {
             Finding::DistortedFit { .. } => {
                 "use cells of second order, whose contact follows the curve, facets of one length on both sides, or more of them".into()
             }
+            Finding::CoarseFit { .. } => "make facets half as long, which rise a quarter as much, or use cells of second order".into(),
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),
         }
     }

@@ -38,16 +38,27 @@ struct Facets<'a> {
     surface: &'a Surface,
     q: &'a [f64],
     normals: Vec<Vector>,
+    smooth: f64,
 }
 
 impl Bulges {
     /// Those of a surface at the positions `q`.
     pub fn new(surface: &Surface, q: &[f64]) -> Self {
+        Self::of_curve(surface, q, SMOOTH)
+    }
+
+    /// The same with another cosine of the turn between two facets up to which a curve goes on.
+    pub fn of_curve(surface: &Surface, q: &[f64], smooth: f64) -> Self {
         let normals = (0..surface.count()).map(|facet| faces::normal(surface.facet(facet), q)).collect();
-        let facets = Facets { surface, q, normals };
+        let facets = Facets { surface, q, normals, smooth };
         let heights: Vec<f64> = (0..surface.count()).map(|facet| facets.height(facet)).collect();
         let raised = (0..surface.count()).map(|facet| facets.raised(facet, &heights)).collect();
         Bulges { heights, raised }
+    }
+
+    /// Mean height of the surface above a facet, 0 where it is flat `[length]`.
+    pub fn height(&self, facet: usize) -> f64 {
+        self.heights[facet]
     }
 
     /// By how much the points of some facets may be raised above a round surface `[length]`.
@@ -65,7 +76,7 @@ impl Facets<'_> {
     /// Facets that meet at the corner `k` of a facet and go on smoothly from it, itself among them.
     fn around(&self, facet: usize, k: usize) -> impl Iterator<Item = usize> {
         let node = self.surface.local_facet(facet)[k] as usize;
-        let goes_on = move |&other: &usize| self.normals[other].dot(&self.normals[facet]) >= SMOOTH;
+        let goes_on = move |&other: &usize| self.normals[other].dot(&self.normals[facet]) >= self.smooth;
         self.surface.adjacent_facets(node).iter().map(|&other| other as usize).filter(goes_on)
     }
 

@@ -2,15 +2,15 @@
 //!
 //! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
 
-use super::boundaries::{boundary_facets, facets_of_all, tie_reach, tied_in_space};
+use super::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
-use crate::contact::{Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, polygon_fit};
+use crate::contact::{Finding, NamedSurface, PatchFunctions, PressFit, Surface, Tie, check_surfaces, polygon_fit, press_fit};
 
 impl Model {
     /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; of bodies in
-    /// space about ties alone.
+    /// space about ties and press fits alone.
     pub fn findings(&self) -> Vec<(String, Finding)> {
         let dimension = self.dimension();
         let mut first = Vec::with_capacity(self.bodies.len());
@@ -20,7 +20,7 @@ impl Model {
             reference.extend(body.mesh.points.iter().flat_map(|point| &point[..dimension]));
         }
         if dimension != 2 {
-            return self.untied_in_space(&first, &reference);
+            return self.findings_in_space(&first, &reference);
         }
         let facets = |on: &BodyBoundary| boundary_facets(self, on, first[on.body]);
         let check = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
@@ -76,12 +76,29 @@ impl Model {
         unique
     }
 
-    /// Ties in space that leave nodes out.
-    fn untied_in_space(&self, first: &[usize], reference: &[f64]) -> Vec<(String, Finding)> {
+    /// Ties in space that leave nodes out, and press fits of facets of first order that are too coarse.
+    fn findings_in_space(&self, first: &[usize], reference: &[f64]) -> Vec<(String, Finding)> {
+        let is_flat = |on: &BodyBoundary| !self.bodies[on.body].mesh.kind.is_quadratic();
+        let surface = |on: &BodyBoundary| {
+            let faces = boundary_faces(self, on, first[on.body]);
+            Surface::in_space(faces.iter().map(|face| &face[..]))
+        };
+        let coarse = |secondary: &BodyBoundary, on: &BodyBoundary| {
+            let of = press_fit(&surface(secondary), &surface(on), reference).filter(PressFit::is_coarse)?;
+            Some(Finding::CoarseFit { secondary: self.boundary_name(secondary), primary: self.boundary_name(on), of })
+        };
         let of = |Interaction { name, secondary, partner, .. }: &Interaction| {
-            let Partner::Tied { to, reach } = partner else { return Vec::new() };
-            let (_, tied, reach) = tied_in_space(self, [secondary, to], *reach, |body| first[body], reference);
-            untied(name, &tied, reach).into_iter().map(|finding| (name.clone(), finding)).collect()
+            let found: Vec<Finding> = match partner {
+                Partner::Tied { to, reach } => {
+                    let (_, tied, reach) = tied_in_space(self, [secondary, to], *reach, |body| first[body], reference);
+                    untied(name, &tied, reach)
+                }
+                Partner::Surfaces(primary) if is_flat(secondary) => {
+                    primary.iter().filter(|on| is_flat(on)).filter_map(|on| coarse(secondary, on)).collect()
+                }
+                _ => Vec::new(),
+            };
+            found.into_iter().map(|finding| (name.clone(), finding)).collect::<Vec<_>>()
         };
         self.interactions.iter().flat_map(of).collect()
     }

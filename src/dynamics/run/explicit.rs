@@ -5,9 +5,8 @@
 //! v_h = v_0 - dt/2 m^-1 f_0 + dt m^-1 G_0^T (lambda - lambda_0),    q_1 = q_0 + dt v_h,    v_1 = v_h - dt/2 m^-1 f_1
 //! ```
 //!
-//! Static forces `f` contain those of contact, `f_1` with the multipliers that are foreseen for the next step, its `lambda_0`: the lesser
-//! of the last two, so that an impact is none of them. So velocities and forces belong to the positions, and the next step corrects what
-//! its own multipliers differ.
+//! Static forces `f` contain those of contact, `f_1` with the multipliers of this step: so velocities and forces belong to the positions,
+//! and the next step corrects what its own multipliers differ.
 
 use std::sync::Arc;
 
@@ -36,10 +35,8 @@ pub(super) struct Leap {
     pub dt: f64,
     /// Static forces at the start, weights and contact among them.
     pub f_0: Vec<f64>,
-    /// Multipliers that were foreseen for this step, and those of this step.
+    /// Multipliers at the end of the step before, and of this step.
     pub lambda: [Vec<f64>; 2],
-    /// Those that are foreseen for the next step, at its end.
-    pub foreseen: Vec<f64>,
     /// Motion without the change of multipliers.
     pub unpushed: Vec<f64>,
     /// Force at the start by which multipliers change, and that of the multipliers before; empty where there are none.
@@ -83,7 +80,7 @@ where
         }
         self.system.place_after(&start, &mut at);
         let lambda = [state.lambda.clone(), state.lambda.clone()];
-        let mut leap = Leap { dt, f_0, lambda, foreseen: Vec::new(), unpushed: Vec::new(), kick: Vec::new(), pressed_0: Vec::new() };
+        let mut leap = Leap { dt, f_0, lambda, unpushed: Vec::new(), kick: Vec::new(), pressed_0: Vec::new() };
         if !self.system.pairs.is_empty() {
             self.push_by_multipliers(&start, &mut leap, &mut at)?;
         }
@@ -133,10 +130,7 @@ where
             leap.kick = system.pressed(&there, &change, |pair| pair.has_multipliers());
             leap.pressed_0 = system.pressed(&there, before, |pair| pair.has_multipliers());
         }
-        let [before, now] = &leap.lambda;
-        leap.foreseen = before.iter().zip(now).map(|(before, now)| before.min(*now)).collect();
         system.press_by_penalties(&at.pairs, &mut leap.lambda[1]);
-        system.press_by_penalties(&at.pairs, &mut leap.foreseen);
         at.lambda.clone_from(&leap.lambda[1]);
         Ok(())
     }

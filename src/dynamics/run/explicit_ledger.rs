@@ -47,7 +47,7 @@ where
         forces: PartForces,
     ) -> Result<State, Failure> {
         let (dt, search) = (leap.dt, self.system.search());
-        let f_1 = self.static_forces(&forces, &at.pairs, &leap.foreseen);
+        let f_1 = self.static_forces(&forces, &at.pairs, &leap.lambda[1]);
         let (system, old) = (&self.system, &self.state);
         let mut v_1: Vec<f64> =
             at.moved.iter().zip(&f_1).enumerate().map(|(k, (moved, f_1))| moved / dt - 0.5 * dt * system.mobility(k) * f_1).collect();
@@ -93,7 +93,7 @@ where
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),
             velocities: v_1,
-            lambda: leap.foreseen.clone(),
+            lambda: leap.lambda[1].clone(),
             penalty_gap,
             reserve: old.reserve.clone(),
             active,
@@ -131,8 +131,7 @@ where
             // Multipliers of the step replace those before at its start.
             let first: Vec<f64> =
                 before.iter().zip(now).map(|(before, now)| if has_multipliers { now - 0.5 * before } else { 0.5 * before }).collect();
-            let last: Vec<f64> = leap.foreseen[pair.rows.clone()].iter().map(|next| 0.5 * next).collect();
-            let none = vec![0.0; now.len()];
+            let (last, none): (Vec<f64>, _) = (now.iter().map(|now| 0.5 * now).collect(), vec![0.0; now.len()]);
             let [at_start, at_end] = &mut obstacles;
             let push = |first: &[f64], last: &[f64], into: &mut Vec<f64>| {
                 pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, first, last, into)
@@ -177,7 +176,7 @@ where
         let supports: f64 = prescribed.map(|k| (ends.reactions[0][k] + ends.reactions[1][k]) * at.moved[k]).sum();
         row.load_work = loads + supports + ends.obstacle_work[0];
         if !leap.kick.is_empty() {
-            let pressed_1 = system.pressed(&at.pairs, &leap.foreseen, |pair| pair.has_multipliers());
+            let pressed_1 = system.pressed(&at.pairs, &leap.lambda[1], |pair| pair.has_multipliers());
             let dt = leap.dt;
             let of = |k: usize| {
                 let (begun, left) = (leap.unpushed[k], at.moved[k]);

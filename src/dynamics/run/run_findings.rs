@@ -206,7 +206,7 @@ pub struct Measures<'a> {
     pub defect: Option<f64>,
     /// Name of the time integrator.
     pub integrator: &'static str,
-    /// Whether its contact gives in one step what it takes in the next, as multipliers do that are foreseen: then sums count.
+    /// Whether its contact gives in one step what it takes in the next, as forward increments of multipliers do: then sums count.
     pub is_explicit: bool,
     /// Why steps were halved.
     pub halvings: &'a [Halving],

@@ -1,0 +1,93 @@
+//! Press fits of facets in space that are too coarse for them: what the facets stand for decides how deep they overlap.
+
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::bulge::Bulges;
+use crate::contact::faces::{self, Vector};
+use crate::contact::surface::Surface;
+
+/// Cosine of the turn between two facets up to which they follow a curve: 50 degrees.
+const CURVE: f64 = 0.642_787_609_686_54;
+
+/// Difference of curvatures, as a share of the larger one, up to which surfaces fit each other.
+const FIT: f64 = 0.5;
+
+/// Facets that lie opposite from which on surfaces fit.
+const FEW: usize = 3;
+
+/// A press fit of curves, and how far the facets that stand for them are off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressFit {
+    /// Mean overlap of the curves `[length]`.
+    pub interference: f64,
+    /// Mean distance of the curves from the facets, of the side on which it is larger `[length]`.
+    pub height: f64,
+}
+
+impl PressFit {
+    /// Whether more depends on what facets stand for than on the interference.
+    pub fn is_coarse(&self) -> bool {
+        self.interference < self.height
+    }
+}
+
+/// The press fit of two surfaces of flat facets at `q`, where they stand for curves that fit and overlap.
+pub fn press_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<PressFit> {
+    let [own, other] = [secondary, primary].map(|surface| Bulges::of_curve(surface, q, CURVE));
+    let point = |x: Vector| [x.x, x.y, x.z];
+    let middles = (0..primary.count()).map(|facet| GeomWithData::new(point(faces::middle(primary.facet(facet), q)), facet));
+    let tree = RTree::bulk_load(middles.collect());
+    let (mut overlaps, mut heights) = (Vec::new(), [0.0; 2]);
+    for facet in 0..secondary.count() {
+        let (normal, height) = (faces::normal(secondary.facet(facet), q), own.height(facet));
+        let x = faces::middle(secondary.facet(facet), q) + normal * height;
+        let Some(nearest) = tree.nearest_neighbor(point(x)).map(|found| found.data) else { continue };
+        let (against, depth) = (faces::normal(primary.facet(nearest), q), other.height(nearest));
+        let sizes = [secondary.facet_size(facet, q), primary.facet_size(nearest, q)];
+        let curvatures = [height / sizes[0].powi(2), depth / sizes[1].powi(2)];
+        let gap = against.dot(&(x - faces::middle(primary.facet(nearest), q))) - depth;
+        let fits = (curvatures[0] + curvatures[1]).abs() <= FIT * curvatures[0].abs().max(curvatures[1].abs());
+        if height != 0.0 && fits && normal.dot(&against) < 0.0 && gap.abs() < sizes[1] {
+            overlaps.push(-gap);
+            [height, depth].iter().zip(&mut heights).for_each(|(height, sum)| *sum += height.abs());
+        }
+    }
+    let count = overlaps.len() as f64;
+    let interference = overlaps.iter().sum::<f64>() / count;
+    (overlaps.len() >= FEW && interference > 0.0).then(|| PressFit { interference, height: heights[0].max(heights[1]) / count })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quarters of two cylinders of length 1 with `inner` and `outer` facets, the inner one larger by `fit`.
+    fn found(inner: u32, outer: u32, fit: f64) -> Option<PressFit> {
+        let points = |count: u32, radius: f64| {
+            (0..=count).flat_map(move |i| {
+                let angle = std::f64::consts::FRAC_PI_2 * f64::from(i) / f64::from(count);
+                [[radius * angle.cos(), radius * angle.sin(), 0.0], [radius * angle.cos(), radius * angle.sin(), 1.0]]
+            })
+        };
+        let q: Vec<f64> = points(inner, 1.0 + fit).chain(points(outer, 1.0)).flatten().collect();
+        let first = 2 * (inner + 1);
+        let own: Vec<[u32; 4]> = (0..inner).map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).collect();
+        let other: Vec<[u32; 4]> = (0..outer).map(|i| [2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2].map(|node| first + node)).collect();
+        let of = |facets: &[[u32; 4]]| Surface::in_space(facets.iter().map(|facet| &facet[..]));
+        press_fit(&of(&own), &of(&other), &q)
+    }
+
+    /// Closed form: the mean height of a circle of radius 1 over a chord with the half angle `a` is `(a - sin a cos a)/(2 sin a)`.
+    #[test]
+    fn fits_and_heights_are_those_of_cylinders() {
+        let half = std::f64::consts::FRAC_PI_4 / 3.0;
+        let exact = (half - half.sin() * half.cos()) / (2.0 * half.sin());
+        let fit = found(4, 3, 0.0133).expect("they overlap");
+        assert!((fit.height / exact - 1.0).abs() < 0.05, "{fit:?} against {exact}");
+        assert!((fit.interference - 0.0133).abs() < 0.2 * exact, "{fit:?}");
+        assert!(fit.is_coarse());
+        assert!(found(12, 10, 0.0133).is_some_and(|fit| !fit.is_coarse() && (fit.interference / 0.0133 - 1.0).abs() < 0.1));
+        assert_eq!(found(12, 10, -0.05), None);
+    }
+}
