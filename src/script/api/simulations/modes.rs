@@ -250,14 +250,21 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
         let title = format!("modes leave out how the torque on \"{}\" turns with it", model.boundary_name(&load.on));
         call.host.warn(warning(title).cause("its forces follow the boundary and have no potential").hint("a run shows what it does"));
     }
-    let viscous = model.bodies.iter().find(|body| !body.material.viscosity().is_none());
-    if let Some(body) = viscous {
-        let title = format!("the viscosity of body \"{}\" is left out of the modes", body.name);
-        call.host.warn(warning(title).cause("they are those of the relaxed, elastic material").hint("a run shows how vibrations decay"));
-    }
+    warn_of_damping(call, handle, "modes are those of the undamped, relaxed model", "a run shows how vibrations decay");
     if sliding > 0 {
         let title = format!("{sliding} nodes slide against friction: they slide freely in the modes");
         call.host.warn(warning(title).hint("`settle` first where they should stick"));
+    }
+}
+
+/// Tells which damping of the model is left out.
+pub(super) fn warn_of_damping(call: &Call, handle: &SimulationHandle, cause: &str, hint: &str) {
+    let model = &handle.0.model.model;
+    let viscous = model.bodies.iter().find(|body| !body.material.viscosity().is_none());
+    let viscous = viscous.map(|body| format!("the viscosity of body \"{}\" is left out", body.name));
+    let damper = model.parts.iter().find(|part| part.dissipates()).map(|part| format!("what \"{}\" damps is left out", part.name()));
+    for title in viscous.into_iter().chain(damper) {
+        call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).cause(cause).hint(hint));
     }
 }
 
