@@ -1,7 +1,7 @@
 //! Press fits of polygons: what straight facets make of the interference of the curves that they stand for.
 //!
-//! Between its nodes a polygon stands off its curve by up to the sagitta `s = l theta/8` of its facets (length `l`, turn `theta` from one to
-//! the next), in the mean by `2/3 s`: inwards where the body is convex, outwards where it is hollow. Where the sagittas of the two sides
+//! Between its nodes a polygon stands off its curve by up to the sagitta `s = l theta/8` of its facets (length `l`, turn `theta` from one
+//! to the next), in the mean by `2/3 s`: inwards where the body is convex, outwards where it is hollow. Where the sagittas of the two sides
 //! differ, the polygons overlap by another amount than the curves. Where the interference is much smaller than a sagitta, corners sit in
 //! each other, and what should slide is held.
 

@@ -149,7 +149,7 @@ impl RunFinding {
                  smaller dt, or a larger penalty"
             }
             RunFindingKind::EnergyTaken => {
-                "the update rules `persistency` and `velocity` keep the energy; with `gap`, and in explicit steps, finer facets lose less"
+                "the update rules `persistency` and `velocity` keep the energy; with `gap` or explicit steps finer facets lose less"
             }
             RunFindingKind::ReserveHeld => "nothing is lost: it is part of `potential` and becomes motion when the contact opens",
             RunFindingKind::Motion(MotionKind::Sliding) => {
