@@ -37,8 +37,6 @@ pub struct Piece {
     extent: f64,
     /// Largest distance from the axis of a body of revolution.
     radius: f64,
-    /// Whether its body hangs on a joint: it does not fall.
-    hangs: bool,
 }
 
 /// What a state lacks to balance.
@@ -81,13 +79,26 @@ impl Pull {
     }
 }
 
+/// Least energy that Newton's method is judged by at rest: that of a strain which is round-off of what is seen, of displacements next to
+/// nothing. Rigid bodies alone have no strain, and the energy of their weight.
+pub fn least_energy<const D: usize>(system: &System<D>) -> f64
+where
+    Space<D>: Elements<D>,
+{
+    let round_off = match system.sees_positions() {
+        _ if system.bodies.iter().all(|body| body.rigid.is_some()) => 1.0,
+        true => tolerances::FORCE_FLOOR,
+        false => tolerances::FORCE_FLOOR.powi(2),
+    };
+    round_off * system.nodes.stiffness() * system.nodes.extent.powi(2)
+}
+
 impl Balance {
     pub fn new<const D: usize>(system: &System<D>, model: &Model) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
         for (body, definition) in model.bodies.iter().enumerate() {
             let first = pieces.len();
             let aspect = definition.mesh.quality().aspect_ratio.max(1.0);
-            let hangs = model.joints.iter().any(|joint| joint.bodies().any(|joined| joined == body));
             let mut numbers: Vec<u32> = Vec::new();
             for node in system.bodies[body].nodes.clone() {
                 let number = system.nodes.pieces[node];
@@ -96,9 +107,7 @@ impl Balance {
                     let modulus = model.modulus(body);
                     let own = if definition.rigid.is_some() { modulus } else { definition.material.stiffness() };
                     let stiffness = aspect * own;
-                    let piece =
-                        Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0, radius: 0.0, hangs };
-                    pieces.push(piece);
+                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0, radius: 0.0 });
                     numbers.len() - 1
                 });
                 pieces[first + place].nodes.push(node);
@@ -166,7 +175,7 @@ impl Balance {
         for (number, piece) in self.pieces.iter().enumerate() {
             piece.nodes.iter().for_each(|&node| piece_of[node] = number);
         }
-        let mut clearances: Vec<f64> = self.pieces.iter().map(|piece| if piece.hangs { 0.0 } else { f64::INFINITY }).collect();
+        let mut clearances = vec![f64::INFINITY; self.pieces.len()];
         let mut together = Vec::new();
         for pair in system.pairs.iter().filter(|pair| pair.corners.is_none()) {
             let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &piece_of, q);
