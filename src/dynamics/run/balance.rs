@@ -6,11 +6,14 @@
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the piece's mass center `c` and radius `r`: all its components are lengths.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
+use crate::dynamics::parts::carried::Carried;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::iterate::Forces;
 use crate::dynamics::step::system::System;
@@ -79,20 +82,6 @@ impl Pull {
     }
 }
 
-/// Least energy that Newton's method is judged by at rest: that of a strain which is round-off of what is seen, of displacements next to
-/// nothing. Rigid bodies alone have no strain, and the energy of their weight.
-pub fn least_energy<const D: usize>(system: &System<D>) -> f64
-where
-    Space<D>: Elements<D>,
-{
-    let round_off = match system.sees_positions() {
-        _ if system.bodies.iter().all(|body| body.rigid.is_some()) => 1.0,
-        true => tolerances::FORCE_FLOOR,
-        false => tolerances::FORCE_FLOOR.powi(2),
-    };
-    round_off * system.nodes.stiffness() * system.nodes.extent.powi(2)
-}
-
 impl Balance {
     pub fn new<const D: usize>(system: &System<D>, model: &Model) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
@@ -100,7 +89,9 @@ impl Balance {
             let first = pieces.len();
             let aspect = definition.mesh.quality().aspect_ratio.max(1.0);
             let mut numbers: Vec<u32> = Vec::new();
-            for node in system.bodies[body].nodes.clone() {
+            // What rigid bodies carry along is fixed in a step, but held by nothing.
+            let followers: BTreeSet<usize> = system.bodies[body].rigid.iter().flat_map(Carried::followers).collect();
+            for node in system.bodies[body].nodes.clone().filter(|node| !followers.contains(node)) {
                 let number = system.nodes.pieces[node];
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
                     numbers.push(number);

@@ -13,7 +13,7 @@
 
 use std::sync::Arc;
 
-use super::balance::{Balance, Imbalance, least_energy};
+use super::balance::{Balance, Imbalance};
 use super::closing::Closing;
 use super::engine::Engine;
 use super::options::SettleReport;
@@ -301,7 +301,7 @@ where
         let refused = match outcome.and_then(|solution| self.check_search(&outlook, progress.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
-            Ok(solution) if present.is_pushed_by(&solution.at.moved, &self.system.supports.fixed, self.system.nodes.extent) => {
+            Ok(solution) if present.is_pushed_by(&solution.at.moved, &self.system.supports.fixed) => {
                 let motion = solution.at.moved.clone();
                 progress.parts += usize::from(is_part);
                 progress.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
@@ -407,6 +407,9 @@ where
         conditions: &Conditions,
         care: Care,
     ) -> Result<Solution, Failure> {
+        // The energy of a strain that is round-off of what is seen: of displacements next to nothing.
+        let round_off = if self.system.sees_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
+        let floor = round_off * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
         let options = &self.options;
         let task = Task {
             start,
@@ -414,7 +417,7 @@ where
             moved,
             lambda: &self.state.lambda,
             conditions,
-            energy: self.system.strain_energy(start.u_0).max(least_energy(&self.system)),
+            energy: self.system.strain_energy(start.u_0).max(floor),
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             is_exact: false,
             at_least: 1,
@@ -487,13 +490,11 @@ impl Progress {
 }
 
 impl Present {
-    /// Whether the unbalanced forces push the way of a displacement, which is more than round-off of an extent. Newton's method may find
-    /// equilibria that do not last: it climbs to them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off
-    /// alone, there is no such way.
-    fn is_pushed_by(&self, moved: &[f64], fixed: &[bool], extent: f64) -> bool {
+    /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
+    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, there is no such way.
+    fn is_pushed_by(&self, moved: &[f64], fixed: &[bool]) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
         let work = || (0..moved.len()).filter(|&k| !fixed[k]).map(|k| push(k) * moved[k]).sum::<f64>();
-        let stands = || largest_size(moved) <= tolerances::FORCE_FLOOR * extent;
-        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= 0.0 || stands()
+        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= 0.0
     }
 }
