@@ -22,6 +22,9 @@ const LOST: f64 = 0.5;
 /// Share of a press fit by which that of the facets may differ.
 const DISTORTED: f64 = 0.1;
 
+/// How far beyond the ends of a facet, in its lengths, a node may lie opposite: in the wedge between two of them.
+const BESIDE: f64 = 0.1;
+
 /// Facets of a curve, and nodes of the other one that lie opposite, from which on it is one.
 const FEW: usize = 3;
 
@@ -120,7 +123,7 @@ fn opposite<'a>(x: [f64; 2], own: &Arc, others: &RTree<GeomWithData<[f64; 2], &'
         let s = (arc.along[0] * d[0] + arc.along[1] * d[1]) / arc.length;
         let gap = arc.along[1] * d[0] - arc.along[0] * d[1];
         let looks_back = arc.along[0] * own.along[0] + arc.along[1] * own.along[1] < 0.0;
-        ((0.0..=1.0).contains(&s) && gap.abs() < arc.length && looks_back).then_some((arc, s, gap))
+        ((-BESIDE..=1.0 + BESIDE).contains(&s) && gap.abs() < arc.length && looks_back).then_some((arc, s, gap))
     });
     seen.min_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))
 }

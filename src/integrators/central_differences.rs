@@ -17,7 +17,7 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
     Scheme {
         name: "central_differences",
         summary: "central differences (leapfrog), explicit, of second order: no equations are solved, so steps cost little and must be \
-                  short: `stable_step` tells how short; mass at the nodes; keeps both momenta, and the energy within a bound",
+                  shorter than 2 over the fastest angular frequency; mass at the nodes; keeps both momenta, and the energy within a bound",
         derivative: Derivative::AT_END,
         remembers: &[History::Force],
         // That at which forces that depend on it act.

@@ -82,6 +82,8 @@ pub struct Pair<T> {
     p: [[T; 2]; NODES + 2],
     h: [T; NODES + 2],
     polygons: Vec<Polygon<T>>,
+    /// Within which forces pass from one facet to the other.
+    band: f64,
 }
 
 /// Twice the area of a triangle, positive counter-clockwise.
@@ -114,6 +116,7 @@ impl<T: Number> Pair<T> {
             p: [[zero; 2]; NODES + 2],
             h: [zero; NODES + 2],
             polygons: Vec::new(),
+            band: EDGES_MEET,
         };
         for (k, x) in x.iter().enumerate() {
             let arm = sub(*x, middle);
@@ -133,9 +136,13 @@ impl<T: Number> Pair<T> {
         Some(pair)
     }
 
-    /// The pair between surfaces that lie above the facets by so much.
+    /// The pair between surfaces that lie above the facets by so much. Facets that stand for curves keep the kink: with
+    /// forces that pass on, the first step of a ring that turns in another one has found no solution.
     pub fn raised(mut self, sides: [&Raised; 2]) -> Self {
         let [own, other] = self.counts;
+        if sides.iter().any(|raised| raised.iter().any(|height| *height != 0.0)) {
+            self.band = 0.0;
+        }
         // Outwards is up on the secondary side and down on the other one.
         for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
             for (k, raised) in raised[..count].iter().enumerate() {
@@ -288,7 +295,7 @@ impl<T: Number> Pair<T> {
 
     /// The same without kinks, as it acts: see [`Polygon::bearers`].
     pub fn smooth_gradient(&self, weights: &[f64; CORNERS]) -> [Vec3<T>; NODES] {
-        self.gradient_with(weights, EDGES_MEET)
+        self.gradient_with(weights, self.band)
     }
 
     fn gradient_with(&self, weights: &[f64; CORNERS], band: f64) -> [Vec3<T>; NODES] {

@@ -77,8 +77,8 @@ pub(super) fn keys() -> Vec<Parameter> {
         optional(
             "section",
             Kind::Options(vec![
-                optional("normal", Kind::Vector, "the normal of the plane, on either side; it must be given", "required"),
-                optional("point", Kind::Vector, "a point of the plane", "the middle of what is shown"),
+                optional("normal", Kind::Vector, "the normal of the plane, on either side; it must be given", "required").of("1"),
+                optional("point", Kind::Vector, "a point of the plane", "the middle of what is shown").of("length"),
             ]),
             "a plane that opens bodies in space: what is on the viewer's side of it is taken away, and the field is seen on the cut",
             "nothing is cut",
