@@ -132,7 +132,7 @@ where
         }
         let goes_on = lanczos.expand(&mut operator)?;
         let is_spent = !goes_on || lanczos.applied() >= motions.min(VECTORS * count + BESIDES);
-        if lanczos.applied() % LOOK_AFTER != 0 && !is_spent {
+        if !lanczos.applied().is_multiple_of(LOOK_AFTER) && !is_spent {
             continue;
         }
         let ritz = lanczos.ritz();

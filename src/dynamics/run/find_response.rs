@@ -104,7 +104,7 @@ where
     }
     loop {
         let is_exhausted = lanczos.is_exhausted();
-        if is_exhausted || (lanczos.applied() > 0 && lanczos.applied() % LOOK_AFTER == 0) {
+        if is_exhausted || (lanczos.applied() > 0 && lanczos.applied().is_multiple_of(LOOK_AFTER)) {
             let ritz = lanczos.ritz();
             let (mut combinations, mut worst) = (Vec::with_capacity(options.frequencies.len()), (0.0f64, 0.0));
             for &frequency in &options.frequencies {
