@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use conserva::script::{Class, Diagnostic, Form, Ink, Kind, Mode, Observer, Progress, Report, Session, Settings};
 
@@ -321,15 +322,25 @@ fn scripts_are_reproducible_to_the_last_bit() {
 #[test]
 fn the_shipped_scenarios_hold_their_checks() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/scenarios");
-    let mut checks = 0;
     let entries = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
-    for script in entries.filter(|path| path.extension().is_some_and(|extension| extension == "rhai")) {
-        let mut session = Session::new(Settings::default(), &folder, Rc::new(Recorder::default())).unwrap();
-        let report = session.run_file(&script);
-        assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
-        assert!(report.checks > 0, "{} checks something", script.display());
-        checks += report.checks;
-    }
+    let scripts: Vec<_> = entries.filter(|path| path.extension().is_some_and(|extension| extension == "rhai")).collect();
+    // A session stays on its thread.
+    let next = AtomicUsize::new(0);
+    let worker = || {
+        let mut checks = 0;
+        while let Some(script) = scripts.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let mut session = Session::new(Settings::default(), &folder, Rc::new(Recorder::default())).unwrap();
+            let report = session.run_file(script);
+            assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
+            assert!(report.checks > 0, "{} checks something", script.display());
+            checks += report.checks;
+        }
+        checks
+    };
+    let checks: usize = std::thread::scope(|scope| {
+        let workers = [scope.spawn(worker), scope.spawn(worker)];
+        workers.into_iter().map(|worker| worker.join().unwrap()).sum()
+    });
     assert!(checks >= 15);
 }
 
