@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::machine::memory::written;
+use crate::machine::memory::{Shortage, written};
 
 /// Why a linear system could not be solved.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -34,4 +34,11 @@ pub enum LinearError {
         /// Bytes that it takes at least.
         needed: u64,
     },
+}
+
+impl LinearError {
+    /// That equations of so many unknowns do not fit into memory.
+    pub fn out_of_memory(unknowns: usize, shortage: Shortage) -> Self {
+        LinearError::OutOfMemory { unknowns, needed: shortage.needed }
+    }
 }

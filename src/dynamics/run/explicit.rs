@@ -21,8 +21,6 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};
 use crate::dynamics::step::start::{Motion, StepKind, StepStart};
-use crate::linear::LinearError;
-use crate::machine::memory::Shortage;
 use crate::math::digits::three_digits;
 use crate::math::tolerances;
 
@@ -96,8 +94,7 @@ where
         system.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
         let travel = Travel::Guessed { displacements: [&at.moved, &at.moved], factor: 1.0 };
         let outlook = Outlook { q: start.q_0, travel, reach: self.options.reach, depth: 0.0 };
-        let shortage = |shortage: Shortage| LinearError::OutOfMemory { unknowns: start.q_0.len(), needed: shortage.needed };
-        system.begin_explicit_step(&outlook).map_err(|error| Failure::Linear(shortage(error)))?;
+        system.begin_explicit_step(&outlook).map_err(Failure::Linear)?;
         system.evaluate_pairs(&at.q_1, &mut at.pairs);
         let mobility: Vec<f64> = (0..start.q_0.len()).map(|k| system.mobility(k)).collect();
         let (targets, mut begun) = (system.explicit_targets(), None);
@@ -159,9 +156,7 @@ where
     fn forces_at_rest(&mut self, start: &StepStart, at: &mut Linearization, lambda: &mut [f64]) -> Result<PartForces, Failure> {
         if !self.system.pairs.is_empty() {
             self.system.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
-            let shortage = |shortage: Shortage| LinearError::OutOfMemory { unknowns: start.q_0.len(), needed: shortage.needed };
-            let begun = self.system.begin_explicit_step(&Outlook::within(start.q_0, 0.0));
-            begun.map_err(|error| Failure::Linear(shortage(error)))?;
+            self.system.begin_explicit_step(&Outlook::within(start.q_0, 0.0)).map_err(Failure::Linear)?;
             self.system.evaluate_pairs(start.q_0, &mut at.pairs);
             self.system.press_by_penalties(&at.pairs, lambda);
         }

@@ -10,13 +10,12 @@
 
 use super::buckling::{Buckling, BucklingError};
 use super::engine::Engine;
+use super::find_modes::shape_of;
 use super::modes::ModesError;
-use super::steps::Steps;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Outlook, Travel};
 use crate::dynamics::model::definitions::LoadKind;
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::dynamics::step::vibrations::Vibrations;
 use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
 use crate::math::tolerances;
 
@@ -66,43 +65,23 @@ where
         if let Some(load) = self.model.loads.iter().find(|load| turns(&load.kind)) {
             return Err(BucklingError::Follows { boundary: self.model.boundary_name(&load.on) });
         }
-        let (state, tally) = (self.state.clone(), self.tally());
-        if state.displacements.iter().all(|u| *u == 0.0) {
+        if self.state.displacements.iter().all(|u| *u == 0.0) {
             return Err(BucklingError::Unloaded);
         }
-        let still = vec![0.0; self.system.nodes.count()];
-        let travel = Travel::Each { sizes: &still, besides: 0.0 };
-        let outlook = Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 };
-        self.begin_at_rest(&outlook, &[]).map_err(ModesError::Step)?;
-        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
-        let mut vibrations = Vibrations::new(&mut self.system, rest);
-        let is_interrupted = || self.options.interrupted();
-        let outcome = search(&mut vibrations, &state.displacements, count, &is_interrupted);
-        self.count_from(&tally);
-        self.restore_search();
+        let outcome = self.about_rest(|vibrations, state, is_interrupted| search(vibrations, &state.displacements, count, is_interrupted));
+        let outcome = outcome.map_err(ModesError::Step)?;
         let (found, linear) = outcome.map_err(|failure| self.modes_error(failure.into()))?;
         let found = found?;
         if found.len() < count {
             return Err(BucklingError::NotFound { count, found: found.len() });
         }
-        let strain = self.system.strain_energy(&state.displacements);
+        let strain = self.system.strain_energy(&self.state.displacements);
         Ok(Buckling {
-            time: state.row.time,
+            time: self.state.row.time,
             factors: found.iter().map(|(factor, _)| *factor).collect(),
-            shapes: found.into_iter().map(|(_, x)| self.shape_of(x)).collect(),
+            shapes: found.into_iter().map(|(_, x)| self.by_body(&shape_of::<D>(x))).collect(),
             nonlinearity: (strain / linear - 1.0).abs(),
         })
-    }
-
-    /// A motion of all nodes, body by body, the largest of length 1.
-    fn shape_of(&self, x: Vec<f64>) -> Vec<Vec<[f64; 3]>> {
-        let size = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let largest = x.chunks_exact(D).map(size).fold(0.0, f64::max);
-        let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
-        let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
-        let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
-        let vector = |node: usize| std::array::from_fn(|i| if i < D { x[node * D + i] * scale + 0.0 } else { 0.0 });
-        self.system.bodies.iter().map(|body| body.nodes.clone().map(vector).collect()).collect()
     }
 }
 

@@ -7,9 +7,11 @@
 use super::balance::Balance;
 use super::engine::Engine;
 use super::modes::{Mode, Modes, ModesError};
+use super::state::State;
 use super::steps::Steps;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};
+use crate::dynamics::model::error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::vibrations::{Rest, Vibrations};
 use crate::linear::{Lanczos, LinearError, Ritz, product};
@@ -43,33 +45,47 @@ where
     /// # Errors
     /// [`ModesError`].
     pub fn find_modes(&mut self, count: usize) -> Result<Modes, ModesError> {
-        let (state, tally) = (self.state.clone(), self.tally());
-        let slowest =
-            Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
-        let still = vec![0.0; self.system.nodes.count()];
-        let travel = Travel::Each { sizes: &still, besides: 0.0 };
-        self.begin_at_rest(&Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 }, &[])?;
-        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
-        let mut vibrations = Vibrations::new(&mut self.system, rest);
-        let options = &self.options;
-        let shift = -tolerances::MODE_SHIFT * slowest;
-        let outcome = below_all(&mut vibrations, shift)
-            .and_then(|shift| Ok((shift, search(&mut vibrations, shift, count, &|| options.interrupted())?)));
-        let (asymmetry, factorizations, stiffest) = (vibrations.asymmetry, vibrations.factorizations, vibrations.stiffest);
-        self.count_from(&tally);
-        self.restore_search();
+        let first = self.first_shift();
+        let (outcome, asymmetry, factorizations, stiffest) = self.about_rest(|vibrations, _, is_interrupted| {
+            let outcome = below_all(vibrations, first).and_then(|shift| Ok((shift, search(vibrations, shift, count, is_interrupted)?)));
+            (outcome, vibrations.told_asymmetry(), vibrations.factorizations, vibrations.stiffest)
+        })?;
         let (shift, found) = outcome.map_err(|error| self.modes_error(error))?;
         let floor = tolerances::MODE_FLOOR * stiffest;
         let modes = found.ritz.iter().map(|ritz| self.mode(ritz, &found.lanczos, shift, floor)).collect();
         Ok(Modes {
-            time: state.row.time,
+            time: self.state.row.time,
             modes,
             mass: self.system.nodes.total_mass,
             directions: self.directions(),
             is_complete: found.is_complete,
-            asymmetry: if asymmetry > tolerances::ASYMMETRY { asymmetry } else { 0.0 },
+            asymmetry,
             work: [factorizations, found.lanczos.applied()],
         })
+    }
+
+    /// What a search finds with the matrices about the present state, where it may ask whether it is interrupted; state, counts and the
+    /// solver's memory stay as they are.
+    pub(super) fn about_rest<T>(
+        &mut self,
+        search: impl FnOnce(&mut Vibrations<D>, &State, &dyn Fn() -> bool) -> T,
+    ) -> Result<T, StepError> {
+        let (state, tally) = (self.state.clone(), self.tally());
+        let still = vec![0.0; self.system.nodes.count()];
+        let travel = Travel::Each { sizes: &still, besides: 0.0 };
+        self.begin_at_rest(&Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 }, &[])?;
+        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
+        let options = &self.options;
+        let found = search(&mut Vibrations::new(&mut self.system, rest), &state, &|| options.interrupted());
+        self.count_from(&tally);
+        self.restore_search();
+        Ok(found)
+    }
+
+    /// The first shift to be tried below all eigenvalues.
+    pub(super) fn first_shift(&self) -> f64 {
+        let pieces = Balance::new(&self.system, &self.model).pieces;
+        -tolerances::MODE_SHIFT * pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min)
     }
 
     /// Directions in which a body may move as a whole: of bodies of revolution that along the axis alone.
@@ -79,29 +95,25 @@ where
 
     /// A vibration as it is told.
     fn mode(&self, ritz: &Ritz, lanczos: &Lanczos, shift: f64, floor: f64) -> Mode {
-        let nodes = &self.system.nodes;
-        let mut x = lanczos.vector(&ritz.coefficients);
-        let size = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let largest = x.chunks_exact(D).map(size).fold(0.0, f64::max);
-        // The first of the components that are as good as the largest is positive.
-        let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
-        let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
-        let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
-        // Nothing is negative zero.
-        x.iter_mut().for_each(|x| *x = *x * scale + 0.0);
-        let momenta = nodes.momenta_of(&x);
+        let x = shape_of::<D>(lanczos.vector(&ritz.coefficients));
+        let momenta = self.system.nodes.momenta_of(&x);
         let modal_mass = product(&x, &momenta);
         let along: Vec<f64> = self.directions().into_iter().map(|i| momenta.iter().skip(i).step_by(D).sum()).collect();
         let eigenvalue = shift + 1.0 / ritz.theta;
-        let vector = |node: usize| std::array::from_fn(|i| if i < D { x[node * D + i] } else { 0.0 });
         Mode {
             eigenvalue: if eigenvalue.abs() <= floor { 0.0 } else { eigenvalue },
-            shape: self.system.bodies.iter().map(|body| body.nodes.clone().map(vector).collect()).collect(),
+            shape: self.by_body(&x),
             modal_mass,
             participation: along.iter().map(|momentum| momentum / modal_mass).collect(),
             effective_mass: along.iter().map(|momentum| momentum * momentum / modal_mass).collect(),
             residual: ritz.residual / ritz.theta,
         }
+    }
+
+    /// A nodal vector body by body, in space.
+    pub(super) fn by_body(&self, x: &[f64]) -> Vec<Vec<[f64; 3]>> {
+        let vector = |node: usize| std::array::from_fn(|i| if i < D { x[node * D + i] } else { 0.0 });
+        self.system.bodies.iter().map(|body| body.nodes.clone().map(vector).collect()).collect()
     }
 
     pub(super) fn modes_error(&mut self, error: SearchError) -> ModesError {
@@ -111,6 +123,19 @@ where
             SearchError::Refused(error) => error,
         }
     }
+}
+
+/// A motion of the nodes made so large that the longest displacement has the length 1; the first of the components that are as good as the
+/// largest is positive.
+pub(super) fn shape_of<const D: usize>(mut x: Vec<f64>) -> Vec<f64> {
+    let size = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let largest = x.chunks_exact(D).map(size).fold(0.0, f64::max);
+    let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
+    let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
+    let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
+    // Nothing is negative zero.
+    x.iter_mut().for_each(|x| *x = *x * scale + 0.0);
+    x
 }
 
 /// Why a search ended without modes.

@@ -13,17 +13,14 @@ use std::sync::Arc;
 
 use nalgebra::Complex;
 
-use super::balance::Balance;
 use super::engine::Engine;
 use super::find_modes::below_all;
 use super::harmonic::{Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
-use super::steps::Steps;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Outlook, Travel};
 use crate::dynamics::model::amplitude::Constant;
 use crate::dynamics::model::definitions::{Load, LoadKind, Model};
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::dynamics::step::vibrations::Vibrations;
 use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
 use crate::math::tolerances;
 
@@ -40,33 +37,23 @@ where
     /// # Errors
     /// [`HarmonicError`].
     pub fn find_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
-        let (state, tally) = (self.state.clone(), self.tally());
-        let slowest =
-            Balance::new(&self.system, &self.model).pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min);
         let excited = match &options.excitation {
             Excitation::Force { on, vector } => {
                 let load = Load { kind: LoadKind::Force(*vector), on: on.clone(), amplitude: Arc::new(Constant(1.0)) };
-                self.system.forces_of_loads(&Model { loads: vec![load], ..self.model.clone() }, &state.positions)
+                self.system.forces_of_loads(&Model { loads: vec![load], ..self.model.clone() }, &self.state.positions)
             }
             Excitation::Base(vector) => self.system.nodes.momenta_of(&self.carried_along(*vector)),
         };
-        let still = vec![0.0; self.system.nodes.count()];
-        let travel = Travel::Each { sizes: &still, besides: 0.0 };
-        let outlook = Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 };
-        self.begin_at_rest(&outlook, &[]).map_err(|error| HarmonicError::Matrix(error.into()))?;
-        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
-        let mut vibrations = Vibrations::new(&mut self.system, rest);
-        let is_interrupted = || self.options.interrupted();
-        let outcome = below_all(&mut vibrations, -tolerances::MODE_SHIFT * slowest)
-            .and_then(|shift| Ok(search(&mut vibrations, shift, excited, options, &is_interrupted)?));
-        let asymmetry = vibrations.asymmetry;
-        self.count_from(&tally);
-        self.restore_search();
+        let first = self.first_shift();
+        let found = self.about_rest(|vibrations, _, is_interrupted| {
+            let outcome = below_all(vibrations, first).and_then(|shift| Ok(search(vibrations, shift, excited, options, is_interrupted)?));
+            (outcome, vibrations.told_asymmetry())
+        });
+        let (outcome, asymmetry) = found.map_err(|error| HarmonicError::Matrix(error.into()))?;
         let (basis, combinations, residual) = outcome.map_err(|error| HarmonicError::Matrix(self.modes_error(error)))??;
         let base = if let Excitation::Base(vector) = options.excitation { vector } else { [0.0; 3] };
-        let asymmetry = if asymmetry > tolerances::ASYMMETRY { asymmetry } else { 0.0 };
         Ok(HarmonicResponse {
-            time: state.row.time,
+            time: self.state.row.time,
             frequencies: options.frequencies.clone(),
             basis,
             combinations,

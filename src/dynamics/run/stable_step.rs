@@ -108,7 +108,7 @@ where
         let (mut lanczos, mut largest) = (Lanczos::new(unknowns, 1), 0.0);
         while lanczos.applied() < VECTORS {
             let goes_on = lanczos.expand(&mut operator)?;
-            if goes_on && lanczos.applied() % LOOK_AFTER != 0 {
+            if goes_on && !lanczos.applied().is_multiple_of(LOOK_AFTER) {
                 continue;
             }
             let Some(first) = lanczos.ritz().into_iter().next() else { break };

@@ -39,15 +39,11 @@ where
             own.clear();
             own.extend_from_slice(values);
         }
-        at.u_1.clear();
         if self.sees_positions() {
             at.q_1.clear();
             at.q_1.extend_from_slice(q_1);
-            at.u_1.extend(q_1.iter().zip(&self.nodes.reference).map(|(q, x)| q - x));
-        } else {
-            at.u_1.extend(start.u_0.iter().zip(moved).map(|(u_0, moved)| u_0 + moved));
-            self.nodes.positions_into(&at.u_1, &mut at.q_1);
         }
+        self.displace(start, &mut at);
         at.tangent_of = None;
         self.counters.assemblies += 1;
         self.sum_parts(start, &mut at, !is_probably_last)?;
@@ -56,6 +52,18 @@ where
             self.add_contact_tangent(start, &mut at);
         }
         Ok(at)
+    }
+
+    /// Displacements of an iterate by its positions where something sees these, else both by its motion.
+    pub(super) fn displace(&self, start: &StepStart, at: &mut Linearization) {
+        let Linearization { q_1, u_1, moved, .. } = at;
+        u_1.clear();
+        if self.sees_positions() {
+            u_1.extend(q_1.iter().zip(&self.nodes.reference).map(|(q, x)| q - x));
+        } else {
+            u_1.extend(start.u_0.iter().zip(moved.iter()).map(|(u_0, moved)| u_0 + moved));
+            self.nodes.positions_into(u_1, q_1);
+        }
     }
 
     /// Computes the tangent of an iterate if that was left out.

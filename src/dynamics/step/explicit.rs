@@ -12,7 +12,7 @@ use crate::dynamics::model::part::{Iterate, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::Row;
 use crate::integrators::Derivative;
-use crate::machine::memory::Shortage;
+use crate::linear::LinearError;
 
 /// Forces at positions, component by component `[force]`.
 #[derive(Default)]
@@ -33,10 +33,10 @@ where
     ///
     /// # Errors
     /// The contacts do not fit into memory.
-    pub fn begin_explicit_step(&mut self, outlook: &Outlook) -> Result<(), Shortage> {
+    pub fn begin_explicit_step(&mut self, outlook: &Outlook) -> Result<(), LinearError> {
         if self.find_candidates(outlook, &[]) {
             self.matrix.is_stale = true;
-            self.ensure_patches()?;
+            self.ensure_patches().map_err(|shortage| LinearError::out_of_memory(self.nodes.reference.len(), shortage))?;
         }
         self.begin_pairs(outlook);
         Ok(())
@@ -44,16 +44,12 @@ where
 
     /// Positions and displacements after a motion, as [`Self::linearize`] has them.
     pub fn place_after(&self, start: &StepStart, at: &mut Linearization) {
-        let Linearization { q_1, u_1, moved, .. } = at;
-        u_1.clear();
         if self.sees_positions() {
+            let Linearization { q_1, moved, .. } = at;
             q_1.clear();
             q_1.extend(start.q_0.iter().zip(moved.iter()).map(|(q, moved)| q + moved));
-            u_1.extend(q_1.iter().zip(&self.nodes.reference).map(|(q, x)| q - x));
-        } else {
-            u_1.extend(start.u_0.iter().zip(moved.iter()).map(|(u_0, moved)| u_0 + moved));
-            self.nodes.positions_into(u_1, q_1);
         }
+        self.displace(start, at);
     }
 
     /// Forces of all parts at the end of a motion, without a matrix.

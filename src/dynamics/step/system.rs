@@ -442,9 +442,7 @@ impl<const D: usize> System<D> {
         let changed = self.find_candidates(outlook, depths);
         if changed || self.matrix.is_stale {
             let clock = Instant::now();
-            let out_of_memory =
-                |shortage: Shortage| LinearError::OutOfMemory { unknowns: self.nodes.reference.len(), needed: shortage.needed };
-            self.ensure_patches().map_err(out_of_memory)?;
+            self.ensure_patches().map_err(|shortage| LinearError::out_of_memory(self.nodes.reference.len(), shortage))?;
             self.matrix.renew(pattern_of::<D>(
                 &self.supports.fixed,
                 self.multipliers,

@@ -47,7 +47,7 @@ pub struct Vibrations<'a, const D: usize> {
     /// Rows that hold.
     pub held: usize,
     /// Largest difference of an entry of the stiffness and its mirror image, over the largest entry.
-    pub asymmetry: f64,
+    asymmetry: f64,
     /// Largest stiffness over mass of an unknown `[1/time^2]`.
     pub stiffest: f64,
     /// Factorizations so far.
@@ -135,6 +135,11 @@ where
         self.system.recycle(at);
         self.factorize_values()?;
         Ok([stiffness, change])
+    }
+
+    /// How unsymmetric the stiffness is, relative to its size; nothing where that is round-off.
+    pub fn told_asymmetry(&self) -> f64 {
+        if self.asymmetry > tolerances::ASYMMETRY { self.asymmetry } else { 0.0 }
     }
 
     /// A matrix of the pattern times a vector of the nodes, in the rows of these.

@@ -2,10 +2,11 @@
 
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic};
+use rhai::Dynamic;
 
-use super::handle::{SimulationHandle, busy};
-use crate::dynamics::{Buckling, BucklingError, ModesError};
+use super::handle::SimulationHandle;
+use super::modes;
+use crate::dynamics::{Buckling, BucklingError};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::{LINEAR_PATH, LINEAR_STATE};
 use crate::script::api::examples::plate_example;
@@ -73,11 +74,8 @@ fn buckling() -> Function {
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
-            call.host.go_on()?;
-            call.host.observer.began(&format!("buckling of \"{}\"", handle.0.name));
-            let found = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut one| one.buckling(count as usize));
-            call.host.observer.ended();
-            let buckling = found?.map_err(|error| refused(call, &handle, error))?;
+            let found = handle.found(call, "buckling", |simulation| simulation.buckling(count as usize))?;
+            let buckling = found.map_err(|error| refused(call, &handle, error))?;
             warn(call, &buckling);
             Ok(Dynamic::from(BucklingHandle { buckling: Rc::new(buckling), simulation: handle }))
         }),
@@ -101,10 +99,7 @@ fn warn(call: &Call, buckling: &Buckling) {
 fn refused(call: &Call, handle: &SimulationHandle, error: BucklingError) -> Failure {
     let title = error.to_string();
     match error {
-        BucklingError::Matrix(ModesError::Step(error)) => handle.step_failure(call, error),
-        BucklingError::Matrix(_) => {
-            call.fail(title).hint("leave out supports, ties or contacts that hold nodes more than once, or give the contact a `penalty`")
-        }
+        BucklingError::Matrix(error) => modes::refused(call, handle, error),
         BucklingError::Follows { .. } => call.fail(title).hint("`sim.follow_load` finds where stability is lost under such loads"),
         BucklingError::Unloaded => call.fail(title).hint("load the model and call `sim.settle()` before"),
         BucklingError::Loose => call.fail(title).hint("hold every body with `fix`, or let contacts hold it that press"),
@@ -122,10 +117,7 @@ fn factors() -> Function {
         returns: "Array",
         example: buckling_example("print(buckling.factors);"),
         see_also: &["buckling", "shape"],
-        body: body(|call| {
-            let handle = call.receiver::<BucklingHandle>();
-            Ok(handle.buckling.factors.iter().map(|&factor| Dynamic::from(factor)).collect::<Array>().into())
-        }),
+        body: body(|call| Ok(modes::array(call.receiver::<BucklingHandle>().buckling.factors.iter().copied()))),
     }
 }
 
@@ -152,8 +144,7 @@ fn shape() -> Function {
                 return Err(failure.hint("ask for more with `count` of `sim.buckling`").into());
             };
             let dimension = handle.simulation.0.model.model.dimension();
-            let vector = |x: &[f64; 3]| Dynamic::from(x[..dimension].iter().map(|&x| x.into()).collect::<Array>());
-            Ok(shape[index].iter().map(vector).collect::<Array>().into())
+            Ok(modes::shape_array(&shape[index], dimension))
         }),
     }
 }

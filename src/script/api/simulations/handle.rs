@@ -211,6 +211,18 @@ impl SimulationHandle {
         Err(result_used(call.function.name).placed(call.place(&Target::Call)))
     }
 
+    /// What is found about the present state, which the user sees going on as `what` of the simulation, unless a step is running.
+    ///
+    /// # Errors
+    /// A step is running, or the user has interrupted.
+    pub fn found<T>(&self, call: &Call, what: &str, search: impl FnOnce(&mut Simulation) -> T) -> Result<T, Failure> {
+        call.host.go_on()?;
+        call.host.observer.began(&format!("{what} of \"{}\"", self.0.name));
+        let found = self.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut simulation| search(&mut simulation));
+        call.host.observer.ended();
+        found
+    }
+
     /// What the kernels say, unless a step is running.
     ///
     /// # Errors

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic, Map};
+use rhai::{Dynamic, Map};
 
-use super::handle::{SimulationHandle, busy};
-use super::modes::warn_of_damping;
-use crate::dynamics::{BodyBoundary, Excitation, HarmonicError, HarmonicOptions, HarmonicResponse, ModesError};
+use super::handle::SimulationHandle;
+use super::modes::{self, array, warn_of_damping};
+use crate::dynamics::{BodyBoundary, Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
 use crate::script::api::models::arguments::node_at;
@@ -105,11 +105,8 @@ fn harmonic_response() -> Function {
             handle.looked()?;
             let unit = handle.0.kernel_time(1.0);
             let options = asked_for(&handle, call, &options, unit)?;
-            call.host.go_on()?;
-            call.host.observer.began(&format!("harmonic response of \"{}\"", handle.0.name));
-            let found = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut one| one.harmonic_response(&options));
-            call.host.observer.ended();
-            let response = found?.map_err(|error| refused(call, &handle, error, unit))?;
+            let found = handle.found(call, "harmonic response", |simulation| simulation.harmonic_response(&options))?;
+            let response = found.map_err(|error| refused(call, &handle, error, unit))?;
             if response.asymmetry > 0.0 {
                 let title = "loads that turn with the surface make the stiffness unsymmetric: the response is that of its symmetric part";
                 call.host.warn(Diagnostic::warning(title.to_string(), call.place(&Target::Call)));
@@ -164,11 +161,7 @@ fn boundary_of(handle: &SimulationHandle, argument: &Argument) -> Result<BodyBou
 fn refused(call: &Call, handle: &SimulationHandle, error: HarmonicError, unit: f64) -> Failure {
     let in_script = |frequency: f64| brief(frequency * unit / TAU);
     match error {
-        HarmonicError::Matrix(ModesError::Step(error)) => handle.step_failure(call, error),
-        HarmonicError::Matrix(error) => {
-            let failure = call.fail(error.to_string());
-            failure.hint("leave out supports, ties or contacts that hold nodes more than once, or give the contact a `penalty`")
-        }
+        HarmonicError::Matrix(error) => modes::refused(call, handle, error),
         HarmonicError::Resonance { frequency } => call
             .fail(format!("the response at the frequency {} grows without bound: nothing damps it", in_script(frequency)))
             .hint("give a damping, such as `loss_factor: 0.02`, or another frequency"),
@@ -191,10 +184,6 @@ fn frequencies() -> Function {
         see_also: &["harmonic_response", "at"],
         body: body(|call| Ok(array(call.receiver::<ResponseHandle>().frequencies()))),
     }
-}
-
-fn array(values: impl IntoIterator<Item = f64>) -> Dynamic {
-    values.into_iter().map(Dynamic::from).collect::<Array>().into()
 }
 
 fn at() -> Function {

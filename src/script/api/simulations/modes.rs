@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rhai::{Array, Dynamic};
 
-use super::handle::{SimulationHandle, busy};
+use super::handle::SimulationHandle;
 use super::pictures::{keys, shown};
 use crate::dynamics::{BodyFields, LedgerRow, LoadKind, Mode, Modes, ModesError, PlacedObstacle};
 use crate::math::catalogue::Interval;
@@ -179,16 +179,13 @@ fn modes() -> Function {
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
-            call.host.go_on()?;
-            call.host.observer.began(&format!("modes of \"{}\"", handle.0.name));
-            let found = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut simulation| {
+            let found = handle.found(call, "modes", |simulation| {
                 let modes = simulation.modes(count as usize)?;
                 let mut bodies = simulation.fields();
                 bodies.iter_mut().for_each(at_place);
                 Ok((modes, bodies, simulation.obstacles(), sliding(simulation.row())))
-            });
-            call.host.observer.ended();
-            let (modes, bodies, obstacles, sliding) = found?.map_err(|error| refused(call, &handle, error))?;
+            })?;
+            let (modes, bodies, obstacles, sliding) = found.map_err(|error| refused(call, &handle, error))?;
             warn(call, &handle, &modes, sliding);
             let unit = handle.0.motion.map_or(1.0, |motion| motion.units.time);
             Ok(Dynamic::from(ModesHandle(Rc::new(ModesData { modes, simulation: handle, bodies, obstacles, unit }))))
@@ -209,8 +206,8 @@ fn at_place(body: &mut BodyFields) {
     body.mesh = Arc::new(mesh);
 }
 
-/// The failure of `modes`.
-fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure {
+/// The failure of `modes`, and of what else is searched in their matrix.
+pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure {
     let title = error.to_string();
     match error {
         ModesError::Step(error) => handle.step_failure(call, error),
@@ -268,10 +265,17 @@ pub(super) fn warn_of_damping(call: &Call, handle: &SimulationHandle, cause: &st
     }
 }
 
+/// An array of numbers.
+pub(super) fn array(values: impl IntoIterator<Item = f64>) -> Dynamic {
+    values.into_iter().map(Dynamic::from).collect::<Array>().into()
+}
+
+/// The displacements of the nodes of a body in a shape.
+pub(super) fn shape_array(shape: &[[f64; 3]], dimension: usize) -> Dynamic {
+    shape.iter().map(|x| array(x[..dimension].iter().copied())).collect::<Array>().into()
+}
+
 fn properties() -> Vec<Function> {
-    fn array(values: impl Iterator<Item = f64>) -> Dynamic {
-        values.map(Dynamic::from).collect::<Array>().into()
-    }
     let of_mode = |name, summary, read: fn(&Mode, f64) -> f64| {
         property(name, "Array", summary, move |data: &ModesData| array(data.modes.modes.iter().map(|mode| read(mode, data.unit))))
     };
@@ -344,8 +348,7 @@ fn shape() -> Function {
             let modes = call.receiver::<ModesHandle>();
             let (_, mode) = modes.chosen(call, None)?;
             let (index, dimension) = (modes.0.simulation.body_index(call)?, modes.0.simulation.0.model.model.dimension());
-            let vector = |x: &[f64; 3]| Dynamic::from(x[..dimension].iter().map(|&x| x.into()).collect::<Array>());
-            Ok(mode.shape[index].iter().map(vector).collect::<Array>().into())
+            Ok(shape_array(&mode.shape[index], dimension))
         }),
     }
 }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use rhai::{Array, Dynamic, Map};
 
-use super::handle::{SimulationHandle, busy};
+use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use super::states::StateHandle;
 use crate::dynamics::{CriticalKind, LedgerRow, Path, PathEnd, PathError, PathOptions};
@@ -121,12 +121,8 @@ fn follow_load() -> Function {
             handle.refuse_in_check(call)?;
             handle.looked()?;
             let options = path_options(&handle, &options)?;
-            call.host.go_on()?;
-            call.host.observer.began(&format!("equilibria of \"{}\"", handle.0.name));
-            let simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call));
-            let found = simulation.map(|mut simulation| simulation.path(&options, &mut |_| ()));
-            call.host.observer.ended();
-            let path = found?.map_err(|error| refused(call, &handle, error))?;
+            let found = handle.found(call, "equilibria", |simulation| simulation.path(&options, &mut |_| ()))?;
+            let path = found.map_err(|error| refused(call, &handle, error))?;
             if let PathEnd::Lost(cause) = &path.end {
                 let load = path.points.last().map_or(0.0, |point| handle.0.script_time(point.state.row.time));
                 let warning = Diagnostic::warning(format!("the path is lost at t = {}", brief(load)), call.place(&Target::Call));

@@ -141,7 +141,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
         call.host.warn(warning.hint(finding.hint()));
     }
-    warn_of_joints(call, &model, &simulation)?;
+    check_joints(call, &model, &simulation)?;
     for body in model.model.locking() {
         call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.remedy()));
     }
@@ -181,7 +181,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
 ///
 /// # Errors
 /// A drive of what is held already.
-fn warn_of_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Result<(), Failure> {
+fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Result<(), Failure> {
     for found in simulation.redundant_constraints() {
         let RedundantConstraints { name, is_joint, is_driven, count, of, node } = found;
         if is_driven {
