@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::ledger::{LedgerRow, heat};
+use super::ledger::{LedgerRow, heat, unexplained};
 use super::quantities::Touching;
 use super::slip_memory::{add_heat, slipped};
 use super::state::State;
@@ -344,16 +344,14 @@ where
             add_moment(&mut turning, &middle, &force);
         }
         let impulse = jump.map_or(&[][..], |jump| &jump.impulse);
-        let unexplained = |new: [f64; 3], old: [f64; 3], rate: [f64; 3], impulse: [f64; 3]| {
-            (0..3).map(|i| (new[i] - old[i] - dt * rate[i] - impulse[i]).abs()).fold(0.0, f64::max)
-        };
         if system.nodes.is_axisymmetric {
             (external, turning) = ([0.0, external[1], 0.0], [0.0; 3]);
         }
-        row.momentum_defect = unexplained(row.momentum, old.momentum, external, system.nodes.resultant(impulse));
+        let changes = |force: [f64; 3], impulse: [f64; 3]| [force.map(|x| dt * x), impulse];
+        row.momentum_defect = unexplained([row.momentum, old.momentum], changes(external, system.nodes.resultant(impulse)));
         let mut impulse = system.nodes.moment(&at.q_1, impulse);
         (0..3).for_each(|i| impulse[i] += outside.slip_moment[i]);
-        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, turning, impulse);
+        row.angular_momentum_defect = unexplained([row.angular_momentum, old.angular_momentum], changes(turning, impulse));
     }
 
     /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their

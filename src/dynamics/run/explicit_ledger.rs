@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::engine::Engine;
 use super::explicit::Leap;
-use super::ledger::{LedgerRow, heat};
+use super::ledger::{LedgerRow, heat, unexplained};
 use super::quantities::Touching;
 use super::state::State;
 use crate::bodies::{Elements, Space};
@@ -54,7 +54,7 @@ where
         for (one, rate) in system.supports.prescribed.iter().zip(motion.prescribed_v_1) {
             v_1[one.unknown] = *rate;
         }
-        let ends = self.ends(start, motion, &leap, &at, &forces, [&f_1, &v_1]);
+        let ends = self.ends(motion, &leap, &at, &forces, [&f_1, &v_1]);
         let (memory, dissipated) =
             if system.others.is_empty() { (old.memory.clone(), Vec::new()) } else { system.memory_after(start, &at) };
         let active: Vec<RowState> = leap.lambda[1].iter().map(|lambda| RowState::closed_if(*lambda > 0.0)).collect();
@@ -113,15 +113,7 @@ where
     }
 
     /// What pushed from outside at both ends of a step, whose static forces and velocities at the end are these.
-    fn ends(
-        &self,
-        start: &StepStart,
-        motion: &Motion,
-        leap: &Leap,
-        at: &Linearization,
-        forces: &PartForces,
-        [f_1, v_1]: [&[f64]; 2],
-    ) -> Ends {
+    fn ends(&self, motion: &Motion, leap: &Leap, at: &Linearization, forces: &PartForces, [f_1, v_1]: [&[f64]; 2]) -> Ends {
         let (system, unknowns, dt) = (&self.system, f_1.len(), leap.dt);
         let nothing = || [vec![0.0; unknowns], vec![0.0; unknowns]];
         let (mut obstacles, mut obstacle_work) = (nothing(), [0.0; 2]);
@@ -155,7 +147,6 @@ where
             (0..unknowns).map(|k| half(k, load_0[k], ground_0, 1.0)).collect(),
             (0..unknowns).map(|k| half(k, 0.5 * forces.load[k], &forces.ground, 0.5)).collect(),
         ];
-        debug_assert_eq!(start.dt(), dt);
         Ends { obstacles, reactions, others, obstacle_work }
     }
 
@@ -200,9 +191,8 @@ where
                 turning[i] += moment[i];
             });
         }
-        let unexplained =
-            |new: [f64; 3], old: [f64; 3], rate: [f64; 3]| (0..3).map(|i| (new[i] - old[i] - dt * rate[i]).abs()).fold(0.0, f64::max);
-        row.momentum_defect = unexplained(row.momentum, old.momentum, external);
-        row.angular_momentum_defect = unexplained(row.angular_momentum, old.angular_momentum, turning);
+        let changes = |force: [f64; 3]| [force.map(|x| dt * x), [0.0; 3]];
+        row.momentum_defect = unexplained([row.momentum, old.momentum], changes(external));
+        row.angular_momentum_defect = unexplained([row.angular_momentum, old.angular_momentum], changes(turning));
     }
 }

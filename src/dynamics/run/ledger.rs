@@ -232,6 +232,11 @@ where
     }
 }
 
+/// The largest component of a momentum's change, new less old, that what has changed it does not explain.
+pub(super) fn unexplained([new, old]: [[f64; 3]; 2], [first, second]: [[f64; 3]; 2]) -> f64 {
+    (0..3).map(|i| (new[i] - old[i] - first[i] - second[i]).abs()).fold(0.0, f64::max)
+}
+
 impl LedgerRow {
     /// Makes the row of a stage of size `own` that of all stages so far, of which `before` is that of the stages before it: works add up,
     /// forces are means over what has passed of the whole step of size `whole`, which begins after the step `first`.
@@ -261,18 +266,15 @@ impl LedgerRow {
             now.friction_work += then.friction_work;
         }
         self.parts.iter_mut().zip(&before.parts).for_each(|(now, then)| now.dissipated += then.dissipated);
+        let mean_of_all = |now: [&mut [f64; 3]; 2], then: [[f64; 3]; 2]| {
+            now.into_iter().flatten().zip(then.into_iter().flatten()).for_each(|(now, then)| mean(now, then));
+        };
         for (now, then) in self.joints.iter_mut().zip(&before.joints) {
-            (0..3).for_each(|i| {
-                mean(&mut now.force[i], then.force[i]);
-                mean(&mut now.moment[i], then.moment[i]);
-            });
+            mean_of_all([&mut now.force, &mut now.moment], [then.force, then.moment]);
             now.work += then.work;
         }
         for (now, then) in self.reactions.iter_mut().zip(&before.reactions) {
-            (0..3).for_each(|i| {
-                mean(&mut now.force[i], then.force[i]);
-                mean(&mut now.moment[i], then.moment[i]);
-            });
+            mean_of_all([&mut now.force, &mut now.moment], [then.force, then.moment]);
         }
     }
 
