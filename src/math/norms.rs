@@ -1,4 +1,4 @@
-//! Sizes of long vectors.
+//! Sizes of vectors.
 
 /// Numbers that are compared side by side: one comparison after the other would wait for the one before.
 const SIDE_BY_SIDE: usize = 8;
@@ -14,6 +14,11 @@ pub fn largest_size(values: &[f64]) -> f64 {
         }
     }
     largest.iter().chain(rest).fold(0.0, |largest, value| largest.max(value.abs()))
+}
+
+/// The length of a vector.
+pub fn length(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// The largest extent of points along an axis.

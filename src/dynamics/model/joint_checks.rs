@@ -6,13 +6,8 @@ use super::joints::{Anchor, Coordinate, JointDefinition, JointKind};
 use crate::bodies::{Frame, Plane};
 use crate::integrators::Scheme;
 use crate::math::digits::three_digits;
-use crate::math::norms::largest_extent;
+use crate::math::norms::{largest_extent, length};
 use crate::math::tolerances;
-
-/// Length of a vector.
-fn length(vector: [f64; 3]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
 
 impl BodyDefinition {
     /// The node nearest to a point at rest, and its distance.

@@ -1,6 +1,7 @@
 //! Exact joints between bodies, rigid or not, and to the ground.
 
 use super::amplitude::Amplitude;
+use crate::math::norms::length;
 use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 
 /// One end of a joint.
@@ -148,7 +149,7 @@ impl JointDefinition {
     pub fn at_rest(&self) -> f64 {
         match self.kind {
             JointKind::Cable(longest) => longest,
-            JointKind::Link => self.distance().iter().map(|x| x * x).sum::<f64>().sqrt(),
+            JointKind::Link => length(self.distance()),
             _ => 0.0,
         }
     }

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::line::{End, Line, bodies_of, check_apart, is_grounded};
-use super::motor::value_of;
+use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};

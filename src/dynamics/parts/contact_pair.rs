@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::friction_rows::FrictionRows;
 use super::laws::{Bilateral, Equation, Penalty, RowLaw, Unilateral};
+use super::time_values::value_of;
 use crate::contact::{ContactKernel, Evaluation, Patches};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::StepError;
@@ -227,7 +228,7 @@ impl ContactPair {
     /// A time function of its motion failed.
     pub fn move_obstacle(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
         if let Some((coordinate, function)) = &self.drive {
-            let [start, end] = [self.value_of(function, time)?, self.value_of(function, time + dt)?];
+            let [start, end] = [value_of(&self.name, function, time)?, value_of(&self.name, function, time + dt)?];
             let angle = (end - start).abs();
             if *coordinate == Coordinate::Angle && angle > tolerances::EIGHTH_TURN {
                 return Err(StepError::TurnsFar { boundary: self.name.clone(), time, dt, angle });
@@ -266,14 +267,7 @@ impl ContactPair {
 
     /// A component of the obstacle's motion.
     fn at(&self, function: &Option<Amplitude>, time: f64) -> Result<f64, StepError> {
-        function.as_ref().map_or(Ok(0.0), |function| self.value_of(function, time))
-    }
-
-    /// What a time function gives.
-    fn value_of(&self, function: &Amplitude, time: f64) -> Result<f64, StepError> {
-        let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
-        let value = function.value(time).map_err(failed)?;
-        if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }
+        function.as_ref().map_or(Ok(0.0), |function| value_of(&self.name, function, time))
     }
 
     /// Where its rows begin, those that press and the tangential ones, each with the rows of the patches.

@@ -4,15 +4,11 @@ use super::body::Body;
 use crate::contact::PointVector;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::joints::{Anchor, JointDefinition};
+use crate::math::norms::length;
 
 /// Where a node is.
 pub fn node_vector(node: u32) -> PointVector {
     PointVector { parts: vec![(node, 1.0)], offset: [0.0; 3] }
-}
-
-/// The length of a vector.
-pub fn size_of(vector: [f64; 3]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// One end of a joint in the numbering of the model.
@@ -53,7 +49,7 @@ impl<'a, const D: usize> End<'a, D> {
 
 /// Two unit vectors across a direction: in the plane the first lies in it.
 pub fn across(direction: [f64; 3]) -> [[f64; 3]; 3] {
-    let size = size_of(direction);
+    let size = length(direction);
     let t = direction.map(|x| x / size);
     let cross = |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     if t[2] == 0.0 {
@@ -62,6 +58,6 @@ pub fn across(direction: [f64; 3]) -> [[f64; 3]; 3] {
     let smallest = (0..3).min_by(|&a, &b| t[a].abs().total_cmp(&t[b].abs())).unwrap_or(0);
     let axis = std::array::from_fn(|i| if i == smallest { 1.0 } else { 0.0 });
     let raw = cross(t, axis);
-    let first = raw.map(|x| x / size_of(raw));
+    let first = raw.map(|x| x / length(raw));
     [t, first, cross(t, first)]
 }

@@ -1,5 +1,6 @@
 //! Loads: forces on the nodes of a boundary whose size follows a time function.
 
+use super::time_values::value_of;
 use crate::bodies::{Plane, face_pressure, face_pressure_arms, pressure_shares, round_pressure, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
@@ -29,9 +30,7 @@ impl<const D: usize> NodalLoad<D> {
     /// # Errors
     /// The function failed or gave no finite number.
     pub fn amplitude(&self, time: f64) -> Result<f64, StepError> {
-        let failed = |source| StepError::Amplitude { boundary: self.name.clone(), time, source };
-        let amplitude = self.amplitude.value(time).map_err(failed)?;
-        if amplitude.is_finite() { Ok(amplitude) } else { Err(failed(format!("the time function returned {amplitude}").into())) }
+        value_of(&self.name, &self.amplitude, time)
     }
 
     /// Adds its forces with an amplitude.

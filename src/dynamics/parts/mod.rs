@@ -28,6 +28,7 @@ pub mod slip_group;
 pub mod slip_vector;
 pub mod spring;
 pub mod supports;
+pub mod time_values;
 pub mod torsion;
 pub mod viscosity;
 pub mod viscous_points;

@@ -10,8 +10,9 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
-use crate::dynamics::model::error::{ModelError, StepError};
+use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
 use crate::linear::{Block, Pattern};
 
@@ -82,16 +83,6 @@ impl PartDefinition for MotorDefinition {
     fn describe(&self) -> String {
         format!("motor \"{}\": torque {}", self.name, self.torque.describe())
     }
-}
-
-/// What a time function gives for a part of that name.
-///
-/// # Errors
-/// It failed, or gave no finite number.
-pub fn value_of(name: &str, function: &Amplitude, time: f64) -> Result<f64, StepError> {
-    let failed = |source| StepError::Amplitude { boundary: name.into(), time, source };
-    let value = function.value(time).map_err(failed)?;
-    if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }
 }
 
 /// A motor in the numbering of the model.

@@ -11,7 +11,7 @@ use super::body::Body;
 use super::carried::Carried;
 use super::contact_pair::{ContactPair, PairKind};
 use super::free_motion::FreeMotion;
-use super::joint_ends::{End, across, node_vector, size_of};
+use super::joint_ends::{End, across, node_vector};
 use super::laws::Unilateral;
 use crate::contact::{PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::amplitude::Amplitude;
@@ -20,7 +20,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Partner};
 use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointKind};
 use crate::dynamics::model::update_rules::PERSISTENCY;
-use crate::math::norms::largest_size;
+use crate::math::norms::{largest_size, length};
 use crate::math::tolerances;
 
 /// Nodes of the model on which boundaries of rigid bodies make something act.
@@ -96,7 +96,7 @@ fn rigidity<const D: usize>(rigid: &Carried, reference: &[f64]) -> PointConstrai
     for (k, &a) in rigid.masters.iter().enumerate() {
         for &b in &rigid.masters[..k] {
             let vector = node_vector(a).minus(&node_vector(b));
-            let length = size_of(vector.at(D, reference));
+            let length = length(vector.at(D, reference));
             functions.push(PointFunction {
                 products: vec![(vectors.len(), vectors.len(), 0.5 / length)],
                 linear: Vec::new(),
@@ -151,7 +151,7 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
         // Its distance is limited or prescribed.
         JointKind::Link | JointKind::Cable(_) if joint.limits.is_some() || joint.drive.is_some() => {}
         JointKind::Link => {
-            let length = size_of(joint.distance());
+            let length = length(joint.distance());
             functions.push(PointFunction { constant: -0.5 * length, ..product(0, 0, 0.5 / length) });
         }
         JointKind::Cable(longest) => {
@@ -164,7 +164,7 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
         }
         JointKind::Hinge(axis) => {
             functions.extend(components(D));
-            let axis = axis.map(|x| x / size_of(axis));
+            let axis = axis.map(|x| x / length(axis));
             holds(&mut vectors, &mut functions, &[[axis, n], [axis, m]]);
         }
         JointKind::Slider(_) | JointKind::Slot(_) => {

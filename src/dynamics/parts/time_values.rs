@@ -1,0 +1,14 @@
+//! What time functions give.
+
+use crate::dynamics::model::amplitude::Amplitude;
+use crate::dynamics::model::error::StepError;
+
+/// What the time function of something of that name gives.
+///
+/// # Errors
+/// It failed, or gave no finite number.
+pub fn value_of(name: &str, function: &Amplitude, time: f64) -> Result<f64, StepError> {
+    let failed = |source| StepError::Amplitude { boundary: name.into(), time, source };
+    let value = function.value(time).map_err(failed)?;
+    if value.is_finite() { Ok(value) } else { Err(failed(format!("the time function returned {value}").into())) }
+}
