@@ -88,13 +88,13 @@ pub enum Finding {
         /// The press fit, and what is lost of it.
         of: PolygonFit,
     },
-    /// Facets in space stand for curves that are pressed into each other by less than the curves are off the facets.
+    /// Facets in space turn too far to be taken for the curves that are pressed into each other.
     CoarseFit {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// The press fit, and how far the curves are off.
+        /// The press fit, and what is missed of it.
         of: PressFit,
     },
     /// Secondary nodes of a tie that nothing lies opposite to.
@@ -159,12 +159,12 @@ impl std::fmt::Display for Finding {
                 100.0 * lost.abs() / interference,
                 if *lost > 0.0 { "loose" } else { "tight" }
             ),
-            Finding::CoarseFit { secondary, primary, of: PressFit { interference, height } } => write!(
+            Finding::CoarseFit { secondary, primary, of: PressFit { interference, missed } } => write!(
                 out,
                 "facets of \"{secondary}\" and \"{primary}\" are too coarse for their press fit: curves through their nodes overlap by \
-                 {}, and rise {} above the facets; forces and pressures may be some times too large",
+                 {}, and rise {} above facets that turn by more than 25 degrees, which are not taken for curves",
                 three_digits(*interference),
-                three_digits(*height)
+                three_digits(*missed)
             ),
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {

@@ -16,17 +16,22 @@ const CURVE: f64 = 0.9;
 /// Difference of curvatures, as a share of the larger one, up to which surfaces fit each other.
 const FIT: f64 = 0.5;
 
+/// Whether sides with these curvatures, positive where a body is convex, fit each other.
+pub(super) fn fit_each_other([a, b]: [f64; 2]) -> bool {
+    (a + b).abs() <= FIT * a.abs().max(b.abs())
+}
+
 /// Press fit in sagittas below which polygons interlock.
 const LOST: f64 = 0.5;
 
 /// Share of a press fit by which that of the facets may differ.
-const DISTORTED: f64 = 0.1;
+pub(super) const DISTORTED: f64 = 0.1;
 
 /// How far beyond the ends of a facet, in its lengths, a node may lie opposite: in the wedge between two of them.
 const BESIDE: f64 = 0.1;
 
 /// Facets of a curve, and nodes of the other one that lie opposite, from which on it is one.
-const FEW: usize = 3;
+pub(super) const FEW: usize = 3;
 
 /// A press fit between polygons on curves that fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,8 +85,7 @@ pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<
         let Some(arc) = arc else { continue };
         let x = at(secondary.facets()[facet][0]);
         let Some((other, s, gap)) = opposite(x, arc, &tree) else { continue };
-        let (curvature, against) = (arc.turn / arc.length, other.turn / other.length);
-        if (curvature + against).abs() <= FIT * curvature.abs().max(against.abs()) {
+        if fit_each_other([arc, other].map(|arc| arc.turn / arc.length)) {
             overlaps.push(other.rise(s) - gap);
             [arc, other].iter().zip(&mut sagittas).for_each(|(arc, sum)| *sum += arc.rise(0.5));
         }

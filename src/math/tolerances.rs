@@ -146,7 +146,7 @@ pub const FACING: f64 = 1e-6;
 pub const FACING_AREA: f64 = 1e-9;
 
 /// Distance between edges of two facets in space that coincide nearly, over the height of a triangle of one of them, within which the force
-/// on what they bound goes from one to the other by and by: wide enough for Newton's method, which finds no solution at a kink, narrow
+/// on what they bound goes from one to the other gradually: wide enough for Newton's method, which finds no solution at a kink, narrow
 /// against all that is seen of a facet.
 pub const EDGES_MEET: f64 = 0.01;
 

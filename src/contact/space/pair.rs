@@ -20,7 +20,7 @@
 //! ```
 //!
 //! over the edges of the polygon that lie on the triangle's own border. Where edges of both triangles nearly coincide, these forces go from
-//! one to the other by and by, so that the gradient that acts has no kink; a discrete gradient is exact whatever gradient it corrects.
+//! one to the other gradually, so that the gradient that acts has no kink; a discrete gradient is exact whatever gradient it corrects.
 //! Heights may have constants added (`bulge.rs`), which change gaps
 //! and no derivatives of heights. The frame turns with the secondary facet: with the moment `m` of
 //! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives

@@ -1,34 +1,30 @@
-//! Press fits of facets in space that are too coarse for them: what the facets stand for decides how deep they overlap.
+//! Press fits of facets in space that are too coarse for them: facets of a curve that turn too far are taken for what they are
+//! (`bulge.rs`), and what the curve rises above them is missed.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::bulge::Bulges;
 use crate::contact::faces::{self, Vector};
+use crate::contact::polygon_fit::{DISTORTED, FEW, fit_each_other};
 use crate::contact::surface::Surface;
 
 /// Cosine of the turn between two facets up to which they follow a curve: 50 degrees.
 const CURVE: f64 = 0.642_787_609_686_54;
-
-/// Difference of curvatures, as a share of the larger one, up to which surfaces fit each other.
-const FIT: f64 = 0.5;
-
-/// Nodes that lie opposite from which on surfaces fit.
-const FEW: usize = 3;
 
 /// A press fit of curves, and how far the facets that stand for them are off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressFit {
     /// Overlap of the curves `[length]`.
     pub interference: f64,
-    /// Mean distance of the curves from the facets, of the side on which it is larger `[length]`.
-    pub height: f64,
+    /// Mean distance by which a curve rises above facets that are not taken for it, of the side on which it is larger `[length]`.
+    pub missed: f64,
 }
 
 impl PressFit {
-    /// Whether more depends on what facets stand for than on the interference.
+    /// Whether much of the interference is missed.
     pub fn is_coarse(&self) -> bool {
-        self.interference < self.height
+        self.missed > DISTORTED * self.interference
     }
 }
 
@@ -38,30 +34,31 @@ impl PressFit {
 /// at its corners, up to its height elsewhere. So the interference is the least depth where the primary side is hollow, the largest where
 /// it is not.
 pub fn press_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<PressFit> {
-    let [own, other] = [secondary, primary].map(|surface| Bulges::of_curve(surface, q, CURVE));
+    let of = |surface| [Bulges::of_curve(surface, q, CURVE), Bulges::new(surface, q)];
+    let [own, other] = [of(secondary), of(primary)];
     let point = |x: Vector| [x.x, x.y, x.z];
     let middles = (0..primary.count()).map(|facet| GeomWithData::new(point(faces::middle(primary.facet(facet), q)), facet));
     let tree = RTree::bulk_load(middles.collect());
-    let (mut depths, mut heights) = (Vec::new(), [0.0; 2]);
+    let (mut depths, mut missed, mut heights) = (Vec::new(), [0.0; 2], 0.0);
     for (index, &node) in secondary.nodes().iter().enumerate() {
         let facet = secondary.adjacent_facets(index)[0] as usize;
         let x = faces::at(node, q);
         let Some(nearest) = tree.nearest_neighbor(point(x)).map(|found| found.data) else { continue };
         let (normal, against) = (faces::normal(secondary.facet(facet), q), faces::normal(primary.facet(nearest), q));
-        let rises = [own.height(facet), other.height(nearest)];
+        let [rises, seen] = [0, 1].map(|k| [own[k].height(facet), other[k].height(nearest)]);
         let sizes = [secondary.facet_size(facet, q), primary.facet_size(nearest, q)];
-        let curvatures = [0, 1].map(|side| rises[side] / sizes[side].powi(2));
-        let fits = (curvatures[0] + curvatures[1]).abs() <= FIT * curvatures[0].abs().max(curvatures[1].abs());
+        let fits = fit_each_other([0, 1].map(|side| rises[side] / sizes[side].powi(2)));
         let depth = -against.dot(&(x - faces::middle(primary.facet(nearest), q)));
         if rises[0] != 0.0 && fits && normal.dot(&against) < 0.0 && depth.abs() < sizes[1] {
             depths.push(depth);
-            (0..2).for_each(|side| heights[side] += rises[side]);
+            heights += rises[1];
+            (0..2).for_each(|side| missed[side] += (rises[side] - seen[side]).abs());
         }
     }
     let [least, most] = depths.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &depth| [a.min(depth), b.max(depth)]);
-    let interference = if heights[1] < 0.0 { least } else { most };
-    let height = heights[0].abs().max(heights[1].abs()) / depths.len() as f64;
-    (depths.len() >= FEW && interference > 0.0).then_some(PressFit { interference, height })
+    let interference = if heights < 0.0 { least } else { most };
+    let missed = missed[0].max(missed[1]) / depths.len() as f64;
+    (depths.len() >= FEW && interference > 0.0).then_some(PressFit { interference, missed })
 }
 
 #[cfg(test)]
@@ -90,7 +87,7 @@ mod tests {
         let half = std::f64::consts::FRAC_PI_4 / 3.0;
         let exact = (half - half.sin() * half.cos()) / (2.0 * half.sin());
         let fit = found(4, 3, 0.0133).expect("they overlap");
-        assert!((fit.height / exact - 1.0).abs() < 0.05, "{fit:?} against {exact}");
+        assert!((fit.missed / exact - 1.0).abs() < 0.05, "{fit:?} against {exact}");
         assert!((fit.interference / 0.0133 - 1.0).abs() < 0.1 && fit.is_coarse(), "{fit:?}");
         assert!(found(12, 10, 0.0133).is_some_and(|fit| !fit.is_coarse() && (fit.interference / 0.0133 - 1.0).abs() < 0.02));
         assert_eq!(found(12, 10, -0.05), None);
