@@ -5,7 +5,10 @@ use super::derivative::Derivative;
 use super::scheme::{Affine, Course, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// Energy and both momenta exact.
-pub static ENERGY_MOMENTUM: Scheme = Scheme {
+pub static ENERGY_MOMENTUM: Scheme = ROW;
+
+/// The row as a value, of which others are made.
+pub(super) const ROW: Scheme = Scheme {
     name: "energy_momentum",
     summary: "energy-momentum scheme: discrete gradients keep the energy and both momenta exactly, for every step size",
     derivative: Derivative::DiscreteGradient,

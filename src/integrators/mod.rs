@@ -18,6 +18,7 @@ mod projected;
 mod rest;
 mod scheme;
 mod trapezoidal;
+mod triple_jump;
 
 pub use backward_euler::BACKWARD_EULER;
 pub use bdf2::{BDF2, TR_BDF2};
@@ -33,10 +34,11 @@ pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
 pub use scheme::{Affine, Course, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
 pub use trapezoidal::TRAPEZOIDAL;
+pub use triple_jump::TRIPLE_JUMP;
 
 /// All time integrators that solve equations, in the order of the reference: their steps may have any size.
 pub static CATALOGUE: &[&Scheme] =
-    &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK, &HHT, &WBZ, &GENERALIZED_ALPHA, &BDF2, &TR_BDF2];
+    &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK, &HHT, &WBZ, &GENERALIZED_ALPHA, &BDF2, &TR_BDF2, &TRIPLE_JUMP];
 
 /// Those that solve none.
 pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];

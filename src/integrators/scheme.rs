@@ -101,8 +101,8 @@ pub enum Course {
     /// At once, by those of the row that belongs to the size of the step before over that of this one: 0 where none was. The row itself has
     /// those of equal steps.
     ByRatio(fn(f64) -> Scheme),
-    /// In stages, one after the other: each has its share of the step and is a scheme, which finds what the one before has left. What the
-    /// row itself has is that of the last.
+    /// In stages, one after the other: each has its share of the step, negative where it goes back, and is a scheme, which finds what the
+    /// one before has left. What the row itself has is that of the last.
     Stages(&'static [(f64, Scheme)]),
     /// Without equations: positions follow from the forces at the start, with a mass at every node alone. No step may be longer than the
     /// fastest vibration admits.
@@ -240,6 +240,11 @@ impl Scheme {
         }
     }
 
+    /// Whether it goes back in time in one of its stages.
+    pub fn goes_back(&self) -> bool {
+        self.stages().iter().any(|(share, _)| *share < 0.0)
+    }
+
     /// How the mass is put to the nodes, of a scheme that solves no equations.
     pub fn lumping(&self) -> Option<Lumping> {
         if let Course::Explicit(lumping) = self.course { Some(lumping) } else { None }
@@ -290,8 +295,8 @@ impl Scheme {
         let Course::Stages(stages) = self.course else { return self.check_row(self.left()) };
         let mut found = self.left();
         for (share, stage) in stages {
-            if !(*share > 0.0 && *share < 1.0) {
-                return Err("a stage is no part of the step");
+            if !share.is_normal() {
+                return Err("a stage takes no time");
             }
             stage.check_row(found)?;
             found = stage.left();

@@ -192,7 +192,7 @@ fn supports_that_move_ties_and_settle_keep_order_and_ledger() {
 
 #[test]
 fn a_dashpot_is_right_in_every_scheme() {
-    for &scheme in CATALOGUE.iter().chain(&[&AVERAGE, &LINEAR]).filter(|scheme| scheme.name != LINEAR.name) {
+    for &scheme in CATALOGUE.iter().chain(&[&AVERAGE]).filter(|scheme| !scheme.goes_back()) {
         let of = |steps: usize| dashpot::run(scheme, steps).unwrap_or_else(|error| panic!("{error}"));
         let ([coarse, _], [fine, defect]) = (of(400), of(800));
         let rate = (coarse / fine).log2();
@@ -226,7 +226,7 @@ fn a_law_is_right_at_rest_and_keeps_the_energy_in_motion() {
 /// The mean rate of a step is that of its middle: what is viscous lags by half a step in schemes that mix the forces of its ends.
 #[test]
 fn viscous_bodies_fade_in_every_scheme() {
-    for &scheme in CATALOGUE {
+    for &scheme in CATALOGUE.iter().filter(|scheme| !scheme.goes_back()) {
         let end = |scheme: &'static Scheme, steps: usize| {
             let mut builder = Builder::default();
             let viscosity = Viscosity { shear: 0.5, bulk: 0.2, branches: Vec::new() };

@@ -9,7 +9,7 @@
 
 use conserva::dynamics::{Model, Options, Simulation, State};
 use conserva::integrators::{
-    BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, generalized_alpha, hht, newmark, wbz,
+    BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, TRIPLE_JUMP, generalized_alpha, hht, newmark, wbz,
 };
 use conserva::materials::{LINEAR, Material};
 use conserva::mesh::rectangle;
@@ -185,6 +185,10 @@ fn rules_without_memory_have_the_closed_forms() {
         for scheme in [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL] {
             compare(scheme.name, dt, &two(scheme, dt), &[trapezoidal, trapezoidal.conj()], 1e-10);
         }
+        let of_share = |share: f64| (1.0 + 0.5 * share * z) / (1.0 - 0.5 * share * z);
+        let outer = 1.0 / (2.0 - 2.0f64.cbrt());
+        let jumped = of_share(outer).powi(2) * of_share(1.0 - 2.0 * outer);
+        compare(TRIPLE_JUMP.name, dt, &two(&TRIPLE_JUMP, dt), &[jumped, jumped.conj()], 1e-10);
         let euler = 1.0 / (1.0 - z);
         compare(BACKWARD_EULER.name, dt, &two(&BACKWARD_EULER, dt), &[euler, euler.conj()], 1e-10);
         // Trapezoidal rule to `share`, differentiation formula from there.

@@ -15,7 +15,7 @@ use super::state::{Clock, State};
 use crate::bodies::{Elements, Inverted, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::explicit::check_explicit;
+use crate::dynamics::model::integrator_limits::check_integrator;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::laws::RowState;
@@ -82,9 +82,7 @@ where
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
         let lumping = options.integrator.lumping();
-        if lumping.is_some() {
-            check_explicit(model, options.control.is_some())?;
-        }
+        check_integrator(model, &options.integrator, options.control.is_some())?;
         let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator), lumping)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.

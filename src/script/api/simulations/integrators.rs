@@ -16,7 +16,7 @@ pub struct IntegratorHandle(pub Scheme);
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
     const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()`, `newmark()`, \
-         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()` or `central_differences()`";
+         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()` or `central_differences()`";
 
     fn describe(&self) -> String {
         let title = title(&self.0);

@@ -1,0 +1,86 @@
+//! What a time integrator does not take, before the first step.
+
+use super::definitions::Model;
+use super::error::ModelError;
+use super::update_rules::GAP;
+use crate::integrators::Scheme;
+
+/// Refuses what steps of an integrator cannot do; `chooses_size`: whether they are to choose their size.
+///
+/// # Errors
+/// The first such thing of the model.
+pub fn check_integrator(model: &Model, integrator: &Scheme, chooses_size: bool) -> Result<(), ModelError> {
+    if integrator.lumping().is_some() {
+        return check_explicit(model, chooses_size);
+    }
+    if integrator.goes_back() {
+        return check_backward(model, chooses_size);
+    }
+    Ok(())
+}
+
+/// What turns energy into heat would turn heat into energy.
+fn check_backward(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
+    let refused = |what: String, reason| {
+        Err(ModelError::NotIntegrated { steps: "steps with a stage back in time", what, reason, instead: "take `energy_momentum`" })
+    };
+    if chooses_size {
+        return refused("a size that follows from the error".into(), "errors of fourth order are not estimated");
+    }
+    let reason = "back in time it would give back the energy that it takes";
+    if let Some(body) = model.bodies.iter().find(|body| !body.material.viscosity().is_none()) {
+        return refused(format!("the viscous material of body \"{}\"", body.name), reason);
+    }
+    if let Some(part) = model.parts.iter().find(|part| part.dissipates()) {
+        return refused(format!("\"{}\"", part.name()), reason);
+    }
+    if let Some(interaction) = model.interactions.iter().find(|interaction| interaction.friction.is_some()) {
+        return refused(format!("friction of contact \"{}\"", interaction.name), reason);
+    }
+    if let Some(interaction) = model.interactions.iter().find(|interaction| interaction.update.is_some_and(|rule| *rule == GAP)) {
+        return refused(format!("the update rule `gap` of contact \"{}\"", interaction.name), reason);
+    }
+    Ok(())
+}
+
+/// What is held by equations.
+fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
+    let refused = |what: String, reason, instead| Err(ModelError::NotIntegrated { steps: "explicit steps", what, reason, instead });
+    if chooses_size {
+        let reason = "what bounds their size is the fastest vibration, not the error";
+        return refused("steps that choose their size".into(), reason, "give steps a size, nine tenths of the stable one");
+    }
+    let implicit = "take an integrator that solves equations, such as `energy_momentum`";
+    if let Some(body) = model.bodies.iter().find(|body| body.rigid.is_some()) {
+        let reason = "what holds its nodes together are equations";
+        return refused(
+            format!("the rigid body \"{}\"", body.name),
+            reason,
+            "let it deform, as stiff as its cells allow, or take a rigid obstacle",
+        );
+    }
+    if let Some(joint) = model.joints.first() {
+        return refused(format!("joint \"{}\"", joint.name), "what it holds are equations", "join the points by stiff springs");
+    }
+    for interaction in &model.interactions {
+        let name = &interaction.name;
+        if interaction.is_tie() {
+            return refused(
+                format!("tie \"{name}\""),
+                "what it holds are equations",
+                "make one mesh of the parts, or take another integrator",
+            );
+        }
+        if interaction.equality {
+            return refused(format!("the contact \"{name}\" that also pulls"), "what it holds are equations", implicit);
+        }
+        if interaction.friction.is_some() {
+            return refused(format!("friction of contact \"{name}\""), "whether nodes stick follows from equations of the step", implicit);
+        }
+        if interaction.update.is_some_and(|rule| *rule != GAP) {
+            let reason = "gaps are held at the end of every step, and a closing takes the energy of its nodes";
+            return refused(format!("the update rule of contact \"{name}\""), reason, "leave `update` out, or write `gap`");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,33 @@
+//! Composition of the energy-momentum scheme to order four, the triple jump: three steps of it, the middle one back in time (Creutz and
+//! Gocksch, Phys. Rev. Lett. 63, 1989; Yoshida, Phys. Lett. A 150, 1990; Hairer, Lubich and Wanner, Geometric Numerical Integration, 2006,
+//! section II.4).
+//!
+//! ```text
+//! c dt, (1 - 2 c) dt, c dt,    c = 1 / (2 - 2^(1/3)) = 1.3512
+//! ```
+//!
+//! A symmetric scheme of second order has an error of odd powers of its steps, and these shares let the cubes cancel,
+//! `2 c^3 + (1 - 2 c)^3 = 0`. What each stage keeps, all of them keep. What takes energy would give it back in the middle stage.
+
+use super::energy_momentum::ROW;
+use super::scheme::{Course, LeadingError, Promises, Scheme};
+
+/// Cube root of 2.
+const CUBE_ROOT_OF_TWO: f64 = 1.259_921_049_894_873_2;
+
+/// `c`.
+const OUTER: f64 = 1.0 / (2.0 - CUBE_ROOT_OF_TWO);
+
+static STAGES: [(f64, Scheme); 3] = [(OUTER, STAGE), (1.0 - 2.0 * OUTER, STAGE), (OUTER, STAGE)];
+
+const STAGE: Scheme = Scheme {
+    name: "triple_jump",
+    summary: "energy-momentum scheme in three stages, the middle one back in time, of fourth order: keeps the energy and both momenta, for \
+              smooth motions that are wanted to many digits; nothing may damp",
+    promises: Promises { order: 4, ..ROW.promises },
+    error: LeadingError { first: 0.0, second: 0.0 },
+    ..ROW
+};
+
+/// Energy and both momenta exact.
+pub static TRIPLE_JUMP: Scheme = Scheme { course: Course::Stages(&STAGES), ..STAGE };
