@@ -304,7 +304,9 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
 /// What contact gave over the energy, in the step that gave most or in all explicit ones together, with the limit, where, and in words.
 fn given<'a>(rows: &'a [LedgerRow], last: &'a LedgerRow, scale: f64, is_explicit: bool) -> (f64, f64, &'a LedgerRow, String) {
     if is_explicit {
-        let net = rows.iter().map(|row| row.contact_work).sum::<f64>() / scale;
+        // Its work is booked at both ends of a step: what the integrator takes back within the same steps it has not given.
+        let sum = |of: fn(&LedgerRow) -> f64| rows.iter().map(of).sum::<f64>();
+        let net = (sum(|row| row.contact_work) + sum(|row| row.energy_defect).min(0.0)) / scale;
         return (net, CONSERVED, last, format!("its work in all steps together was {net:.1e} of the energy"));
     }
     let values = rows.iter().map(|row| (row.contact_work / scale, row));
