@@ -192,6 +192,59 @@ sim.step(2);
     assert_eq!(page.complaints, Vec::<Value>::new());
 }
 
+/// A cut across a tube: its wall has a face, plain where only the surface is recorded and colored where the inside is, its hole has none, and
+/// what is on the viewer's side is gone.
+#[test]
+fn a_cut_shows_the_inside() {
+    let folder = folder("cut");
+    let Some(mut page) = browser(&folder) else { return };
+    for inside in [false, true] {
+        let script = format!(
+            r#"
+let m = model("tube");
+let rubber = neo_hookean(#{{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 }});
+let b = m.add_body("tube", tube(#{{ inner_radius: 0.5, outer_radius: 1.0, height: 2.0, cells: [3, 24, 4] }}), rubber);
+m.initial_velocity(b, #{{ angular: [0.0, 0.0, 1.0] }});
+let sim = simulate(m, #{{ integrator: energy_momentum(), dt: 0.01, stills_inside: {inside} }});
+sim.step(2);
+"#
+        );
+        let out = run(&folder, &script, if inside { "inside" } else { "outside" });
+        page.open(&out.join("report.html"));
+        page.settle();
+        page.evaluate("conserva.scene.turn = [0, 1.57]; conserva.scene.magnify = 1");
+        page.evaluate("document.getElementById('field').value = 'velocity'; document.getElementById('mesh').checked = false");
+        page.evaluate("document.getElementById('cut').value = '2'; document.getElementById('cut').dispatchEvent(new Event('input'))");
+        page.settle();
+        // Distance of the picture from the viewer, and its color, a distance from the axis.
+        let at = |page: &mut Browser, x: f64| {
+            let pixel = format!(
+                "(() => {{ const s = conserva.scene, x = s.place([{x}, 0, 0]), k = Math.floor(x[1]) * s.canvas.width + Math.floor(x[0]); \
+                 const c = s.pixels[k]; return [s.depths[k] / s.zoom, c & 255, (c >> 8) & 255, (c >> 16) & 255]; }})()"
+            );
+            let value = page.evaluate(&pixel);
+            value.as_array().unwrap().iter().map(|number| number.as_f64()).collect::<Vec<_>>()
+        };
+        let [wall, hole] = [0.75, 0.0].map(|x| at(&mut page, x));
+        assert!(wall[0].unwrap().abs() < 0.01, "the face lies in the middle of the tube: {wall:?}");
+        assert_eq!(hole[0], None, "the hole is open: {hole:?}");
+        let saturation = (wall[1].unwrap() - wall[3].unwrap()).abs();
+        assert_eq!(saturation > 20.0, inside, "{wall:?}");
+        let note = page.evaluate("document.getElementById('cut-note').hidden");
+        assert_eq!(note, json!(inside));
+        // At the far end nothing is taken away but the face itself.
+        page.evaluate(
+            "document.getElementById('cut-at').value = '1000'; document.getElementById('cut-at').dispatchEvent(new Event('input'))",
+        );
+        page.settle();
+        assert!((at(&mut page, 0.75)[0].unwrap() - 1.0).abs() < 0.01);
+        page.evaluate("document.getElementById('cut').value = ''; document.getElementById('cut').dispatchEvent(new Event('input'))");
+        page.settle();
+        assert!((at(&mut page, 0.75)[0].unwrap() - 1.0).abs() < 0.01, "the end of the tube");
+        assert_eq!(page.complaints, Vec::<Value>::new());
+    }
+}
+
 /// Lines and fields of a file; no name has a comma or quote here.
 fn csv_of(path: &Path) -> Vec<Vec<String>> {
     let text = fs::read_to_string(path).unwrap();

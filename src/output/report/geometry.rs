@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Facet, Mesh};
 use crate::output::recording::Skin;
 
 /// Cosine of the angle between facets in space from which their common edge is drawn.
@@ -18,6 +18,8 @@ pub struct Surface {
     pub edges: Vec<[u32; 2]>,
     /// The outline of a plane body, in space the sharp edges.
     pub outline: Vec<[u32; 2]>,
+    /// Tetrahedra that fill the cells of a body in space, where its inside is recorded.
+    pub tetrahedra: Vec<[u32; 4]>,
 }
 
 impl Surface {
@@ -40,8 +42,21 @@ impl Surface {
         edges.dedup();
         let outline =
             if mesh.dimension() == 2 { mesh.outline().into_iter().map(|ends| ends.map(place)).collect() } else { sharp(&points, &hull) };
-        Surface { points, triangles, edges, outline }
+        let tetrahedra = if mesh.dimension() == 3 && skin.nodes.len() == mesh.points.len() { tetrahedra(mesh) } else { Vec::new() };
+        Surface { points, triangles, edges, outline, tetrahedra }
     }
+}
+
+/// Cells between their first corner and the facets that do not have it.
+fn tetrahedra(mesh: &Mesh) -> Vec<[u32; 4]> {
+    let step = if mesh.kind.is_quadratic() { 2 } else { 1 };
+    let facets = mesh.kind.facets().len() as u8;
+    let of_cell = |(cell, nodes): (usize, &[u32])| -> Vec<[u32; 4]> {
+        let around = (0..facets).map(|local| mesh.around(Facet { cell: cell as u32, local }));
+        let opposite = around.map(|facet| facet.into_iter().step_by(step).collect::<Vec<_>>()).filter(|facet| !facet.contains(&nodes[0]));
+        opposite.flat_map(|facet| triangles(&facet, false)).map(|[a, b, c]| [nodes[0], a, b, c]).collect()
+    };
+    mesh.cells().enumerate().flat_map(of_cell).collect()
 }
 
 fn sides(polygon: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {

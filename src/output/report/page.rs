@@ -104,9 +104,11 @@ fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
         bytes.extend(surface.points.iter().flatten().flat_map(|&x| (x as f32).to_le_bytes()));
         bytes.extend(surface.triangles.iter().flatten().flat_map(|node| node.to_le_bytes()));
         bytes.extend(surface.edges.iter().chain(&surface.outline).flatten().flat_map(|node| node.to_le_bytes()));
+        bytes.extend(surface.tetrahedra.iter().flatten().flat_map(|node| node.to_le_bytes()));
         bodies.push(json!({
             "name": body.name, "nodes": surface.points.len(), "triangles": surface.triangles.len(), "edges": surface.edges.len(),
-            "outline": surface.outline.len(), "cells": body.mesh.cell_count(),
+            "outline": surface.outline.len(), "tetrahedra": surface.tetrahedra.len(),
+            "cells": body.mesh.cell_count(),
         }));
     }
     (bytes, bodies)

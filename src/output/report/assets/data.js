@@ -25,7 +25,7 @@ const readHistory = async (data) => {
   return columns;
 };
 
-// Bodies with their points, triangles, edges and outlines.
+// Bodies with their points, triangles, edges and outlines, and with tetrahedra where their inside is recorded.
 const readBodies = async (data) => {
   const { buffer } = await inflate("geometry");
   let at = 0;
@@ -37,7 +37,7 @@ const readBodies = async (data) => {
   return data.bodies.map((body) => ({
     name: body.name, nodes: body.nodes,
     points: next(Float32Array, 3 * body.nodes), triangles: next(Uint32Array, 3 * body.triangles),
-    edges: next(Uint32Array, 2 * body.edges), outline: next(Uint32Array, 2 * body.outline),
+    edges: next(Uint32Array, 2 * body.edges), outline: next(Uint32Array, 2 * body.outline), cells: next(Uint32Array, 4 * body.tetrahedra),
   }));
 };
 

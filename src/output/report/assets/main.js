@@ -35,7 +35,7 @@ class Page {
     outcome.className = `badge ${data.outcome === null ? "" : data.well ? "well" : "ill"}`;
     $("field").append(...data.fields.map(({ name, words: text }) => element("option", { value: name, textContent: text })));
     $("ramp").style.background = `linear-gradient(to right, ${data.colors.filter((_, k) => k % 15 === 0).map((color) => `rgb(${color.join(" ")})`).join(", ")})`;
-    for (const id of ["turning", "turning-keys"]) $(id).hidden = data.dimension === 2;
+    for (const id of ["turning", "turning-keys", "cutting"]) $(id).hidden = data.dimension === 2;
     $("made").textContent = `Made by Conserva ${data.version}.`;
     this.state();
     this.warn();
@@ -286,6 +286,16 @@ class Page {
       event.preventDefault();
       moved(() => scene.zoomBy(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY));
     }, { passive: false });
+    const cut = (axis, by = 0) => {
+      $("cut").value = axis;
+      $("cut-at").value = String(Number($("cut-at").value) + by);
+      $("cut-at").disabled = axis === "";
+      scene.cut = axis === "" ? null : { axis: Number(axis), share: Number($("cut-at").value) / 1000 };
+      $("cut-note").hidden = axis === "" || this.bodies.every(({ cells }) => cells.length > 0);
+      this.redraw();
+    };
+    for (const id of ["cut", "cut-at"]) $(id).addEventListener("input", () => cut($("cut").value));
+    const across = (axis) => () => cut($("cut").value === axis ? "" : axis);
     const turn = (dx, dy) => {
       scene.turn[0] -= dx;
       scene.turn[1] = clamp(scene.turn[1] + dy, -1.57, 1.57);
@@ -312,7 +322,7 @@ class Page {
         "ArrowRight": () => event.shiftKey ? moved(() => scene.moveBy(-step, 0)) : this.goToStill(this.still + 1),
         "ArrowUp": event.shiftKey ? () => moved(() => scene.moveBy(0, step)) : null,
         "ArrowDown": event.shiftKey ? () => moved(() => scene.moveBy(0, -step)) : null,
-        ...(scene.isSpace ? { a: () => moved(() => turn(-0.1, 0)), d: () => moved(() => turn(0.1, 0)), w: () => moved(() => turn(0, 0.1)), s: () => moved(() => turn(0, -0.1)) } : {}),
+        ...(scene.isSpace ? { x: across("0"), y: across("1"), z: across("2"), "[": () => cut($("cut").value, -25), "]": () => cut($("cut").value, 25), a: () => moved(() => turn(-0.1, 0)), d: () => moved(() => turn(0.1, 0)), w: () => moved(() => turn(0, 0.1)), s: () => moved(() => turn(0, -0.1)) } : {}),
       };
       const action = keys[event.key];
       if (!action) return;

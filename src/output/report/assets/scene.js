@@ -13,6 +13,8 @@ class Scene {
       return Uint32Array.from(data.colors, ([r, g, b]) => (255 << 24) | (Math.round(b * light) << 16) | (Math.round(g * light) << 8) | Math.round(r * light));
     });
     this.bounds = this.box();
+    // The plane that opens bodies in space: its axis, and how far it is along their box.
+    this.cut = null;
     this.fit();
   }
 
@@ -73,6 +75,15 @@ class Scene {
     }
   }
 
+  // The plane of the cut: pixels with x p[0] + y p[1] + depth p[2] + p[3] > 0 are taken away, those on the viewer's side.
+  plane() {
+    if (!this.isSpace || !this.cut) return null;
+    const { axis, share } = this.cut, { low, high } = this.bounds, { width, height } = this.canvas, { zoom, shift, center } = this;
+    const [a, b, c] = this.axes().map((direction) => direction[axis]), sign = c < 0 ? -1 : 1;
+    const at = low[axis] + share * (high[axis] - low[axis]) - center[axis];
+    return [sign * a, -sign * b, sign * c, -sign * (a * (width / 2 + shift[0] * zoom) - b * (height / 2 + shift[1] * zoom) + at * zoom)];
+  }
+
   // Places of all nodes in pixels, with their depth, magnified displacements included.
   project(factor) {
     const [right, up, toward] = this.axes(), { width, height } = this.canvas, D = this.data.dimension;
@@ -97,7 +108,7 @@ class Scene {
 
   // One triangle with colors at its corners (0 to 255), clipped to the picture.
   triangle(ax, ay, az, av, bx, by, bz, bv, cx, cy, cz, cv, colors) {
-    const { width, height } = this.canvas, { pixels, depths } = this;
+    const { width, height } = this.canvas, { pixels, depths, knife } = this;
     const area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
     if (!(Math.abs(area) > 1e-6)) return;
     const top = Math.max(Math.ceil(Math.min(ay, by, cy) - 0.5), 0), bottom = Math.min(Math.floor(Math.max(ay, by, cy) - 0.5), height - 1);
@@ -114,8 +125,10 @@ class Scene {
       let value = av + gx * (first + 0.5 - ax) + gy * (y - ay), at = row * width + first;
       if (depths) {
         let depth = az + hx * (first + 0.5 - ax) + hy * (y - ay);
-        for (let x = first; x <= last; x += 1, at += 1, value += gx, depth += hx) {
-          if (depth > depths[at]) {
+        let beyond = knife ? knife[0] * (first + 0.5) + knife[1] * y + knife[2] * depth + knife[3] : 0;
+        const rise = knife ? knife[0] + knife[2] * hx : 0;
+        for (let x = first; x <= last; x += 1, at += 1, value += gx, depth += hx, beyond += rise) {
+          if (beyond <= 0 && depth > depths[at]) {
             depths[at] = depth;
             pixels[at] = colors[value < 0 ? 0 : value > 255 ? 255 : value | 0];
           }
@@ -140,6 +153,74 @@ class Scene {
         colors = plain ?? this.shades[Math.round(7 * clamp(lit, 0, 1))];
       }
       this.triangle(p[i], p[i + 1], p[i + 2], v[a], p[j], p[j + 1], p[j + 2], v[b], p[l], p[l + 1], p[l + 2], v[c], colors);
+    }
+  }
+
+  // The face of the cut through a body: with the values inside where its cells are known, else plain where its surface is left more often
+  // than entered behind the plane.
+  paintCut(k, plain, color) {
+    const { cells, triangles } = this.bodies[k], { knife } = this, p = this.places[k], v = this.values[k];
+    const beyond = (i) => knife[0] * p[3 * i] + knife[1] * p[3 * i + 1] + knife[2] * p[3 * i + 2] + knife[3];
+    if (Math.abs(knife[2]) < 1e-3) return;
+    if (cells.length) {
+      this.knife = null;
+      for (let t = 0; t < cells.length; t += 4) this.paintCell(cells.subarray(t, t + 4), beyond, p, v, plain ?? this.shades[7]);
+      this.knife = knife;
+      return;
+    }
+    const { width, height } = this.canvas, inside = new Int8Array(width * height);
+    for (let t = 0; t < triangles.length; t += 3) this.count(inside, p, 3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]);
+    for (let y = 0, at = 0; y < height; y += 1) {
+      for (let x = 0; x < width; x += 1, at += 1) {
+        if (inside[at] <= 0) continue;
+        const depth = -(knife[0] * (x + 0.5) + knife[1] * (y + 0.5) + knife[3]) / knife[2];
+        if (depth <= this.depths[at]) continue;
+        this.depths[at] = depth;
+        this.pixels[at] = color;
+      }
+    }
+  }
+
+  // The cut through a tetrahedron.
+  paintCell(corners, beyond, p, v, colors) {
+    const heights = [...corners].map(beyond), points = [];
+    for (let i = 0; i < 4; i += 1) {
+      for (let j = 0; j < i; j += 1) {
+        if ((heights[i] > 0) === (heights[j] > 0)) continue;
+        const a = corners[i], b = corners[j], share = heights[i] / (heights[i] - heights[j]);
+        points.push([0, 1, 2].map((d) => p[3 * a + d] + share * (p[3 * b + d] - p[3 * a + d])).concat(v[a] + share * (v[b] - v[a])));
+      }
+    }
+    // All triangles of the points: of four they cover the quadrilateral whatever their order.
+    for (let i = 2; i < points.length; i += 1) {
+      for (let j = 1; j < i; j += 1) this.triangle(...points[0], ...points[j], ...points[i], colors);
+    }
+    if (points.length === 4) this.triangle(...points[1], ...points[2], ...points[3], colors);
+  }
+
+  // Counts a facet at the pixels behind the plane: 1 where it is seen from inside, -1 from outside.
+  count(inside, p, i, j, l) {
+    const { width, height } = this.canvas, { knife } = this;
+    const area = (p[j] - p[i]) * (p[l + 1] - p[i + 1]) - (p[l] - p[i]) * (p[j + 1] - p[i + 1]);
+    if (!(Math.abs(area) > 1e-6)) return;
+    const hx = ((p[j + 2] - p[i + 2]) * (p[l + 1] - p[i + 1]) - (p[l + 2] - p[i + 2]) * (p[j + 1] - p[i + 1])) / area;
+    const hy = ((p[l + 2] - p[i + 2]) * (p[j] - p[i]) - (p[j + 2] - p[i + 2]) * (p[l] - p[i])) / area;
+    const ys = [p[i + 1], p[j + 1], p[l + 1]];
+    const top = Math.max(Math.ceil(Math.min(...ys) - 0.5), 0), bottom = Math.min(Math.floor(Math.max(...ys) - 0.5), height - 1);
+    for (let row = top; row <= bottom; row += 1) {
+      const y = row + 0.5;
+      let left = Infinity, right = -Infinity;
+      for (const [a, b] of [[i, j], [j, l], [l, i]]) {
+        if ((p[a + 1] <= y) === (p[b + 1] <= y)) continue;
+        const x = p[a] + (p[b] - p[a]) * (y - p[a + 1]) / (p[b + 1] - p[a + 1]);
+        left = Math.min(left, x);
+        right = Math.max(right, x);
+      }
+      const first = Math.max(Math.ceil(left - 0.5), 0), last = Math.min(Math.ceil(right - 0.5) - 1, width - 1);
+      for (let x = first; x <= last; x += 1) {
+        const depth = p[i + 2] + hx * (x + 0.5 - p[i]) + hy * (y - p[i + 1]);
+        if (knife[0] * (x + 0.5) + knife[1] * y + knife[2] * depth + knife[3] <= 0) inside[row * width + x] += area > 0 ? 1 : -1;
+      }
     }
   }
 
@@ -177,8 +258,9 @@ class Scene {
       const share = steps ? s / steps : 0;
       const x = Math.floor(p[i] + share * (p[j] - p[i])), y = Math.floor(p[i + 1] + share * (p[j + 1] - p[i + 1]));
       if (x < 0 || y < 0 || x >= width || y >= height) continue;
-      const at = y * width + x;
-      if (p[i + 2] + share * (p[j + 2] - p[i + 2]) + 2.5 * this.fineness >= this.depths[at]) this.pixels[at] = color;
+      const at = y * width + x, depth = p[i + 2] + share * (p[j + 2] - p[i + 2]), { knife } = this;
+      if (knife && knife[0] * (x + 0.5) + knife[1] * (y + 0.5) + knife[2] * depth + knife[3] > this.fineness) continue;
+      if (depth + 2.5 * this.fineness >= this.depths[at]) this.pixels[at] = color;
     }
   }
 
@@ -195,7 +277,10 @@ class Scene {
     });
     this.pixels.fill(look.theme.back);
     if (this.depths) this.depths.fill(-Infinity);
-    this.bodies.forEach((_, k) => this.paintBody(k, look.hasKinds ? new Uint32Array(256).fill(look.theme.plain) : null));
+    this.knife = this.plane();
+    const plain = look.hasKinds ? new Uint32Array(256).fill(look.theme.plain) : null;
+    this.bodies.forEach((_, k) => this.paintBody(k, plain));
+    if (this.knife) this.bodies.forEach((_, k) => this.paintCut(k, plain, look.theme.plain));
     if (this.isSpace) this.spaceWalls(look);
     if (this.isSpace) this.spaceLines(look);
     context.putImageData(this.image, 0, 0);
@@ -340,10 +425,12 @@ class Scene {
 
   // The node next to a pixel of the page, within a few pixels.
   nearest(x, y) {
+    const { knife } = this;
     let best = null, distance = (12 * this.fineness) ** 2, depth = -Infinity;
     this.bodies.forEach(({ nodes }, k) => {
       const p = this.places[k];
       for (let i = 0; i < nodes; i += 1) {
+        if (knife && knife[0] * p[3 * i] + knife[1] * p[3 * i + 1] + knife[2] * p[3 * i + 2] + knife[3] > 0) continue;
         const d = (p[3 * i] - x * this.fineness) ** 2 + (p[3 * i + 1] - y * this.fineness) ** 2;
         if (d < distance - 4 || (d < distance + 4 && p[3 * i + 2] > depth)) {
           distance = d;

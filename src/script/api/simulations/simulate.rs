@@ -85,7 +85,8 @@ fn simulate() -> Function {
                     Parameter::new(
                         "stills_inside",
                         Kind::Flag,
-                        "whether these pictures have the inside of bodies in space, for movies with a `section`",
+                        "whether these pictures have the inside of bodies in space, for movies with a `section` and for the colors of cuts \
+                         in `report.html`",
                     )
                     .or(Absent::Flag(false)),
                     Parameter::new(
