@@ -17,6 +17,7 @@ mod newmark;
 mod projected;
 mod rest;
 mod scheme;
+mod statics;
 mod trapezoidal;
 
 pub use backward_euler::BACKWARD_EULER;
@@ -32,6 +33,7 @@ pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
 pub use scheme::{Affine, Course, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
+pub use statics::STATICS;
 pub use trapezoidal::TRAPEZOIDAL;
 
 /// All time integrators that solve equations, in the order of the reference: their steps may have any size.
@@ -40,6 +42,9 @@ pub static CATALOGUE: &[&Scheme] =
 
 /// Those that solve none.
 pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];
+
+/// Those that know no motion.
+pub static STATIC: &[&Scheme] = &[&STATICS];
 
 /// Those of the catalogue that take numbers.
 pub static FAMILIES: &[&Family] =

@@ -107,9 +107,11 @@ pub enum ModelError {
         /// Its name.
         body: String,
     },
-    /// What a time integrator without equations does not do.
-    #[error("explicit steps do not take {what}: {reason}")]
-    NotExplicit {
+    /// What the steps of a time integrator do not do.
+    #[error("{steps} do not take {what}: {reason}")]
+    NotTaken {
+        /// Which steps.
+        steps: &'static str,
         /// What the model has.
         what: String,
         /// Why.
@@ -271,7 +273,7 @@ impl ModelError {
             ModelError::UnknownBoundary { .. } => "use one of its boundaries, or select one with `Mesh::boundary_where`".into(),
             ModelError::UnsoundIntegrator { .. } => "mend its row: `integrators::Scheme` has what each coefficient stands for".into(),
             ModelError::NoLumpedMass { .. } => "lump the mass by its diagonal: `hrz`".into(),
-            ModelError::NotExplicit { instead, .. } => (*instead).into(),
+            ModelError::NotTaken { instead, .. } => (*instead).into(),
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets".into(),
             ModelError::PointBoundary { .. } => {
                 "points can be held, moved and loaded with a force; other loads and contacts need facets".into()

@@ -9,7 +9,8 @@ use super::update_rules::GAP;
 /// # Errors
 /// The first such thing of the model.
 pub fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
-    let refused = |what: String, reason: &'static str, instead: &'static str| Err(ModelError::NotExplicit { what, reason, instead });
+    let steps = "explicit steps";
+    let refused = |what: String, reason: &'static str, instead: &'static str| Err(ModelError::NotTaken { steps, what, reason, instead });
     if chooses_size {
         let reason = "what bounds their size is the fastest vibration, not the error";
         return refused("steps that choose their size".into(), reason, "give steps a size, nine tenths of the stable one");

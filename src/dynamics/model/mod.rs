@@ -17,5 +17,6 @@ pub mod overlaps;
 pub mod part;
 pub mod prescription;
 pub mod remedy;
+pub mod statics;
 pub mod unpaired;
 pub mod update_rules;

@@ -17,6 +17,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::explicit::check_explicit;
 use crate::dynamics::model::part::Pose;
+use crate::dynamics::model::statics::check_static;
 use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
@@ -84,6 +85,9 @@ where
         let lumping = options.integrator.lumping();
         if lumping.is_some() {
             check_explicit(model, options.control.is_some())?;
+        }
+        if options.integrator.is_static() {
+            check_static(model, options.control.is_some())?;
         }
         let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator), lumping)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });

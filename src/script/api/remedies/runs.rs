@@ -59,6 +59,10 @@ impl ScriptWords for RunFinding {
     fn remedy(&self) -> String {
         let words = match self.kind {
             RunFindingKind::NotConserved => "`energy_momentum()` conserves; with this integrator a smaller dt changes less",
+            RunFindingKind::Leap => {
+                "with a smaller `dt` a leap at a limit point stays, and `sim.follow_load` goes on past it; an error of the step goes; where \
+                 loads do not begin at 0 call `sim.settle()` first"
+            }
             RunFindingKind::PassedThrough => "define what touches with `model.add_contact(…)`, or move the bodies apart",
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \
