@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::remedy::Remedy;
+use super::remedy::{Ease, Remedy};
 use crate::bodies::FormulationError;
 use crate::machine::memory::written;
 use crate::math::digits::three_digits;
@@ -462,7 +462,10 @@ impl StepError {
 
     /// The same of equilibria that were followed up to a time.
     pub(in crate::dynamics) fn after_equilibria_until(mut self, reached: f64) -> Self {
-        if let StepError::NotConverged { cause, .. } = &mut self {
+        if let StepError::NotConverged { cause, remedy, .. } = &mut self {
+            if *remedy == Remedy::Ease(Ease::SupportsAndLoads, "") {
+                *remedy = Remedy::FollowPath;
+            }
             cause.push_str(&format!("; equilibria were followed up to t = {reached:.4}"));
         }
         self

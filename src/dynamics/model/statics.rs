@@ -12,7 +12,7 @@ pub fn check_static(model: &Model, chooses_size: bool) -> Result<(), ModelError>
     let refused = |what: String, reason: &'static str, instead: &'static str| Err(ModelError::NotTaken { steps, what, reason, instead });
     if chooses_size {
         let reason = "every equilibrium is exact, and no error grows from step to step";
-        return refused("a size that they choose".into(), reason, "give `dt` as a number: a step that fails is taken in increments");
+        return refused("a size that they choose".into(), reason, "give steps a size: one that fails is taken in increments");
     }
     if let Some(given) = model.initial_velocities.first() {
         let what = format!("the initial velocity of body \"{}\"", model.bodies[given.body].name);

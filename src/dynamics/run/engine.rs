@@ -83,12 +83,7 @@ where
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
         let lumping = options.integrator.lumping();
-        if lumping.is_some() {
-            check_explicit(model, options.control.is_some())?;
-        }
-        if options.integrator.is_static() {
-            check_static(model, options.control.is_some())?;
-        }
+        check_course(model, &options)?;
         let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator), lumping)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
@@ -154,6 +149,18 @@ where
     pub fn restore_search(&mut self) {
         self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
     }
+}
+
+/// Refuses what steps of an integrator do not take.
+fn check_course(model: &Model, options: &Options) -> Result<(), ModelError> {
+    let chooses_size = options.control.is_some();
+    if options.integrator.lumping().is_some() {
+        check_explicit(model, chooses_size)?;
+    }
+    if options.integrator.is_static() {
+        check_static(model, chooses_size)?;
+    }
+    Ok(())
 }
 
 /// Refuses initial displacements that turn a cell inside out.

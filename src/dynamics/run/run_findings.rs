@@ -24,8 +24,7 @@ pub enum RunFindingKind {
     EnergyDefect,
     /// The integrator does not promise to keep the energy, and did not; the value is the largest share that it added or took so far.
     NotConserved,
-    /// The model leapt to an equilibrium far away, or went there in too large a step; the value is what the forces at both ends of that step
-    /// do not explain of the energy, its share.
+    /// A step of statics leapt to another equilibrium, or was too large; the value is the share of the energy that it does not explain.
     Leap,
     /// Bodies between which nothing is defined are inside each other; the value is the depth in facets.
     PassedThrough,
@@ -149,10 +148,7 @@ impl RunFinding {
             RunFindingKind::PositiveContactWork => "no update rule should do so: do not trust the run from there on, and try a smaller dt",
             RunFindingKind::EnergyDefect => "do not trust the run from there on, and try a smaller dt",
             RunFindingKind::NotConserved => "take an integrator that conserves energy, or a smaller dt, which changes less",
-            RunFindingKind::Leap => {
-                "with a smaller dt a leap at a limit point stays, an error of the step goes; loads that do not begin at 0 need an equilibrium \
-                 first"
-            }
+            RunFindingKind::Leap => "with a smaller dt a leap at a limit point stays, and an error of the step goes",
             RunFindingKind::PassedThrough => "define contacts between what touches, or move the bodies apart",
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin at rest; one that came later is less with a \
@@ -282,6 +278,28 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
     let explanation = format!("its reserve is {}, {} of the energy", three_digits(last.reserve), percent(held));
     add(RunFindingKind::ReserveHeld, only, held, LOST.max(round_off), last, explanation);
 
+    found.extend(halved(measures, last));
+    if measures.is_static {
+        use RunFindingKind::{EnergyTaken, NotConserved, PositiveContactWork};
+        found.retain(|finding| !matches!(finding.kind, PositiveContactWork | NotConserved | EnergyTaken));
+        found.extend(leap(rows, scale));
+    }
+    let &Measures { factorizations, discarded, .. } = measures;
+    let share = discarded as f64 / factorizations.max(1) as f64;
+    if share > DISCARDED && factorizations > FEW {
+        let explanation = format!(
+            "of {factorizations} factorizations {discarded} belong to attempts of Newton's method that failed or to steps that were taken \
+             back"
+        );
+        let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
+        found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
+    }
+    found
+}
+
+/// Why steps were halved, or should have been.
+fn halved(measures: &Measures, last: &LedgerRow) -> Vec<RunFinding> {
+    let mut found = Vec::new();
     for Halving { motion, step, time, dt, .. } in measures.refused {
         found.extend(motion.iter().map(|motion| RunFinding::of_motion(RunFindingKind::TooFast, motion, *dt, *step, *time)));
     }
@@ -299,21 +317,6 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
                 }
             }
         }
-    }
-    if measures.is_static {
-        use RunFindingKind::{EnergyTaken, NotConserved, PositiveContactWork};
-        found.retain(|finding| !matches!(finding.kind, PositiveContactWork | NotConserved | EnergyTaken));
-        found.extend(leap(rows, scale));
-    }
-    let &Measures { factorizations, discarded, .. } = measures;
-    let share = discarded as f64 / factorizations.max(1) as f64;
-    if share > DISCARDED && factorizations > FEW {
-        let explanation = format!(
-            "of {factorizations} factorizations {discarded} belong to attempts of Newton's method that failed or to steps that were taken \
-             back"
-        );
-        let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
-        found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
     }
     found
 }
